@@ -1,0 +1,154 @@
+"""Poses, transforms, angles and camera models: pure functions and frozen values, nothing else.
+
+Frames are right-handed, x forward, y left, z up (REP 103). Camera *optical* frames are x right, y down, z forward.
+Monograms: ``X_WB`` is the pose of B in W and maps coordinates of B into coordinates of W; ``X_WB @ X_BC == X_WC``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.floating[Any]]
+
+
+def wrap_angle(angle: float) -> float:
+    """Return ``angle`` (rad) wrapped into ``[-pi, pi)``."""
+    return (angle + math.pi) % (2.0 * math.pi) - math.pi
+
+
+@dataclass(frozen=True, slots=True)
+class Pose2:
+    """A planar pose: ``x``, ``y`` in metres, ``theta`` in radians (not necessarily wrapped)."""
+
+    x: float = 0.0
+    y: float = 0.0
+    theta: float = 0.0
+
+    def __matmul__(self, other: Pose2) -> Pose2:
+        """Compose: ``X_AC = X_AB @ X_BC``."""
+        c, s = math.cos(self.theta), math.sin(self.theta)
+        return Pose2(
+            self.x + c * other.x - s * other.y,
+            self.y + s * other.x + c * other.y,
+            wrap_angle(self.theta + other.theta),
+        )
+
+    def inverse(self) -> Pose2:
+        """Return ``X_BA`` of this ``X_AB``."""
+        c, s = math.cos(self.theta), math.sin(self.theta)
+        return Pose2(-c * self.x - s * self.y, s * self.x - c * self.y, wrap_angle(-self.theta))
+
+    def interpolate(self, other: Pose2, fraction: float) -> Pose2:
+        """Pose between this (0) and ``other`` (1): linear in position, along the shorter arc in angle."""
+        turn = wrap_angle(other.theta - self.theta)
+        return Pose2(
+            self.x + fraction * (other.x - self.x),
+            self.y + fraction * (other.y - self.y),
+            wrap_angle(self.theta + fraction * turn),
+        )
+
+    def to_pose3(self) -> Pose3:
+        """The same pose in space, in the plane z = 0."""
+        return Pose3.from_translation_rpy((self.x, self.y, 0.0), (0.0, 0.0, self.theta))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pose3:
+    """A pose in space: ``rotation`` (3, 3) orthonormal, ``translation`` (3,) in metres; both float64."""
+
+    rotation: NDArray[np.float64]
+    translation: NDArray[np.float64]
+
+    @staticmethod
+    def identity() -> Pose3:
+        """The pose of a frame in itself."""
+        return Pose3(np.eye(3), np.zeros(3))
+
+    @staticmethod
+    def from_translation_rpy(
+        translation: tuple[float, float, float], rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    ) -> Pose3:
+        """Pose from a translation (m) and fixed-axis roll, pitch, yaw (rad), as in URDF's ``origin``."""
+        roll, pitch, yaw = rpy
+        cr, sr, cp, sp, cy, sy = (f(a) for a in (roll, pitch, yaw) for f in (math.cos, math.sin))
+        rotation = np.array(
+            [
+                [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+                [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+                [-sp, cp * sr, cp * cr],
+            ]
+        )
+        return Pose3(rotation, np.array(translation, dtype=np.float64))
+
+    def __matmul__(self, other: Pose3) -> Pose3:
+        """Compose: ``X_AC = X_AB @ X_BC``."""
+        return Pose3(self.rotation @ other.rotation, self.rotation @ other.translation + self.translation)
+
+    def inverse(self) -> Pose3:
+        """Return ``X_BA`` of this ``X_AB``."""
+        return Pose3(self.rotation.T, -self.rotation.T @ self.translation)
+
+    def transform(self, points: FloatArray) -> FloatArray:
+        """Map ``points`` (..., 3) from B to A for this ``X_AB``; keeps a float32 input float32."""
+        rotation = self.rotation.astype(points.dtype, copy=False)
+        return points @ rotation.T + self.translation.astype(points.dtype, copy=False)
+
+    def quaternion_wxyz(self) -> tuple[float, float, float, float]:
+        """The rotation as a unit quaternion (w, x, y, z), w >= 0 (Shepperd's method, branch on the largest term)."""
+        m = self.rotation
+        trace = float(m[0, 0] + m[1, 1] + m[2, 2])
+        squares = (trace, float(m[0, 0]), float(m[1, 1]), float(m[2, 2]))
+        largest = max(range(4), key=squares.__getitem__)
+        if largest == 0:
+            q = np.array([1 + trace, m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
+        else:
+            i = largest - 1
+            j, k = (i + 1) % 3, (i + 2) % 3
+            q = np.zeros(4)
+            q[0] = m[k, j] - m[j, k]
+            q[1 + i] = 1 + m[i, i] - m[j, j] - m[k, k]
+            q[1 + j] = m[j, i] + m[i, j]
+            q[1 + k] = m[k, i] + m[i, k]
+        q = q / np.linalg.norm(q)
+        if q[0] < 0:
+            q = -q
+        return (float(q[0]), float(q[1]), float(q[2]), float(q[3]))
+
+
+@dataclass(frozen=True, slots=True)
+class CameraModel:
+    """A pinhole camera without distortion: image size (px), focal lengths and principal point (px).
+
+    Pixel (u, v) is column, row; (0, 0) is the centre of the upper-left pixel. Points are in the optical frame.
+    """
+
+    width: int
+    height: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+
+    @staticmethod
+    def from_vertical_fov(width: int, height: int, fovy: float) -> CameraModel:
+        """Square pixels and a centred principal point; ``fovy`` is the full vertical field of view (rad)."""
+        f = 0.5 * height / math.tan(0.5 * fovy)
+        return CameraModel(width, height, f, f, 0.5 * (width - 1), 0.5 * (height - 1))
+
+    def project(self, points: FloatArray) -> FloatArray:
+        """Pixels (..., 2) of ``points`` (..., 3) in the optical frame; NaN where a point is not in front."""
+        z = np.where(points[..., 2] > 0, points[..., 2], np.nan)
+        u = self.fx * points[..., 0] / z + self.cx
+        v = self.fy * points[..., 1] / z + self.cy
+        return np.stack((u, v), axis=-1)
+
+    def back_project(self, pixels: FloatArray, depth: FloatArray) -> FloatArray:
+        """Points (..., 3) in the optical frame of ``pixels`` (..., 2) at ``depth`` (...) metres along the optical axis."""
+        x = (pixels[..., 0] - self.cx) / self.fx * depth
+        y = (pixels[..., 1] - self.cy) / self.fy * depth
+        return np.stack((x, y, depth), axis=-1)

@@ -1,0 +1,100 @@
+"""The robot interface: what the rest of the program sees of a body, simulated, replayed or real.
+
+A link gives sensor streams and is the only writer to the motors; the guard (command age, limits, latched e-stop)
+lives behind it, in another process. Implementations are in ``app/robots/``; modules know only this file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from app.messages import Twist
+
+
+class LinkFailed(Exception):
+    """The body's process or driver is gone or cannot start; the message says what to do."""
+
+
+@dataclass(frozen=True, slots=True)
+class BaseLimits:
+    """What the mobile base may do: speeds (m/s, rad/s) and accelerations (m/s^2, rad/s^2), all positive."""
+
+    linear_mps: float
+    angular_radps: float
+    linear_mps2: float
+    angular_radps2: float
+
+
+@dataclass(frozen=True, slots=True)
+class StreamDescription:
+    """One sensor stream: its name, message type (a class of ``app.messages``) and nominal rate (Hz)."""
+
+    name: str
+    message_type: type[Any]
+    rate_hz: float
+
+
+@dataclass(frozen=True, slots=True)
+class RobotDescription:
+    """What a body is: its name for people, its model (URDF), limits and streams by name."""
+
+    name: str
+    model_path: Path
+    limits: BaseLimits
+    streams: dict[str, StreamDescription]
+    simulated: bool
+
+
+class RobotLink(Protocol):
+    """A body. All methods are called on the event loop and return at once unless they are ``async``.
+
+    Streams every body has: ``odometry`` (Odometry), ``joints`` (JointState), ``status`` (LinkStatus). Sensor
+    streams depend on the body: ``kinect`` (Image with depth), ``hokuyo`` (LaserScan). ``ground_truth``
+    (GroundTruth) exists only in a simulated world whose configuration turns it on.
+    """
+
+    @property
+    def description(self) -> RobotDescription:
+        """What this body is; known before :meth:`start`."""
+        ...
+
+    async def start(self) -> None:
+        """Bring the body up; returns when its streams run. Raises LinkFailed, having released everything."""
+        ...
+
+    async def stop(self) -> None:
+        """Stop the wheels, then release everything; idempotent, under 1 s."""
+        ...
+
+    async def wait_failed(self) -> LinkFailed:
+        """Wait until the body fails after a good start (its process died, its device vanished); return why."""
+        ...
+
+    def attach(self, stream: str, receive: Callable[[Any], None]) -> Callable[[], None]:
+        """Call ``receive(message)`` on the loop for each message of ``stream``; returns the detacher.
+
+        Raises KeyError naming the streams there are, if this body has no such stream.
+        """
+        ...
+
+    def demand(self, stream: str, wanted: bool) -> None:
+        """Tell whether anybody listens to ``stream``: an unwanted one stops being produced. Default: not wanted.
+
+        ``odometry``, ``joints`` and ``status`` always run.
+        """
+        ...
+
+    def command(self, twist: Twist) -> None:
+        """Give the base a velocity; the guard lets it stand for 200 ms, clamps it and ramps towards it."""
+        ...
+
+    def e_stop(self, reason: str) -> None:
+        """Latch the emergency stop: zero velocity until :meth:`clear_e_stop`."""
+        ...
+
+    def clear_e_stop(self) -> None:
+        """Release the latch; the base stays still until the next fresh command."""
+        ...
