@@ -1,0 +1,236 @@
+"""YAML (and JSON, its subset) read so that every error can name file, line and key.
+
+Scalars follow the YAML 1.2 core schema: ``off``, ``no`` and ``12:30`` are strings and ``1e3`` is a number, where YAML 1.1
+would have made them False, False, 750 and a string. A key given twice is an error.
+"""
+
+from __future__ import annotations
+
+import difflib
+import json
+import re
+import types
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
+
+import yaml
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from app.errors import ConfigError
+
+KeyPath = tuple[str | int, ...]
+ModelT = TypeVar("ModelT", bound=BaseModel)
+
+
+class _CoreLoader(yaml.SafeLoader):
+    """SafeLoader with the scalars of YAML 1.2's core schema."""
+
+
+_CoreLoader.yaml_implicit_resolvers = {}
+for _tag, _pattern, _first in (
+    ("null", r"^(?:~|null|Null|NULL|)$", ["~", "n", "N", ""]),
+    ("bool", r"^(?:true|True|TRUE|false|False|FALSE)$", list("tTfF")),
+    ("int", r"^[-+]?(?:[0-9]+|0x[0-9a-fA-F]+)$", list("-+0123456789")),
+    (
+        "float",
+        r"^(?:[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN))$",
+        list("-+.0123456789"),
+    ),
+    ("merge", r"^<<$", ["<"]),
+):
+    _CoreLoader.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(_pattern), _first)
+
+
+def _construct_int(loader: _CoreLoader, node: yaml.ScalarNode) -> int:
+    text = str(loader.construct_scalar(node))
+    return int(text, 16) if "x" in text else int(text)  # a leading 0 is decimal in YAML 1.2, octal in 1.1
+
+
+_CoreLoader.add_constructor("tag:yaml.org,2002:int", _construct_int)
+
+
+@dataclass(frozen=True)
+class Document:
+    """A file's content and where each value stands.
+
+    ``data`` is what the file says (dict, list, str, int, float, bool, None); ``file`` its name for people; ``lines`` the
+    line, from 1, of each key path.
+    """
+
+    data: Any
+    file: str
+    lines: Mapping[KeyPath, int] = field(repr=False)
+
+    def line(self, key_path: Sequence[str | int]) -> int:
+        """The line (from 1) of ``key_path``, or of its nearest part that the file holds."""
+        known: KeyPath = ()
+        for key in key_path:
+            if (*known, key) in self.lines:
+                known = (*known, key)
+        return self.lines.get(known, 1)
+
+    def error(self, message: str, key_path: Sequence[str | int] = ()) -> ConfigError:
+        """A :class:`ConfigError` (to raise) that points at ``key_path``."""
+        return ConfigError(message, self.file, self.line(key_path), dotted(key_path))
+
+    def validate(self, model: type[ModelT], at: KeyPath = ()) -> ModelT:
+        """The part of the document under ``at`` as a ``model``; raises ConfigError at the first value that does not fit."""
+        value = self.data
+        for key in at:
+            value = value[key]
+        try:
+            return model.model_validate({} if value is None else value)
+        except ValidationError as failure:
+            raise self._explained(model, failure, at) from None
+
+    def _explained(self, model: type[BaseModel], failure: ValidationError, at: KeyPath) -> ConfigError:
+        details = failure.errors(include_url=False)
+        location = tuple(part for part in details[0]["loc"] if part != "[key]")
+        path = (*at, *location)
+        message = validation_message(model, details[0])
+        if len(details) > 1:
+            message += f" (and {len(details) - 1} more)"
+        return self.error(f"{dotted(path)}: {message}" if path else message, path)
+
+
+def load_yaml(path: Path | str) -> Document:
+    """Read a YAML or JSON file. Raises ConfigError if it cannot be read or is no such file."""
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except OSError as failure:
+        raise ConfigError(f"cannot be read: {failure.strerror or failure}", str(path)) from None
+    except UnicodeDecodeError:
+        raise ConfigError("is not a text file in UTF-8", str(path)) from None
+    return load_text(text, str(path))
+
+
+def load_text(text: str, file: str) -> Document:
+    """Read YAML or JSON from ``text``; ``file`` is its name in errors (for example "<standard input>")."""
+    if "\t" in text and _is_json(text):
+        text = text.replace("\t", " ")  # legal white space in JSON, not in YAML
+    loader = _CoreLoader(text)
+    try:
+        node = loader.get_single_node()
+        if node is None:
+            return Document(None, file, {(): 1})
+        lines: dict[KeyPath, int] = {}
+        _walk(node, (), lines, file, ())
+        return Document(loader.construct_document(node), file, lines)
+    except yaml.MarkedYAMLError as failure:
+        mark = failure.problem_mark or failure.context_mark
+        problem = failure.problem or failure.context or "is not YAML"
+        raise ConfigError(f"is not valid YAML: {problem}", file, mark.line + 1 if mark else 0) from None
+    except yaml.YAMLError as failure:
+        raise ConfigError(f"is not valid YAML: {str(failure).splitlines()[0]}", file) from None
+    finally:
+        loader.dispose()
+
+
+def parse(path: Path | str, model: type[ModelT]) -> ModelT:
+    """Read the file ``path`` as a ``model``; raises ConfigError naming file, line, key and what is allowed."""
+    return load_yaml(path).validate(model)
+
+
+def dotted(key_path: Sequence[str | int]) -> str:
+    """``("strategies", 3, "costs")`` as people write it: ``strategies[3].costs``."""
+    text = ""
+    for key in key_path:
+        text += f"[{key}]" if isinstance(key, int) else f".{key}" if text else key
+    return text
+
+
+def suggestion(word: str, known: Sequence[str]) -> str:
+    """``'x' is unknown; allowed: a, b`` with the likeliest meant word first, for messages about names."""
+    close = difflib.get_close_matches(word, known, n=1)
+    hint = f"did you mean {close[0]!r}? " if close else ""
+    return f"{hint}allowed: {', '.join(sorted(known)) or 'none'}"
+
+
+def validation_message(model: type[BaseModel], detail: ErrorDetails) -> str:
+    """One sentence for people about one pydantic error of ``model``: what is wrong and what is allowed."""
+    location = detail["loc"]
+    if detail["type"] == "extra_forbidden":
+        owner = _model_at(model, location[:-1])
+        allowed = [info.alias or name for name, info in owner.model_fields.items()] if owner else []
+        return f"unknown key; {suggestion(str(location[-1]), allowed)}"
+    if detail["type"] == "missing":
+        return "is missing"
+    given = detail.get("input")
+    text = str(detail["msg"])
+    text = text.removeprefix("Value error, ").removeprefix("Input ").removeprefix("Value ")
+    if isinstance(given, str | int | float | bool):
+        text += f", not {given!r}"
+    return text
+
+
+def _is_json(text: str) -> bool:
+    try:
+        json.loads(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _walk(node: yaml.Node, path: KeyPath, lines: dict[KeyPath, int], file: str, above: tuple[yaml.Node, ...]) -> None:
+    """Note the line of every value under ``node``; refuse doubled keys and a value that contains itself."""
+    line = node.start_mark.line + 1
+    lines.setdefault(path, line)
+    if node in above:
+        raise ConfigError("a value contains itself", file, line, dotted(path))
+    inside = (*above, node)
+    if isinstance(node, yaml.SequenceNode):
+        for index, item in enumerate(node.value):
+            _walk(item, (*path, index), lines, file, inside)
+    elif isinstance(node, yaml.MappingNode):
+        seen: set[Any] = set()
+        merged: list[yaml.Node] = []
+        for key_node, value_node in node.value:
+            if key_node.tag == "tag:yaml.org,2002:merge":
+                merged.append(value_node)
+                continue
+            if not isinstance(key_node, yaml.ScalarNode):
+                raise ConfigError("a key must be a word or a number", file, key_node.start_mark.line + 1, dotted(path))
+            key: str | int = int(key_node.value) if key_node.tag.endswith(":int") else key_node.value
+            here = (*path, key)
+            if key in seen:
+                raise ConfigError(
+                    f"the key {key!r} stands here twice", file, key_node.start_mark.line + 1, dotted(here)
+                )
+            seen.add(key)
+            lines.setdefault(here, key_node.start_mark.line + 1)
+            _walk(value_node, here, lines, file, inside)
+        for value_node in merged:
+            for source in value_node.value if isinstance(value_node, yaml.SequenceNode) else [value_node]:
+                _walk(source, path, lines, file, inside)
+
+
+def _model_at(model: type[BaseModel], location: Sequence[str | int]) -> type[BaseModel] | None:
+    """The pydantic model that holds the value at ``location`` inside ``model``, if the annotations tell."""
+    kind: Any = model
+    for key in location:
+        candidates = _choices(kind)
+        kind = None
+        for candidate in candidates:
+            if isinstance(candidate, type) and issubclass(candidate, BaseModel):
+                info = next((i for n, i in candidate.model_fields.items() if key in (n, i.alias)), None)
+                if info is not None:
+                    kind = info.annotation
+                    break
+            elif get_origin(candidate) is not None and get_args(candidate):
+                kind = get_args(candidate)[-1] if get_args(candidate)[-1] is not Ellipsis else get_args(candidate)[0]
+                break
+        if kind is None:
+            return None
+    return next((c for c in _choices(kind) if isinstance(c, type) and issubclass(c, BaseModel)), None)
+
+
+def _choices(kind: Any) -> list[Any]:
+    """``kind`` without Annotated and as the list of its union's members."""
+    if get_origin(kind) is Annotated:
+        return _choices(get_args(kind)[0])
+    if get_origin(kind) in (Union, types.UnionType):
+        return [choice for member in get_args(kind) for choice in _choices(member)]
+    return [kind]

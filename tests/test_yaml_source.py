@@ -1,0 +1,119 @@
+"""YAML with lines: the schema's scalars, lines of keys, and what a person reads when something is wrong."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from pydantic import BaseModel, ConfigDict, Field
+
+from app.errors import ConfigError
+from app.yaml_source import dotted, load_text, load_yaml, parse
+
+
+class Wheel(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+    radius: float = Field(gt=0)
+
+
+class Robot(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+    name: str
+    wheels: list[Wheel] = []
+    spare: Wheel | None = None
+    by_side: dict[str, Wheel] = {}
+
+
+def test_scalars_follow_the_core_schema() -> None:
+    text = "{a: off, b: no, c: 12:30, d: 1e3, e: .inf, f: true, g: null, h: 007, i: 2026-01-02, j: 0x1f, k: -1.5}"
+    data = load_text(text, "x").data
+    assert data == {
+        "a": "off",
+        "b": "no",
+        "c": "12:30",
+        "d": 1000.0,
+        "e": float("inf"),
+        "f": True,
+        "g": None,
+        "h": 7,
+        "i": "2026-01-02",
+        "j": 31,
+        "k": -1.5,
+    }
+
+
+def test_lines_point_at_keys_and_items() -> None:
+    document = load_text("a:\n  - x: 1\n  - y:\n      z: 2\nb: 3\n", "f.yaml")
+    assert document.line(("a", 0, "x")) == 2
+    assert document.line(("a", 1, "y", "z")) == 4
+    assert document.line(("b",)) == 5
+    assert document.line(("a", 1, "missing")) == 3, "a key that is not there points at its owner"
+    assert document.line(()) == 1
+
+
+def test_merge_keys_and_anchors() -> None:
+    document = load_text("base: &b {p: 1}\nuse:\n  <<: *b\n  q: 2\n", "f")
+    assert document.data["use"] == {"p": 1, "q": 2}
+    assert document.line(("use", "p")) == 1
+
+
+def test_json_with_tabs_and_empty_text() -> None:
+    assert load_text('{\n\t"a": [1, 2.5, null, false]\n}', "x.json").data == {"a": [1, 2.5, None, False]}
+    assert load_text("", "x").data is None
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        ("a: 1\na: 2\n", 2, "twice"),
+        ("a: [1, 2\nb: 3\n", 2, "not valid YAML"),
+        ("a: &x [*x]\n", 1, "contains itself"),
+        ("? [1, 2]\n: 3\n", 1, "a key must be"),
+    ],
+)
+def test_broken_text(text: str, line: int, words: str) -> None:
+    with pytest.raises(ConfigError, match=words) as caught:
+        load_text(text, "f.yaml")
+    assert (caught.value.file, caught.value.line) == ("f.yaml", line)
+    assert str(caught.value).startswith(f"f.yaml:{line}: ")
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "key", "words"),
+    [
+        ("nme: x\n", 1, "name", "is missing"),
+        ("name: x\nwheels:\n  - radius: 0.1\n  - radius: -1\n", 4, "wheels[1].radius", "greater than 0, not -1"),
+        ("name: x\nspare:\n  radus: 1\n  radius: 1\n", 3, "spare.radus", "did you mean 'radius'"),
+        ("name: x\nby_side:\n  left:\n    radius: 1\n    color: red\n", 5, "by_side.left.color", "allowed: radius"),
+        ("name: x\nwheels:\n  - {radius: big}\n", 3, "wheels[0].radius", "not 'big'"),
+    ],
+)
+def test_parse_names_file_line_key_and_what_is_allowed(
+    tmp_path: Path, text: str, line: int, key: str, words: str
+) -> None:
+    path = tmp_path / "robot.yaml"
+    path.write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        parse(path, Robot)
+    assert (caught.value.file, caught.value.line, caught.value.key) == (str(path), line, key)
+    assert words in caught.value.message
+
+
+def test_parse_a_good_file(tmp_path: Path) -> None:
+    path = tmp_path / "robot.yaml"
+    path.write_text("name: irl\nwheels: [{radius: 0.1}]\n")
+    assert parse(path, Robot) == Robot(name="irl", wheels=[Wheel(radius=0.1)])
+
+
+def test_unreadable_files(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="No such file"):
+        load_yaml(tmp_path / "none.yaml")
+    (tmp_path / "binary.yaml").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(ConfigError, match="UTF-8"):
+        load_yaml(tmp_path / "binary.yaml")
+
+
+def test_dotted() -> None:
+    assert dotted(("strategies", 3, "costs", "cpu")) == "strategies[3].costs.cpu"
