@@ -1,0 +1,277 @@
+"""Bounded channels: one producer, any number of subscriptions, each with its own rate filter and inbox.
+
+``publish`` is synchronous and never waits: a message is offered to each subscription's filter, put in its inbox by
+reference, and its consumer is woken once. An inbox is *latest* (bounded, the oldest is dropped and counted) or
+*lossless* (bounded too: ``send`` waits for room; a ``publish`` that finds none makes the consumer's next ``receive``
+raise InboxOverflow, so that no loss is silent). Nothing queues without bound.
+
+For each subscription, at any time::
+
+    received = passed + decimated          passed = taken + dropped + discarded + depth
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from app.messages import Message
+from app.runtime.errors import ChannelClosed, InboxOverflow, WouldBlock
+from app.runtime.filter import RateFilter
+
+M = TypeVar("M", bound=Message)
+
+
+@dataclass(frozen=True, slots=True)
+class SubscriptionStatistics:
+    """Counters since the subscription was made.
+
+    ``received`` offered by the channel; ``passed`` the filter; ``decimated`` stopped by the filter (wanted);
+    ``dropped`` pushed out of a full inbox (overflow); ``discarded`` thrown away when the filter closed; ``taken`` by
+    the consumer; ``depth`` waiting now, at most ``capacity``; ``age_s`` of the last message when it was taken, None
+    before the first; ``divisor`` is φ.
+    """
+
+    received: int
+    passed: int
+    decimated: int
+    dropped: int
+    discarded: int
+    taken: int
+    depth: int
+    capacity: int
+    age_s: float | None
+    divisor: float
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelStatistics:
+    """``published`` messages in all, the ``last_stamp`` (None before the first), and each subscription's counters."""
+
+    published: int
+    last_stamp: float | None
+    subscriptions: dict[str, SubscriptionStatistics]
+
+
+class Subscription(Generic[M]):
+    """One consumer's end of a channel. Take messages with ``receive`` or ``async for``; one task at a time."""
+
+    __slots__ = (
+        "_age_s", "_capacity", "_closed", "_discarded", "_dropped", "_inbox", "_lossless", "_now", "_on_filter",
+        "_overflowed", "_passed", "_received", "_room", "_taken", "_waiter", "busy_since", "filter", "name",
+    )  # fmt: skip
+
+    def __init__(
+        self,
+        name: str,
+        now: Callable[[], float],
+        capacity: int,
+        lossless: bool,
+        divisor: float,
+        on_filter: Callable[[], None],
+    ) -> None:
+        if capacity < 1:
+            raise ValueError(f"the inbox of {name} needs room for at least 1 message, not {capacity}")
+        self.name = name
+        self.filter = RateFilter(divisor, self._filter_changed)
+        #: When the inbox last became non-empty or was last taken from, whichever is later; None while empty.
+        self.busy_since: float | None = None
+        self._now = now
+        self._capacity = capacity
+        self._lossless = lossless
+        self._on_filter = on_filter
+        self._inbox: deque[M] = deque()
+        self._waiter: asyncio.Future[None] | None = None
+        self._room: asyncio.Event | None = None
+        self._closed = False
+        self._overflowed = 0
+        self._received = self._passed = self._dropped = self._discarded = self._taken = 0
+        self._age_s: float | None = None
+
+    def offer(self, message: M) -> None:
+        """Filter, store and wake: called by the channel for each message published."""
+        self._received += 1
+        if not self.filter.offer():
+            return
+        self._passed += 1
+        inbox = self._inbox
+        if len(inbox) >= self._capacity:
+            self._dropped += 1
+            if self._lossless:
+                self._overflowed += 1
+                return
+            inbox.popleft()
+        inbox.append(message)
+        waiter = self._waiter
+        if waiter is not None:
+            self._waiter = None
+            if not waiter.done():
+                waiter.set_result(None)
+        if self.busy_since is None:
+            self.busy_since = self._now()
+
+    async def receive(self) -> M:
+        """Wait for a message and take it. Raises ChannelClosed at the end, InboxOverflow after a loss."""
+        while not self._inbox and not self._overflowed:
+            if self._closed:
+                raise ChannelClosed(f"{self.name}: the channel is closed")
+            waiter = asyncio.get_running_loop().create_future()
+            self._waiter = waiter
+            await waiter
+        return self.receive_nowait()
+
+    def receive_nowait(self) -> M:
+        """Take a message now. Raises WouldBlock if there is none, InboxOverflow after a loss."""
+        if self._overflowed:
+            lost, self._overflowed = self._overflowed, 0
+            raise InboxOverflow(f"{self.name}: {lost} messages lost, the inbox holds {self._capacity}")
+        inbox = self._inbox
+        if not inbox:
+            raise WouldBlock(f"{self.name}: no message waits")
+        message = inbox.popleft()
+        self._taken += 1
+        now = self._now()
+        self._age_s = now - message.stamp
+        self.busy_since = now if inbox else None
+        if self._room is not None:
+            self._room.set()
+        return message
+
+    def __aiter__(self) -> Subscription[M]:
+        return self
+
+    async def __anext__(self) -> M:
+        try:
+            return await self.receive()
+        except ChannelClosed:
+            raise StopAsyncIteration from None
+
+    def has_room(self) -> bool:
+        """Whether a message that passes the filter now would be stored without loss (``send`` waits for this)."""
+        return not self._lossless or len(self._inbox) < self._capacity or self._closed
+
+    async def wait_room(self) -> None:
+        """Wait until :meth:`has_room`."""
+        while not self.has_room():
+            if self._room is None:
+                self._room = asyncio.Event()
+            self._room.clear()
+            await self._room.wait()
+
+    def close(self) -> None:
+        """Take nothing more; what waits can still be received, then ChannelClosed is raised."""
+        self._closed = True
+        if self._waiter is not None and not self._waiter.done():
+            self._waiter.set_result(None)
+        if self._room is not None:
+            self._room.set()
+
+    def _filter_changed(self, _before: float, _after: float) -> None:
+        if not self.filter.is_open:
+            self._discarded += len(self._inbox)
+            self._inbox.clear()
+            self.busy_since = None
+            if self._room is not None:
+                self._room.set()
+        self._on_filter()
+
+    def statistics(self) -> SubscriptionStatistics:
+        """The counters now."""
+        return SubscriptionStatistics(
+            received=self._received,
+            passed=self._passed,
+            decimated=self._received - self._passed,
+            dropped=self._dropped,
+            discarded=self._discarded,
+            taken=self._taken,
+            depth=len(self._inbox),
+            capacity=self._capacity,
+            age_s=self._age_s,
+            divisor=self.filter.divisor,
+        )
+
+
+class Channel(Generic[M]):
+    """A named, typed stream of messages."""
+
+    def __init__(self, name: str, message_type: type[M], now: Callable[[], float]) -> None:
+        self.name = name
+        self.message_type = message_type
+        #: The newest message published, None before the first.
+        self.latest: M | None = None
+        self._now = now
+        self._subscriptions: tuple[Subscription[M], ...] = ()
+        self._published = 0
+        self._closed = False
+        self._wanted = False
+        self._wanted_callbacks: list[Callable[[bool], None]] = []
+
+    def publish(self, message: M) -> None:
+        """Give ``message`` to every subscription; never waits. Raises ChannelClosed after :meth:`close`."""
+        if self._closed:
+            raise ChannelClosed(f"{self.name}: published on a closed channel")
+        self._published += 1
+        self.latest = message
+        for subscription in self._subscriptions:
+            subscription.offer(message)
+
+    async def send(self, message: M, deadline_s: float) -> None:
+        """Publish once every lossless inbox has room.
+
+        Raises InboxOverflow after ``deadline_s``, having given it to nobody.
+        """
+        try:
+            async with asyncio.timeout(deadline_s):
+                for subscription in self._subscriptions:
+                    await subscription.wait_room()
+        except TimeoutError:
+            full = ", ".join(s.name for s in self._subscriptions if not s.has_room())
+            raise InboxOverflow(f"{self.name}: no room within {deadline_s} s at {full}") from None
+        self.publish(message)
+
+    def subscribe(self, name: str, *, capacity: int = 1, lossless: bool = False, divisor: float = 1) -> Subscription[M]:
+        """Add a consumer called ``name`` with an inbox of ``capacity`` messages behind a filter of ``divisor``."""
+        subscription: Subscription[M] = Subscription(name, self._now, capacity, lossless, divisor, self._update_wanted)
+        self._subscriptions = (*self._subscriptions, subscription)
+        self._update_wanted()
+        return subscription
+
+    def unsubscribe(self, subscription: Subscription[M]) -> None:
+        """Remove and close a consumer; unknown ones are ignored, so that it may be called twice."""
+        self._subscriptions = tuple(s for s in self._subscriptions if s is not subscription)
+        subscription.close()
+        self._update_wanted()
+
+    def close(self) -> None:
+        """End the stream: consumers drain what waits, then see ChannelClosed."""
+        self._closed = True
+        for subscription in self._subscriptions:
+            subscription.close()
+
+    @property
+    def wanted(self) -> bool:
+        """Whether any subscription's filter is open: a source that nobody wants may rest."""
+        return self._wanted
+
+    def on_wanted(self, callback: Callable[[bool], None]) -> None:
+        """Call ``callback(wanted)`` now and whenever :attr:`wanted` changes."""
+        self._wanted_callbacks.append(callback)
+        callback(self._wanted)
+
+    def _update_wanted(self) -> None:
+        wanted = any(s.filter.is_open for s in self._subscriptions)
+        if wanted != self._wanted:
+            self._wanted = wanted
+            for callback in self._wanted_callbacks:
+                callback(wanted)
+
+    def statistics(self) -> ChannelStatistics:
+        """The counters now, by subscription."""
+        return ChannelStatistics(
+            published=self._published,
+            last_stamp=None if self.latest is None else self.latest.stamp,
+            subscriptions={s.name: s.statistics() for s in self._subscriptions},
+        )

@@ -1,0 +1,45 @@
+"""The one table of channels: what each carries, how often, and when it counts as stale.
+
+Staleness, counters, the console's columns, recording and tests all read it (``config/channels.yaml``).
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from app import messages
+
+
+class ChannelSpec(BaseModel):
+    """One row of the table; the channel's name is its key in the file."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    message: str = Field(alias="type", description="name of a message class of app.messages")
+    title: str = Field("", description="what people call it")
+    rate_hz: float | None = Field(None, gt=0, description="nominal rate; none for a channel of events")
+    frame: str = Field("", description="frame of the message's coordinates")
+    decimable: bool = Field(True, description="whether attention may decimate it")
+    log: Literal["always", "decimated", "never"] = Field("always", description="how it is recorded")
+    stale_periods: float = Field(3.0, gt=0, description="stale after this many commanded periods")
+    stale_min_s: float = Field(0.3, gt=0, description="... but never before this many seconds")
+    feedback: bool = Field(False, description="whether a cycle of modules may run through it")
+
+    @property
+    def message_type(self) -> type[Any]:
+        """The message class. Raises KeyError for a name that ``app.messages`` does not have."""
+        found = vars(messages).get(self.message)
+        if not isinstance(found, type) or not hasattr(found, "stamp"):
+            raise KeyError(self.message)
+        return found
+
+    def stale_after_s(self, divisor: float = 1) -> float | None:
+        """Age (s) beyond which a message is stale when one in ``divisor`` is asked for; None for events.
+
+        Judged against the *commanded* rate, or every switch of attention would raise a false alarm.
+        """
+        if self.rate_hz is None:
+            return None
+        return max(self.stale_periods * divisor / self.rate_hz, self.stale_min_s)

@@ -1,0 +1,23 @@
+"""What can go wrong between modules: one class per meaning."""
+
+from __future__ import annotations
+
+
+class ChannelClosed(Exception):
+    """Nothing more will come: the producer is gone or this end was closed."""
+
+
+class WouldBlock(Exception):
+    """A ``_nowait`` operation has nothing to take."""
+
+
+class InboxOverflow(Exception):
+    """A lossless inbox was full; the message says whose, and how many messages were lost."""
+
+
+class StaleInput(Exception):
+    """An input that must be fresh is not; the message names the channel, its age and what is allowed."""
+
+
+class ModuleFailed(Exception):
+    """A module cannot work as configured; the message says what to do."""

@@ -1,0 +1,62 @@
+"""The rate filter: of every φ messages offered, one passes (thesis 2.2.3, 4.2.3).
+
+φ = 1 lets all through, φ = ∞ (``CLOSED``) none. Opening a filter, or changing its φ, lets the next message pass at
+once; giving it the φ it already has changes nothing, its phase included.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+CLOSED = math.inf
+
+
+def check_divisor(divisor: float) -> float:
+    """Return ``divisor`` if it is an integer >= 1 or ``CLOSED``; raise ValueError saying what is allowed."""
+    if divisor != CLOSED and (divisor < 1 or divisor != int(divisor)):
+        raise ValueError(f"a divisor must be an integer of at least 1, or infinite (closed), not {divisor!r}")
+    return divisor
+
+
+class RateFilter:
+    """Counts messages and lets one in ``divisor`` pass."""
+
+    __slots__ = ("_divisor", "_reload", "_skip", "on_change")
+
+    def __init__(self, divisor: float = 1, on_change: Callable[[float, float], None] | None = None) -> None:
+        self.on_change = on_change
+        self._divisor = check_divisor(divisor)
+        self._reload = divisor - 1
+        self._skip: float = CLOSED if divisor == CLOSED else 0
+
+    @property
+    def divisor(self) -> float:
+        """φ: an integer >= 1, or ``CLOSED``."""
+        return self._divisor
+
+    @divisor.setter
+    def divisor(self, divisor: float) -> None:
+        """Change φ; ``on_change(before, after)`` is called if it is another. Raises ValueError, changing nothing."""
+        before = self._divisor
+        if check_divisor(divisor) == before:
+            return
+        self._divisor = divisor
+        self._reload = divisor - 1
+        self._skip = CLOSED if divisor == CLOSED else 0
+        if self.on_change is not None:
+            self.on_change(before, divisor)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether anything passes at all."""
+        return self._divisor != CLOSED
+
+    def offer(self) -> bool:
+        """Count one message; True if it passes."""
+        # A closed filter skips infinitely many: inf - 1 is inf, so one test serves every φ.
+        if self._skip == 0:
+            self._skip = self._reload
+            return True
+        self._skip -= 1
+        return False

@@ -1,0 +1,274 @@
+"""Modules and channels built from configuration; every wiring error is found before anything starts."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Collection, Mapping
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from app.runtime.channel import Channel
+from app.runtime.channel_table import ChannelSpec
+from app.runtime.clock import Clock
+from app.runtime.filter import CLOSED, RateFilter, check_divisor
+from app.runtime.module import Module, ModuleContext, Settings
+
+#: Raises the error for a wiring mistake: (message, key path in the configuration).
+WiringErrorFactory = Callable[[str, tuple[str, ...]], Exception]
+
+
+class WiringError(Exception):
+    """A graph that cannot be: the message says which module or channel, what is wrong and what is allowed."""
+
+
+def _plain_wiring_error(message: str, key: tuple[str, ...]) -> Exception:
+    return WiringError(f"{'.'.join(key)}: {message}")
+
+
+class ModuleSpec(BaseModel):
+    """One module as it stands in configuration; its name is its key in the file."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    # `class` is what people write; it is a keyword here.
+    class_path: str = Field(alias="class", description="package.module:Class")
+    inputs: dict[str, str] = Field(default_factory=dict, description="input port: channel")
+    outputs: dict[str, str] = Field(default_factory=dict, description="output port: channel")
+    settings: dict[str, Any] = Field(default_factory=dict)
+    hang_after_s: float = Field(1.0, gt=0, description="hung when it takes nothing for this long while messages wait")
+    cpu_budget: float | None = Field(None, gt=0, description="per cent of one core it is expected to stay under")
+
+
+class ModuleSlot:
+    """A module's place in the graph: its ports, filters, meter and worker outlive any instance of the module."""
+
+    def __init__(self, name: str, module_class: type[Module], spec: ModuleSpec, context: ModuleContext) -> None:
+        self.name = name
+        self.module_class = module_class
+        self.spec = spec
+        self.context = context
+        #: The instance at work, or the last one.
+        self.module: Module = module_class(context)
+
+    @property
+    def title(self) -> str:
+        """What people call it."""
+        return self.module_class.title or self.name
+
+    def renew(self) -> Module:
+        """A fresh instance on the same ports, for a restart."""
+        self.module = self.module_class(self.context)
+        return self.module
+
+    def configure(self, parameters: Mapping[str, Any]) -> None:
+        """Hand P' to the module, and remember it for its next restart; unchanged parameters are not handed again."""
+        if dict(parameters) != self.context.parameters:
+            self.context.parameters = dict(parameters)
+            self.module.configure(parameters)
+
+
+class FilterBank:
+    """Every rate filter of the graph by ``Module.port``; rewrites any number of them in one step of the loop."""
+
+    def __init__(self) -> None:
+        self._filters: dict[str, RateFilter] = {}
+
+    def add(self, name: str, rate_filter: RateFilter) -> None:
+        """Register a filter."""
+        self._filters[name] = rate_filter
+
+    def names(self) -> Collection[str]:
+        """All ``Module.port`` names."""
+        return self._filters.keys()
+
+    def divisors(self) -> dict[str, float]:
+        """φ of every filter now."""
+        return {name: f.divisor for name, f in self._filters.items()}
+
+    def apply(self, divisors: Mapping[str, float]) -> dict[str, tuple[float, float]]:
+        """Set the φ named, those that open (or speed up) first, and return what changed: name -> (before, after).
+
+        Raises KeyError for a filter that does not exist and ValueError for a φ that cannot be, changing nothing.
+        """
+        changes: dict[str, tuple[float, float]] = {}
+        for name, divisor in divisors.items():
+            before = self._filters[name].divisor
+            if check_divisor(divisor) != before:
+                changes[name] = (before, divisor)
+        opening_first = sorted(changes.items(), key=lambda change: change[1][1] > change[1][0])
+        for name, (_, after) in opening_first:
+            self._filters[name].divisor = after
+        return changes
+
+
+class Graph:
+    """The wired program: ``modules`` by name, ``channels`` by name, and all their ``filters``."""
+
+    def __init__(
+        self,
+        *,
+        clock: Clock,
+        channels: Mapping[str, ChannelSpec],
+        modules: Mapping[str, ModuleSpec],
+        services: Mapping[type[Any], Any],
+        attended: Collection[str] = (),
+        error: WiringErrorFactory = _plain_wiring_error,
+    ) -> None:
+        """Build and wire everything; nothing runs yet.
+
+        ``attended`` names the filters (``Module.port``) that strategies control: these begin closed (φ = ∞, the
+        thesis's default), all others begin open. ``error`` makes the exception for a wiring mistake.
+        """
+        self._error = error
+        self.clock = clock
+        self.specs = dict(channels)
+        self.channels: dict[str, Channel[Any]] = {}
+        for name, channel_spec in channels.items():
+            try:
+                self.channels[name] = Channel(name, channel_spec.message_type, clock.now)
+            except KeyError:
+                raise error(
+                    f"there is no message type {channel_spec.message!r} in app.messages", ("channels", name, "type")
+                ) from None
+        self.modules: dict[str, ModuleSlot] = {}
+        for name, spec in modules.items():
+            self.modules[name] = self._make_slot(name, spec, services)
+        self.producers: dict[str, str] = {}
+        self.filters = FilterBank()
+        for slot in self.modules.values():
+            self._wire_outputs(slot, attended)
+        for slot in self.modules.values():
+            self._wire_inputs(slot, attended)
+        self._refuse_cycles()
+
+    def ports(self) -> dict[str, set[str]]:
+        """The filtered ports of each module, inputs and outputs together."""
+        return {n: {*s.context.inputs, *s.context.outputs} for n, s in self.modules.items()}
+
+    def channel(self, name: str) -> Channel[Any]:
+        """A channel by name. Raises KeyError naming those there are."""
+        try:
+            return self.channels[name]
+        except KeyError:
+            raise KeyError(f"no channel {name!r}; there are: {', '.join(sorted(self.channels))}") from None
+
+    def _make_slot(self, name: str, spec: ModuleSpec, services: Mapping[type[Any], Any]) -> ModuleSlot:
+        key = ("modules", name)
+        module_class = load_class(spec.class_path)
+        if module_class is None:
+            raise self._error(f"{spec.class_path!r} is not a module class (package.module:Class)", (*key, "class"))
+        try:
+            settings: Settings = module_class.Settings.model_validate(spec.settings)
+        except ValueError as failure:
+            raise self._error(_first_problem(failure), (*key, "settings")) from None
+        return ModuleSlot(name, module_class, spec, ModuleContext(name, self.clock, settings, services))
+
+    def _wire_outputs(self, slot: ModuleSlot, attended: Collection[str]) -> None:
+        for port_name, channel_name in slot.spec.outputs.items():
+            key = ("modules", slot.name, "outputs", port_name)
+            port = slot.context.outputs.get(port_name)
+            if port is None:
+                raise self._error(_unknown("output", port_name, slot.context.outputs), key)
+            channel = self.channels.get(channel_name)
+            if channel is None:
+                raise self._error(_unknown("channel", channel_name, self.channels), key)
+            self._check_type(channel, port.message_type, key)
+            if channel_name in self.producers:
+                other = self.producers[channel_name]
+                raise self._error(f"channel {channel_name} already has a producer, {other}", key)
+            self.producers[channel_name] = f"{slot.name}.{port_name}"
+            port.channel = channel
+        for port_name, port in slot.context.outputs.items():
+            name = f"{slot.name}.{port_name}"
+            if name in attended:
+                port.filter.divisor = CLOSED
+            self.filters.add(name, port.filter)
+
+    def _wire_inputs(self, slot: ModuleSlot, attended: Collection[str]) -> None:
+        for port_name, channel_name in slot.spec.inputs.items():
+            key = ("modules", slot.name, "inputs", port_name)
+            port = slot.context.inputs.get(port_name)
+            if port is None:
+                raise self._error(_unknown("input", port_name, slot.context.inputs), key)
+            channel = self.channels.get(channel_name)
+            if channel is None:
+                raise self._error(_unknown("channel", channel_name, self.channels), key)
+            self._check_type(channel, port.message_type, key)
+            name = f"{slot.name}.{port_name}"
+            if name in attended and port.always_open:
+                raise self._error("this input must stay open, no strategy may filter it", key)
+            if name in attended and not self.specs[channel_name].decimable:
+                raise self._error(f"channel {channel_name} may not be decimated, yet a strategy filters it", key)
+            port.connect(channel, CLOSED if name in attended else 1)
+            self.filters.add(name, port.subscription.filter)
+
+    def _check_type(self, channel: Channel[Any], port_type: type[Any], key: tuple[str, ...]) -> None:
+        if channel.message_type is not port_type:
+            raise self._error(
+                f"channel {channel.name} carries {channel.message_type.__name__}, the port wants {port_type.__name__}",
+                key,
+            )
+
+    def _refuse_cycles(self) -> None:
+        followers: dict[str, set[str]] = {name: set() for name in self.modules}
+        for name, slot in self.modules.items():
+            for channel_name in slot.spec.inputs.values():
+                producer = self.producers.get(channel_name)
+                if producer is not None and not self.specs[channel_name].feedback:
+                    followers[producer.split(".")[0]].add(name)
+        if cycle := find_cycle(followers):
+            path = " -> ".join(cycle)
+            raise self._error(
+                f"modules feed each other in a circle: {path}; mark one of its channels `feedback: true` if meant",
+                ("modules", cycle[0]),
+            )
+
+
+def find_cycle(followers: Mapping[str, Collection[str]]) -> list[str] | None:
+    """A cycle of the directed graph ``followers`` as a path whose last node is its first, or None."""
+    done: set[str] = set()
+    path: list[str] = []
+
+    def visit(node: str) -> list[str] | None:
+        if node in path:
+            return [*path[path.index(node) :], node]
+        if node in done:
+            return None
+        path.append(node)
+        for follower in sorted(followers.get(node, ())):
+            if cycle := visit(follower):
+                return cycle
+        path.pop()
+        done.add(node)
+        return None
+
+    for start in sorted(followers):
+        if cycle := visit(start):
+            return cycle
+    return None
+
+
+def load_class(path: str) -> type[Module] | None:
+    """The module class at ``package.module:Class``, or None if there is none."""
+    module_path, _, class_name = path.partition(":")
+    try:
+        found = getattr(importlib.import_module(module_path), class_name, None) if class_name else None
+    except ModuleNotFoundError as failure:
+        # Only the named file itself being absent is the configuration's fault; a broken import inside it is ours.
+        if failure.name is None or not module_path.startswith(failure.name):
+            raise
+        return None
+    return found if isinstance(found, type) and issubclass(found, Module) else None
+
+
+def _unknown(kind: str, name: str, known: Collection[str]) -> str:
+    return f"no {kind} {name!r}; there are: {', '.join(sorted(known)) or 'none'}"
+
+
+def _first_problem(failure: ValueError) -> str:
+    errors = getattr(failure, "errors", None)
+    if errors is None:
+        return str(failure)
+    first = errors()[0]
+    return f"{'.'.join(str(part) for part in first['loc'])}: {first['msg']}"
