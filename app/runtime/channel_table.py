@@ -25,6 +25,7 @@ class ChannelSpec(BaseModel):
     log: Literal["always", "decimated", "never"] = Field("always", description="how it is recorded")
     stale_periods: float = Field(3.0, gt=0, description="stale after this many commanded periods")
     stale_min_s: float = Field(0.3, gt=0, description="... but never before this many seconds")
+    external: bool = Field(False, description="fed from outside the graph (the console), not by a module")
     feedback: bool = Field(False, description="whether a cycle of modules may run through it")
 
     @property

@@ -195,6 +195,8 @@ class Graph:
             if channel is None:
                 raise self._error(_unknown("channel", channel_name, self.channels), key)
             self._check_type(channel, port.message_type, key)
+            if channel_name not in self.producers and not self.specs[channel_name].external:
+                raise self._error(f"no module publishes on channel {channel_name}", key)
             name = f"{slot.name}.{port_name}"
             if name in attended and port.always_open:
                 raise self._error("this input must stay open, no strategy may filter it", key)
