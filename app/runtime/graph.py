@@ -118,7 +118,8 @@ class Graph:
         """Build and wire everything; nothing runs yet.
 
         ``attended`` names the filters (``Module.port``) that strategies control: these begin closed (φ = ∞, the
-        thesis's default), all others begin open. ``error`` makes the exception for a wiring mistake.
+        thesis's default), all others begin open; see :meth:`attend`. ``error`` makes the exception for a wiring
+        mistake.
         """
         self._error = error
         self.clock = clock
@@ -137,10 +138,30 @@ class Graph:
         self.producers: dict[str, str] = {}
         self.filters = FilterBank()
         for slot in self.modules.values():
-            self._wire_outputs(slot, attended)
+            self._wire_outputs(slot)
         for slot in self.modules.values():
-            self._wire_inputs(slot, attended)
+            self._wire_inputs(slot)
         self._refuse_cycles()
+        self.attend(attended)
+
+    def attend(self, names: Collection[str]) -> None:
+        """Hand the filters ``names`` (``Module.port``) over to attention: they close until an intention opens them.
+
+        Raises the graph's wiring error for an input that must stay open or whose channel may not be decimated.
+        """
+        for name in sorted(names):
+            module, port_name = name.split(".", 1)
+            slot = self.modules[module]
+            port = slot.context.inputs.get(port_name)
+            if port is not None:
+                key = ("modules", module, "inputs", port_name)
+                if port.always_open:
+                    raise self._error("this input must stay open, no strategy may filter it", key)
+                if port.channel is not None and not self.specs[port.channel.name].decimable:
+                    raise self._error(
+                        f"channel {port.channel.name} may not be decimated, yet a strategy filters it", key
+                    )
+        self.filters.apply(dict.fromkeys(names, CLOSED))
 
     def ports(self) -> dict[str, set[str]]:
         """The filtered ports of each module, inputs and outputs together."""
@@ -164,7 +185,7 @@ class Graph:
             raise self._error(_first_problem(failure), (*key, "settings")) from None
         return ModuleSlot(name, module_class, spec, ModuleContext(name, self.clock, settings, services))
 
-    def _wire_outputs(self, slot: ModuleSlot, attended: Collection[str]) -> None:
+    def _wire_outputs(self, slot: ModuleSlot) -> None:
         for port_name, channel_name in slot.spec.outputs.items():
             key = ("modules", slot.name, "outputs", port_name)
             port = slot.context.outputs.get(port_name)
@@ -180,12 +201,9 @@ class Graph:
             self.producers[channel_name] = f"{slot.name}.{port_name}"
             port.channel = channel
         for port_name, port in slot.context.outputs.items():
-            name = f"{slot.name}.{port_name}"
-            if name in attended:
-                port.filter.divisor = CLOSED
-            self.filters.add(name, port.filter)
+            self.filters.add(f"{slot.name}.{port_name}", port.filter)
 
-    def _wire_inputs(self, slot: ModuleSlot, attended: Collection[str]) -> None:
+    def _wire_inputs(self, slot: ModuleSlot) -> None:
         for port_name, channel_name in slot.spec.inputs.items():
             key = ("modules", slot.name, "inputs", port_name)
             port = slot.context.inputs.get(port_name)
@@ -197,13 +215,8 @@ class Graph:
             self._check_type(channel, port.message_type, key)
             if channel_name not in self.producers and not self.specs[channel_name].external:
                 raise self._error(f"no module publishes on channel {channel_name}", key)
-            name = f"{slot.name}.{port_name}"
-            if name in attended and port.always_open:
-                raise self._error("this input must stay open, no strategy may filter it", key)
-            if name in attended and not self.specs[channel_name].decimable:
-                raise self._error(f"channel {channel_name} may not be decimated, yet a strategy filters it", key)
-            port.connect(channel, CLOSED if name in attended else 1)
-            self.filters.add(name, port.subscription.filter)
+            port.connect(channel, 1)
+            self.filters.add(f"{slot.name}.{port_name}", port.subscription.filter)
 
     def _check_type(self, channel: Channel[Any], port_type: type[Any], key: tuple[str, ...]) -> None:
         if channel.message_type is not port_type:
