@@ -256,16 +256,22 @@ class Channel(Generic[M]):
         """Whether any subscription's filter is open: a source that nobody wants may rest."""
         return self._wanted
 
-    def on_wanted(self, callback: Callable[[bool], None]) -> None:
-        """Call ``callback(wanted)`` now and whenever :attr:`wanted` changes."""
+    def on_wanted(self, callback: Callable[[bool], None]) -> Callable[[], None]:
+        """Call ``callback(wanted)`` now and whenever :attr:`wanted` changes; returns what ends it (may be called twice)."""
         self._wanted_callbacks.append(callback)
         callback(self._wanted)
+
+        def end() -> None:
+            if callback in self._wanted_callbacks:
+                self._wanted_callbacks.remove(callback)
+
+        return end
 
     def _update_wanted(self) -> None:
         wanted = any(s.filter.is_open for s in self._subscriptions)
         if wanted != self._wanted:
             self._wanted = wanted
-            for callback in self._wanted_callbacks:
+            for callback in tuple(self._wanted_callbacks):
                 callback(wanted)
 
     def statistics(self) -> ChannelStatistics:
