@@ -1,0 +1,52 @@
+import { expect, test } from "vitest";
+import { type PadSnapshot, readPads, shape } from "./gamepad";
+
+function pad(over: Partial<PadSnapshot> & { held?: number; pressed?: number[] } = {}): PadSnapshot {
+  const pressed = new Set(over.pressed ?? []);
+  return {
+    id: "Pad A",
+    index: 0,
+    connected: true,
+    axes: [0, 0, 0, 0],
+    buttons: Array.from({ length: 16 }, (_, i) => ({ pressed: pressed.has(i) })),
+    ...over,
+  };
+}
+
+test("a pad drives only with a shoulder held", () => {
+  expect(readPads([pad({ axes: [0, -1, 0, 0] })], null)).toEqual({ chosen: null, axes: null, stop: false });
+  const reading = readPads([null, pad({ axes: [0, -1, 0, 0], pressed: [5] })], null);
+  expect(reading.chosen).toEqual({ id: "Pad A", index: 0 });
+  expect(reading.axes).toEqual({ linear: 1, angular: 0 });
+});
+
+test("a headset that calls itself a gamepad is ignored", () => {
+  expect(readPads([pad({ axes: [], pressed: [4] })], null).axes).toBeNull();
+});
+
+test("the pad in use is kept, whatever another does, until it is gone", () => {
+  const mine = pad({ id: "Pad B", index: 1, axes: [-1, 0, 0, 0], pressed: [4] });
+  const other = pad({ axes: [0, -1, 0, 0], pressed: [4] });
+  const chosen = { id: "Pad B", index: 1 };
+  expect(readPads([other, mine], chosen).axes).toEqual({ linear: 0, angular: 1 });
+  expect(readPads([other], chosen)).toEqual({ chosen: null, axes: null, stop: false });
+});
+
+test("either stick turns, the further one wins", () => {
+  expect(readPads([pad({ axes: [0.2, 0, -1, 0], pressed: [4] })], null).axes!.angular).toBe(1);
+});
+
+test("the stop button counts on any pad, held or not", () => {
+  expect(readPads([pad({ pressed: [1] })], null).stop).toBe(true);
+});
+
+test("the curve is still in the deadband, odd, rising and full at the edge", () => {
+  expect(shape(0.12)).toBe(0);
+  expect(shape(NaN)).toBe(0);
+  expect(shape(1)).toBeCloseTo(1);
+  expect(shape(-1)).toBeCloseTo(-1);
+  for (let v = 0.13; v < 1; v += 0.01) {
+    expect(shape(v + 0.01)).toBeGreaterThan(shape(v));
+    expect(shape(-v)).toBeCloseTo(-shape(v));
+  }
+});

@@ -1,0 +1,19 @@
+/** Which keys drive, by physical place (`event.code`), so that they are where the hand is on every layout. */
+
+import type { Axes } from "./machine";
+
+const FORWARD = ["KeyW", "ArrowUp"];
+const BACK = ["KeyS", "ArrowDown"];
+const LEFT = ["KeyA", "ArrowLeft"];
+const RIGHT = ["KeyD", "ArrowRight"];
+
+export const DRIVE_KEYS: ReadonlySet<string> = new Set([...FORWARD, ...BACK, ...LEFT, ...RIGHT]);
+export const SLOW_KEYS: ReadonlySet<string> = new Set(["ShiftLeft", "ShiftRight"]);
+
+/** Forward and left of the keys held; null when none of them drives. Opposite keys cancel but still hold. */
+export function axesOfKeys(keys: ReadonlySet<string>): Axes | null {
+  const any = (codes: string[]) => (codes.some((code) => keys.has(code)) ? 1 : 0);
+  const [forward, back, left, right] = [any(FORWARD), any(BACK), any(LEFT), any(RIGHT)];
+  if (!(forward || back || left || right)) return null;
+  return { linear: forward - back, angular: left - right };
+}

@@ -1,0 +1,166 @@
+import { describe, expect, test } from "vitest";
+import { type Command, type DriveState, flush, initialDrive, type Input, step } from "./machine";
+
+const down = (code: string, repeat = false): Input => ({ type: "key", code, down: true, repeat });
+const up = (code: string): Input => ({ type: "key", code, down: false });
+const tick: Input = { type: "tick" };
+
+function run(inputs: Input[], start: DriveState = ready()): { state: DriveState; sent: Command[] } {
+  let state = start;
+  const sent: Command[] = [];
+  for (const input of inputs) {
+    const next = step(state, input);
+    state = next.state;
+    sent.push(...next.send);
+  }
+  return { state, sent };
+}
+
+function ready(factor = 1): DriveState {
+  return step(initialDrive(factor), { type: "allow", allowed: true }).state;
+}
+
+const brief = (commands: Command[]) => commands.map((c) => [c.held, c.linear, c.angular]);
+
+describe("keyboard", () => {
+  test("a held key drives at once, repeats each tick, and a release is said three times, then silence", () => {
+    const { sent } = run([down("KeyW"), tick, tick, up("KeyW"), tick, tick, tick, tick]);
+    expect(brief(sent)).toEqual([
+      [true, 1, 0],
+      [true, 1, 0],
+      [true, 1, 0],
+      [false, 0, 0],
+      [false, 0, 0],
+      [false, 0, 0],
+    ]);
+    expect(sent.map((c) => c.seq)).toEqual([1, 2, 3, 4, 5, 6]);
+  });
+
+  test("keys combine, arrows are the same keys, opposite keys cancel but hold", () => {
+    expect(brief(run([down("KeyW"), down("ArrowLeft")]).sent)).toEqual([
+      [true, 1, 0],
+      [true, 1, 1],
+    ]);
+    expect(brief(run([down("KeyW"), down("KeyS")]).sent).at(-1)).toEqual([true, 0, 0]);
+    expect(brief(run([down("KeyS"), down("KeyD")]).sent).at(-1)).toEqual([true, -1, -1]);
+  });
+
+  test("auto-repeat says nothing new, and does not restart after a release", () => {
+    const { sent, state } = run([down("KeyW"), down("KeyW", true), { type: "release" }, down("KeyW", true), tick, tick, tick]);
+    expect(brief(sent)).toEqual([
+      [true, 1, 0],
+      [false, 0, 0],
+      [false, 0, 0],
+      [false, 0, 0],
+    ]);
+    expect(brief(run([up("KeyW"), down("KeyW")], state).sent)).toEqual([[true, 1, 0]]);
+  });
+
+  test("shift slows, presets scale, and other keys are nothing", () => {
+    expect(brief(run([down("ShiftLeft"), down("KeyW"), up("ShiftLeft")]).sent)).toEqual([
+      [true, 0.4, 0],
+      [true, 1, 0],
+    ]);
+    expect(brief(run([{ type: "preset", factor: 0.3 }, down("KeyW"), down("ShiftLeft")]).sent)).toEqual([[true, 0.3, 0]]);
+    expect(run([down("KeyQ"), down("ShiftLeft"), tick]).sent).toEqual([]);
+  });
+});
+
+describe("what is not allowed does not drive", () => {
+  test("nothing moves before it is allowed, and a key held meanwhile must be pressed anew", () => {
+    const { sent, state } = run([down("KeyW"), tick, { type: "allow", allowed: true }, down("KeyW", true), tick], initialDrive(1));
+    expect(sent).toEqual([]);
+    expect(brief(run([up("KeyW"), down("KeyW")], state).sent)).toEqual([[true, 1, 0]]);
+  });
+
+  test("losing the permission releases everything", () => {
+    const { sent, state } = run([down("KeyW"), { type: "allow", allowed: false }]);
+    expect(brief(sent).at(-1)).toEqual([false, 0, 0]);
+    expect(state.keys.size).toBe(0);
+  });
+});
+
+describe("stick", () => {
+  const start: Input = { type: "stick-start", axes: { linear: 0.5, angular: -0.2 } };
+
+  test("is clamped, and a centred stick under a finger still holds", () => {
+    const { sent } = run([start, { type: "stick-move", axes: { linear: 3, angular: -7 } }, { type: "stick-move", axes: { linear: 0, angular: 0 } }]);
+    expect(brief(sent)).toEqual([
+      [true, 0.5, -0.2],
+      [true, 1, -1],
+      [true, 0, 0],
+    ]);
+  });
+
+  test("moves after a lost pointer are ignored until it is grasped anew", () => {
+    const { sent } = run([start, { type: "release" }, { type: "stick-move", axes: { linear: 1, angular: 0 } }]);
+    expect(brief(sent)).toEqual([
+      [true, 0.5, -0.2],
+      [false, 0, 0],
+    ]);
+  });
+
+  test("the hand that holds keeps the wheel until it lets go", () => {
+    const { sent, state } = run([start, down("KeyW"), { type: "stick-end" }]);
+    expect(brief(sent)).toEqual([
+      [true, 0.5, -0.2],
+      [true, 1, 0],
+    ]);
+    expect(state.source).toBe("keyboard");
+  });
+
+  test("numbers that are none stop", () => {
+    expect(brief(run([{ type: "stick-start", axes: { linear: NaN, angular: Infinity } }]).sent)).toEqual([[true, 0, 0]]);
+  });
+});
+
+describe("gamepad", () => {
+  const pad = (linear: number): Input => ({ type: "pad", axes: { linear, angular: 0 } });
+  const let_go: Input = { type: "pad", axes: null };
+
+  test("drives only while its dead-man is held", () => {
+    expect(brief(run([let_go, pad(0.5), pad(0.5), let_go]).sent)).toEqual([
+      [true, 0.5, 0],
+      [false, 0, 0],
+    ]);
+  });
+
+  test("a dead-man held through a release is spent", () => {
+    const { sent } = run([pad(0.5), { type: "release" }, pad(0.5), pad(0.7), let_go, pad(0.7)]);
+    expect(brief(sent)).toEqual([
+      [true, 0.5, 0],
+      [false, 0, 0],
+      [true, 0.7, 0],
+    ]);
+  });
+
+  test("a dead-man held since before driving was allowed is spent", () => {
+    const { sent } = run([pad(1), { type: "allow", allowed: true }, pad(1), let_go, pad(1)], initialDrive(1));
+    expect(brief(sent)).toEqual([[true, 1, 0]]);
+  });
+});
+
+test("flush says every release still owed at once", () => {
+  const { state } = run([down("KeyW"), { type: "release" }]);
+  const { send, state: after } = flush(state);
+  expect(brief(send)).toEqual([
+    [false, 0, 0],
+    [false, 0, 0],
+  ]);
+  expect(step(after, tick).send).toEqual([]);
+});
+
+test("whatever is pressed and lost: a release always ends in not held, with sequence numbers that grow by one", () => {
+  const inputs: Input[] = [down("KeyW"), up("KeyW"), down("KeyA"), down("ShiftLeft"), { type: "stick-start", axes: { linear: 1, angular: 0 } },
+    { type: "stick-move", axes: { linear: 0.2, angular: 1 } }, { type: "stick-end" }, { type: "pad", axes: { linear: 1, angular: 1 } },
+    { type: "pad", axes: null }, { type: "allow", allowed: false }, { type: "allow", allowed: true }, tick, { type: "preset", factor: 0.5 }];
+  let seed = 7;
+  const random = () => (seed = (seed * 48271) % 2147483647) / 2147483647;
+  for (let round = 0; round < 200; round++) {
+    const chosen = Array.from({ length: 30 }, () => inputs[Math.floor(random() * inputs.length)]!);
+    const { state, sent } = run([...chosen, { type: "release" }]);
+    expect(state.command.held).toBe(false);
+    expect(state.source).toBeNull();
+    sent.forEach((command, i) => expect(command.seq).toBe(i + 1));
+  }
+});

@@ -1,0 +1,195 @@
+/**
+ * What the operator's hands say, as a pure state machine: inputs in, drive commands out.
+ *
+ * Everything is under a held dead-man: a key, the stick under a finger, or a gamepad's shoulder button. A `release`
+ * (blur, hidden tab, lost pointer, unplugged pad, stale view) forgets everything that is held, and what was held must
+ * be let go and pressed anew before it drives again. A command goes out at once on every change and with every
+ * `tick` (50 ms) while held; a release is said three times.
+ */
+
+import { axesOfKeys, DRIVE_KEYS, SLOW_KEYS } from "./keys";
+
+export type Source = "stick" | "gamepad" | "keyboard";
+
+/** Forward and left, −1…1. */
+export interface Axes {
+  linear: number;
+  angular: number;
+}
+
+export interface Command extends Axes {
+  seq: number;
+  held: boolean;
+}
+
+export type Input =
+  | { type: "key"; code: string; down: boolean; repeat?: boolean }
+  | { type: "stick-start"; axes: Axes }
+  | { type: "stick-move"; axes: Axes }
+  | { type: "stick-end" }
+  | { type: "pad"; axes: Axes | null }
+  | { type: "preset"; factor: number }
+  | { type: "allow"; allowed: boolean }
+  | { type: "release" }
+  | { type: "tick" };
+
+export interface DriveState {
+  readonly allowed: boolean;
+  readonly keys: ReadonlySet<string>;
+  readonly stick: Axes | null;
+  readonly pad: Axes | null;
+  /** The pad's dead-man was held through a release: it counts again once it has been let go. */
+  readonly padSpent: boolean;
+  readonly factor: number;
+  /** Which hand drives; the first to be held keeps the wheel until it lets go. */
+  readonly source: Source | null;
+  readonly command: Command;
+  /** How often `held: false` has still to be said. */
+  readonly farewells: number;
+}
+
+export interface Step {
+  state: DriveState;
+  send: Command[];
+}
+
+export const TICK_MS = 50;
+const SLOW_FACTOR = 0.4;
+const FAREWELLS = 3;
+
+export function initialDrive(factor: number): DriveState {
+  return {
+    allowed: false,
+    keys: new Set(),
+    stick: null,
+    pad: null,
+    padSpent: false,
+    factor,
+    source: null,
+    command: { seq: 0, held: false, linear: 0, angular: 0 },
+    farewells: 0,
+  };
+}
+
+export function step(state: DriveState, input: Input): Step {
+  if (input.type === "tick") return tick(state);
+  const next = take(state, input);
+  return next === state ? { state, send: [] } : settle(state, next);
+}
+
+/** Every release still owed, at once: for a page that may not live to the next tick. */
+export function flush(state: DriveState): Step {
+  let current: Step = { state, send: [] };
+  while (current.state.farewells > 0) {
+    const { state: after, send } = farewell(current.state);
+    current = { state: after, send: [...current.send, ...send] };
+  }
+  return current;
+}
+
+function take(state: DriveState, input: Exclude<Input, { type: "tick" }>): DriveState {
+  switch (input.type) {
+    case "key":
+      return takeKey(state, input);
+    case "stick-start":
+      return state.allowed ? { ...state, stick: clampAxes(input.axes) } : state;
+    case "stick-move":
+      return state.stick ? { ...state, stick: clampAxes(input.axes) } : state;
+    case "stick-end":
+      return state.stick ? { ...state, stick: null } : state;
+    case "pad":
+      return takePad(state, input.axes);
+    case "preset":
+      return { ...state, factor: clamp(input.factor, 0, 1) };
+    case "allow":
+      if (input.allowed === state.allowed) return state;
+      return input.allowed ? { ...state, allowed: true } : { ...letGo(state), allowed: false };
+    case "release":
+      return letGo(state);
+  }
+}
+
+function takeKey(state: DriveState, input: { code: string; down: boolean; repeat?: boolean }): DriveState {
+  if (!DRIVE_KEYS.has(input.code) && !SLOW_KEYS.has(input.code)) return state;
+  if (input.down === state.keys.has(input.code)) return state;
+  // A repeat of a key we do not know as held was pressed before a release: it must be pressed anew.
+  if (input.down && (input.repeat || !state.allowed)) return state;
+  const keys = new Set(state.keys);
+  if (input.down) keys.add(input.code);
+  else keys.delete(input.code);
+  return { ...state, keys };
+}
+
+function takePad(state: DriveState, axes: Axes | null): DriveState {
+  if (axes === null) return state.pad || state.padSpent ? { ...state, pad: null, padSpent: false } : state;
+  if (!state.allowed) return state.padSpent ? state : { ...state, padSpent: true };
+  if (state.padSpent) return state;
+  const pad = clampAxes(axes);
+  return state.pad && same(state.pad, pad) ? state : { ...state, pad };
+}
+
+function letGo(state: DriveState): DriveState {
+  return { ...state, keys: new Set(), stick: null, pad: null, padSpent: state.padSpent || state.pad !== null };
+}
+
+function settle(before: DriveState, taken: DriveState): Step {
+  const source = chooseSource(taken);
+  const axes = source ? scale(axesOf(taken, source), factorOf(taken)) : { linear: 0, angular: 0 };
+  const held = source !== null;
+  const changed = held !== before.command.held || !same(axes, before.command);
+  if (!changed) return { state: { ...taken, source }, send: [] };
+  const command = { seq: before.command.seq + 1, held, ...axes };
+  const farewells = held ? 0 : FAREWELLS - 1;
+  return { state: { ...taken, source, command, farewells }, send: [command] };
+}
+
+function tick(state: DriveState): Step {
+  if (!state.command.held) return state.farewells > 0 ? farewell(state) : { state, send: [] };
+  const command = { ...state.command, seq: state.command.seq + 1 };
+  return { state: { ...state, command }, send: [command] };
+}
+
+function farewell(state: DriveState): Step {
+  const command = { seq: state.command.seq + 1, held: false, linear: 0, angular: 0 };
+  return { state: { ...state, command, farewells: state.farewells - 1 }, send: [command] };
+}
+
+function chooseSource(state: DriveState): Source | null {
+  if (state.source && axesOfSource(state, state.source)) return state.source;
+  return (["stick", "gamepad", "keyboard"] as const).find((source) => axesOfSource(state, source)) ?? null;
+}
+
+function axesOfSource(state: DriveState, source: Source): Axes | null {
+  if (source === "stick") return state.stick;
+  if (source === "gamepad") return state.pad;
+  return axesOfKeys(state.keys);
+}
+
+function axesOf(state: DriveState, source: Source): Axes {
+  return axesOfSource(state, source) ?? { linear: 0, angular: 0 };
+}
+
+function factorOf(state: DriveState): number {
+  for (const key of state.keys) if (SLOW_KEYS.has(key)) return Math.min(state.factor, SLOW_FACTOR);
+  return state.factor;
+}
+
+function scale(axes: Axes, factor: number): Axes {
+  return { linear: round(axes.linear * factor), angular: round(axes.angular * factor) };
+}
+
+function clampAxes(axes: Axes): Axes {
+  return { linear: clamp(axes.linear, -1, 1), angular: clamp(axes.angular, -1, 1) };
+}
+
+function clamp(value: number, low: number, high: number): number {
+  return Number.isFinite(value) ? Math.max(low, Math.min(high, value)) : 0;
+}
+
+function round(value: number): number {
+  return Math.round(value * 1000) / 1000 + 0; // + 0: no negative zero on the wire
+}
+
+function same(a: Axes, b: Axes): boolean {
+  return a.linear === b.linear && a.angular === b.angular;
+}

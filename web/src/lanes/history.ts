@@ -1,0 +1,121 @@
+/** What the lanes showed in the last ten minutes: one bounded ring of stamps, one column of values per class. */
+
+import type { LaneRow, LaneState } from "../protocol/types";
+
+/** 20 messages a second for 10 minutes and a little. */
+export const CAPACITY = 12_600;
+/** Further apart than this, nothing was heard in between. */
+export const GAP_S = 1;
+/** A clock set back by more than this starts the history anew. */
+const SET_BACK_S = 5;
+
+export interface LaneSample {
+  stamp: number;
+  intensity: number | null;
+  utility: number | null;
+  rate: number | null;
+  divisor: number | null;
+  state: LaneState;
+  text: string;
+}
+
+/** Values of one class by slot; NaN where there is none. */
+export class Lane {
+  readonly intensity = new Float32Array(CAPACITY).fill(NaN);
+  readonly utility = new Float32Array(CAPACITY).fill(NaN);
+  readonly rate = new Float32Array(CAPACITY).fill(NaN);
+  readonly divisor = new Float32Array(CAPACITY).fill(NaN);
+  readonly state = new Array<LaneState | undefined>(CAPACITY);
+  readonly text = new Array<string | undefined>(CAPACITY);
+}
+
+export class LaneHistory {
+  readonly stamps = new Float64Array(CAPACITY);
+  readonly lanes = new Map<string, Lane>();
+  /** How many samples were ever pushed; the newest has the number `count − 1`. */
+  count = 0;
+
+  /** The oldest sample number still kept. */
+  get first(): number {
+    return Math.max(0, this.count - CAPACITY);
+  }
+
+  get newest(): number | null {
+    return this.count > 0 ? this.stamps[(this.count - 1) % CAPACITY]! : null;
+  }
+
+  push(message: { stamp: number; rows: LaneRow[] }): void {
+    const newest = this.newest;
+    if (newest !== null && message.stamp <= newest) {
+      if (newest - message.stamp < SET_BACK_S) return;
+      this.clear();
+    }
+    const slot = this.count % CAPACITY;
+    this.stamps[slot] = message.stamp;
+    for (const lane of this.lanes.values()) blank(lane, slot);
+    for (const row of message.rows) this.write(row, slot);
+    this.count += 1;
+  }
+
+  /** The number of the newest sample not after `stamp`; `first − 1` if all are after it. */
+  at(stamp: number): number {
+    let low = this.first - 1;
+    let high = this.count - 1;
+    while (low < high) {
+      const middle = Math.ceil((low + high) / 2);
+      if (this.stamps[middle % CAPACITY]! <= stamp) low = middle;
+      else high = middle - 1;
+    }
+    return low;
+  }
+
+  /** What `name` showed at `stamp`; null where nothing was heard. */
+  sample(name: string, stamp: number): LaneSample | null {
+    const lane = this.lanes.get(name);
+    const number = this.at(stamp);
+    if (!lane || number < this.first || number < 0) return null;
+    const slot = number % CAPACITY;
+    const state = lane.state[slot];
+    if (state === undefined || stamp - this.stamps[slot]! > GAP_S) return null;
+    return {
+      stamp: this.stamps[slot]!,
+      intensity: orNull(lane.intensity[slot]!),
+      utility: orNull(lane.utility[slot]!),
+      rate: orNull(lane.rate[slot]!),
+      divisor: orNull(lane.divisor[slot]!),
+      state,
+      text: lane.text[slot] ?? "",
+    };
+  }
+
+  clear(): void {
+    this.count = 0;
+    this.lanes.clear();
+  }
+
+  private write(row: LaneRow, slot: number): void {
+    let lane = this.lanes.get(row.class);
+    if (!lane) {
+      lane = new Lane();
+      this.lanes.set(row.class, lane);
+    }
+    lane.intensity[slot] = row.intensity ?? NaN;
+    lane.utility[slot] = row.utility ?? NaN;
+    lane.rate[slot] = row.rate ?? NaN;
+    lane.divisor[slot] = row.divisor ?? NaN;
+    lane.state[slot] = row.state;
+    // Equal texts share one string, so that ten minutes of the same reason are kept once.
+    const before = lane.text[(slot + CAPACITY - 1) % CAPACITY];
+    lane.text[slot] = before === row.text ? before : row.text;
+  }
+}
+
+function blank(lane: Lane, slot: number): void {
+  lane.intensity[slot] = lane.utility[slot] = lane.rate[slot] = lane.divisor[slot] = NaN;
+  lane.state[slot] = undefined;
+  lane.text[slot] = undefined;
+}
+
+function orNull(value: number): number | null {
+  return Number.isNaN(value) ? null : value;
+}

@@ -1,0 +1,134 @@
+import { describe, expect, test } from "vitest";
+import type { LaneRow } from "../protocol/types";
+import { Columns, toColumns } from "./columns";
+import { CAPACITY, LaneHistory } from "./history";
+import { edges, INITIAL, LONGEST_S, pan, SHORTEST_S, stepZoom, TRAIL_S, togglePause, zoom } from "./viewport";
+
+const START = 1_790_000_000;
+
+function row(over: Partial<LaneRow> = {}): LaneRow {
+  return { class: "QR", intensity: 8, utility: 1, rate: 0.5, divisor: 2, state: "fulfilled", text: "fits", ...over };
+}
+
+function filled(count: number, make: (i: number) => LaneRow[]): LaneHistory {
+  const history = new LaneHistory();
+  for (let i = 0; i < count; i++) history.push({ stamp: START + i * 0.05, rows: make(i) });
+  return history;
+}
+
+describe("history", () => {
+  test("keeps the newest and forgets the rest", () => {
+    const history = filled(CAPACITY + 500, (i) => [row({ intensity: i % 8 })]);
+    expect(history.first).toBe(500);
+    expect(history.sample("QR", START + 499 * 0.05)).toBeNull();
+    expect(history.sample("QR", START + 500.5 * 0.05)!.intensity).toBe(500 % 8);
+    expect(history.sample("QR", history.newest!)!.intensity).toBe((CAPACITY + 499) % 8);
+    expect(history.lanes.get("QR")!.intensity.length).toBe(CAPACITY);
+  });
+
+  test("finds the sample that held at a time, in any place of the ring", () => {
+    const history = filled(CAPACITY + 77, () => [row()]);
+    for (const number of [77, 78, 5000, CAPACITY + 76]) {
+      expect(history.at(START + number * 0.05 + 0.01)).toBe(number);
+    }
+    expect(history.at(START)).toBe(history.first - 1);
+  });
+
+  test("a class that appears later, or goes, leaves holes", () => {
+    const history = filled(30, (i) => (i < 10 ? [row()] : i < 20 ? [row(), row({ class: "SLAM" })] : [row({ class: "SLAM" })]));
+    expect(history.sample("SLAM", START + 0.2)).toBeNull();
+    expect(history.sample("SLAM", START + 0.6)!.intensity).toBe(8);
+    expect(history.sample("QR", START + 1.2)).toBeNull();
+  });
+
+  test("nothing is known in a silence, beyond the end, or of undesired values", () => {
+    const history = filled(2, () => [row({ intensity: null, divisor: null })]);
+    history.push({ stamp: START + 10, rows: [row()] });
+    expect(history.sample("QR", START + 0.05)).toMatchObject({ intensity: null, divisor: null, rate: 0.5 });
+    expect(history.sample("QR", START + 5)).toBeNull();
+    expect(history.sample("QR", START + 10.5)!.intensity).toBe(8);
+    expect(history.sample("QR", START + 12)).toBeNull();
+  });
+
+  test("late messages are dropped; a clock set back starts anew", () => {
+    const history = filled(100, () => [row()]);
+    history.push({ stamp: START, rows: [row()] });
+    expect(history.count).toBe(100);
+    history.push({ stamp: START - 100, rows: [row()] });
+    expect(history.count).toBe(1);
+  });
+});
+
+describe("columns", () => {
+  test("never more than the width, whatever the history holds, and extremes survive", () => {
+    const history = filled(CAPACITY, (i) => [row({ intensity: i === 6000 ? 8 : 2 })]);
+    const columns = new Columns(300);
+    toColumns(history, history.lanes.get("QR")!.intensity, { from: START, to: START + 600, width: 300 }, columns);
+    expect(columns.length).toBeLessThanOrEqual(301);
+    expect(columns.length).toBeGreaterThan(290);
+    expect(Math.max(...columns.high.subarray(0, columns.length))).toBe(8);
+    expect(Math.min(...columns.low.subarray(0, columns.length))).toBe(2);
+  });
+
+  test("sparse samples keep their places and hold until the next", () => {
+    const history = filled(20, (i) => [row({ rate: i < 10 ? 1 : 0.5 })]);
+    const columns = new Columns(1000);
+    toColumns(history, history.lanes.get("QR")!.rate, { from: START, to: START + 1, width: 1000 }, columns);
+    expect(columns.length).toBe(20);
+    expect(columns.x[10]).toBeCloseTo(500, 1);
+    expect(columns.end[9]).toBeCloseTo(500, 1);
+    expect(columns.mean[10]).toBe(0.5);
+  });
+
+  test("what held at the left edge is drawn from it, and holes stay holes", () => {
+    const history = filled(20, (i) => [row({ utility: i >= 5 && i < 10 ? null : 3 })]);
+    const columns = new Columns(100);
+    toColumns(history, history.lanes.get("QR")!.utility, { from: START + 0.12, to: START + 0.9, width: 78 }, columns);
+    expect(columns.x[0]).toBe(0);
+    const starts = [...columns.x.subarray(0, columns.length)];
+    expect(starts.some((x) => x > 14 && x < 37)).toBe(false);
+    expect(columns.end[2]).toBeLessThanOrEqual(14);
+  });
+
+  test("a silence ends the column before it", () => {
+    const history = new LaneHistory();
+    history.push({ stamp: START, rows: [row()] });
+    history.push({ stamp: START + 20, rows: [row()] });
+    const columns = new Columns(300);
+    toColumns(history, history.lanes.get("QR")!.rate, { from: START - 5, to: START + 25, width: 300 }, columns);
+    expect([...columns.x.subarray(0, columns.length)]).toEqual([50, 250]);
+    expect(columns.end[0]).toBeCloseTo(60, 3);
+  });
+});
+
+describe("viewport", () => {
+  const now = START + 1000;
+
+  test("live follows the clock a little behind", () => {
+    expect(edges(INITIAL, now)).toEqual({ from: now - TRAIL_S - 30, to: now - TRAIL_S });
+  });
+
+  test("zoom stays between its bounds, and keeps the time under the hand while paused", () => {
+    expect(zoom(INITIAL, 1000).windowS).toBe(SHORTEST_S);
+    expect(zoom(INITIAL, 0.001).windowS).toBe(LONGEST_S);
+    const held = togglePause(INITIAL, now);
+    const before = edges(held, now);
+    const after = edges(zoom(held, 2, 0.25), now + 3);
+    const at = (e: { from: number; to: number }) => e.from + (e.to - e.from) * 0.25;
+    expect(at(after)).toBeCloseTo(at(before), 6);
+  });
+
+  test("panning back holds, panning to the present lets go, and the past has an end", () => {
+    const back = pan(INITIAL, 10, now, START);
+    expect(back.heldAt).toBeCloseTo(now - TRAIL_S - 10, 6);
+    expect(pan(back, -11, now, START).heldAt).toBeNull();
+    expect(pan(back, 1e6, now, START).heldAt).toBeCloseTo(START + 7.5, 6);
+  });
+
+  test("the buttons walk the usual windows", () => {
+    expect(stepZoom(INITIAL, 1).windowS).toBe(60);
+    expect(stepZoom(INITIAL, -1).windowS).toBe(20);
+    expect(stepZoom({ windowS: 600, heldAt: null }, 1).windowS).toBe(600);
+    expect(stepZoom({ windowS: 10, heldAt: null }, -1).windowS).toBe(10);
+  });
+});

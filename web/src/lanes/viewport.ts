@@ -1,0 +1,65 @@
+/** Which stretch of time the lanes show: pure functions for zoom, pan and pause. */
+
+import { CAPACITY } from "./history";
+
+export const SHORTEST_S = 10;
+export const LONGEST_S = 600;
+export const DEFAULT_S = 30;
+/** The right edge trails the robot's clock a little, so that what belongs there has arrived. */
+export const TRAIL_S = 0.15;
+
+export interface Viewport {
+  windowS: number;
+  /** Stamp of the right edge while paused; null: live. */
+  heldAt: number | null;
+}
+
+export const INITIAL: Viewport = { windowS: DEFAULT_S, heldAt: null };
+const STEPS = [10, 20, 30, 60, 120, 300, 600];
+
+export function edges(view: Viewport, now: number): { from: number; to: number } {
+  const to = view.heldAt ?? now - TRAIL_S;
+  return { from: to - view.windowS, to };
+}
+
+/** Zooms by `factor` (over 1: closer). While paused the time at `share` of the width (0 left, 1 right) stays in place. */
+export function zoom(view: Viewport, factor: number, share = 1): Viewport {
+  const windowS = clamp(view.windowS / factor, SHORTEST_S, LONGEST_S);
+  if (view.heldAt === null) return { windowS, heldAt: null };
+  const anchor = view.heldAt - view.windowS * (1 - share);
+  return { windowS, heldAt: anchor + windowS * (1 - share) };
+}
+
+/** The next wider (1) or closer (−1) of the usual windows. */
+export function stepZoom(view: Viewport, direction: 1 | -1): Viewport {
+  const next =
+    direction > 0 ? STEPS.find((s) => s > view.windowS + 0.01) : STEPS.findLast((s) => s < view.windowS - 0.01);
+  return { ...view, windowS: next ?? (direction > 0 ? LONGEST_S : SHORTEST_S) };
+}
+
+/** Moves the view by `seconds` into the past (positive); holds it, and lets go again at the present. */
+export function pan(view: Viewport, seconds: number, now: number, oldest: number): Viewport {
+  const live = now - TRAIL_S;
+  const to = (view.heldAt ?? live) - seconds;
+  if (to >= live) return { ...view, heldAt: null };
+  return { ...view, heldAt: Math.max(to, Math.min(live, oldest + view.windowS * 0.25)) };
+}
+
+export function togglePause(view: Viewport, now: number): Viewport {
+  return { ...view, heldAt: view.heldAt === null ? now - TRAIL_S : null };
+}
+
+/** Distance between ticks of the time axis, so that at most `most` fit. */
+export function tickStep(windowS: number, most: number): number {
+  return [1, 2, 5, 10, 15, 30, 60, 120].find((s) => windowS / s <= most) ?? 300;
+}
+
+export function span(seconds: number): string {
+  return seconds < 60 ? `${Math.round(seconds)} s` : `${Number((seconds / 60).toFixed(1))} min`;
+}
+
+function clamp(value: number, low: number, high: number): number {
+  return Math.max(low, Math.min(high, value));
+}
+
+if (CAPACITY < LONGEST_S * 20) throw new Error("the history must cover the longest window");

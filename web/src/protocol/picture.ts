@@ -1,0 +1,27 @@
+/** The binary frames of the live stream: 24 bytes of little-endian header, then the picture. */
+
+export const CAMERA = 1;
+const HEADER_BYTES = 24;
+
+export interface Picture {
+  kind: number;
+  seq: number;
+  stamp: number;
+  width: number;
+  height: number;
+  jpeg: Uint8Array<ArrayBuffer>;
+}
+
+/** Reads one binary frame; null if it is too short to be one. */
+export function parsePicture(frame: ArrayBuffer): Picture | null {
+  if (frame.byteLength <= HEADER_BYTES) return null;
+  const view = new DataView(frame);
+  return {
+    kind: view.getUint8(0),
+    seq: view.getUint32(4, true),
+    stamp: view.getFloat64(8, true),
+    width: view.getUint16(16, true),
+    height: view.getUint16(18, true),
+    jpeg: new Uint8Array(frame, HEADER_BYTES),
+  };
+}

@@ -1,0 +1,90 @@
+/** REST under `api/v1`: JSON in and out, errors as problem details (RFC 9457). */
+
+import type { Desire, RobotEvent } from "./types";
+
+export interface FieldError {
+  field: string;
+  message: string;
+}
+
+/** A refusal, in words for people; `status` 0 means that nobody answered. */
+export class Problem extends Error {
+  constructor(
+    readonly status: number,
+    readonly title: string,
+    readonly detail: string,
+    readonly errors: FieldError[] = [],
+  ) {
+    super(detail || title);
+  }
+}
+
+const ROOT = "./api/v1";
+
+export class Rest {
+  constructor(private readonly operator: () => string) {}
+
+  /** Resolves if this browser may use the console; a Problem with status 401 asks for a token. */
+  async session(): Promise<void> {
+    await this.ask("GET", "/session");
+  }
+
+  async logIn(token: string): Promise<void> {
+    await this.ask("POST", "/session", { token });
+  }
+
+  async timeline(limit: number): Promise<RobotEvent[]> {
+    const answer = (await this.ask("GET", `/timeline?limit=${limit}`)) as { events: RobotEvent[] };
+    return answer.events;
+  }
+
+  async addDesire(desire: Record<string, unknown>, key: string): Promise<Desire> {
+    return (await this.ask("POST", "/desires", desire, { "Idempotency-Key": key })) as Desire;
+  }
+
+  async changeDesire(id: string, change: Record<string, unknown>): Promise<void> {
+    await this.ask("PATCH", `/desires/${encodeURIComponent(id)}`, change);
+  }
+
+  async removeDesire(id: string): Promise<void> {
+    await this.ask("DELETE", `/desires/${encodeURIComponent(id)}`);
+  }
+
+  private async ask(method: string, path: string, body?: unknown, more: Record<string, string> = {}): Promise<unknown> {
+    const headers: Record<string, string> = { Accept: "application/json", "X-HBBA-Operator": headerSafe(this.operator()), ...more };
+    if (body !== undefined) headers["Content-Type"] = "application/json";
+    let response: Response;
+    try {
+      response = await fetch(ROOT + path, {
+        method,
+        headers,
+        credentials: "same-origin",
+        ...(body === undefined ? {} : { body: JSON.stringify(body) }),
+      });
+    } catch {
+      throw new Problem(0, "No answer", "The robot did not answer. Check that it runs and that you are on its network.");
+    }
+    if (!response.ok) throw await readProblem(response);
+    return response.status === 204 ? null : await response.json().catch(() => null);
+  }
+}
+
+async function readProblem(response: Response): Promise<Problem> {
+  const body = (await response.json().catch(() => null)) as Partial<Problem> | null;
+  const title = typeof body?.title === "string" ? body.title : `The robot answered ${response.status}`;
+  const detail = typeof body?.detail === "string" ? body.detail : "";
+  const errors = Array.isArray(body?.errors) ? body.errors.filter((e) => e && typeof e.message === "string") : [];
+  return new Problem(response.status, title, detail, errors);
+}
+
+/** Header values are Latin-1; a name in another script is sent percent-encoded. */
+function headerSafe(name: string): string {
+  return /^[\x20-\x7e]*$/.test(name) ? name : encodeURIComponent(name);
+}
+
+/** A fresh key for one intended change; `randomUUID` exists only in secure contexts. */
+export function idempotencyKey(): string {
+  if (typeof crypto.randomUUID === "function") return crypto.randomUUID();
+  const bytes = crypto.getRandomValues(new Uint8Array(16));
+  return Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
+}

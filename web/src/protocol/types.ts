@@ -1,0 +1,225 @@
+/** What crosses the live stream and REST, as in docs/live-stream.md. Stamps are the robot's clock, in seconds. */
+
+export interface Limits {
+  linear_mps: number;
+  angular_radps: number;
+  linear_mps2: number;
+  angular_radps2: number;
+}
+
+export interface Velocity {
+  linear_mps: number;
+  angular_radps: number;
+}
+
+/** The part of JSON Schema that parameter models use. */
+export interface JsonSchema {
+  type?: string | string[];
+  title?: string;
+  description?: string;
+  default?: unknown;
+  enum?: unknown[];
+  const?: unknown;
+  minimum?: number;
+  maximum?: number;
+  exclusiveMinimum?: number;
+  exclusiveMaximum?: number;
+  multipleOf?: number;
+  minLength?: number;
+  maxLength?: number;
+  pattern?: string;
+  properties?: Record<string, JsonSchema>;
+  required?: string[];
+  anyOf?: JsonSchema[];
+  allOf?: JsonSchema[];
+  $ref?: string;
+  $defs?: Record<string, JsonSchema>;
+}
+
+export interface DesireClass {
+  name: string;
+  title: string;
+  description: string;
+  schema: JsonSchema;
+}
+
+export interface Hello {
+  type: "hello";
+  protocol: number;
+  session: string;
+  stamp: number;
+  robot: { name: string; simulated: boolean; limits: Limits };
+  scale: { intensity: number; utility: number };
+  classes: DesireClass[];
+  channels: { camera?: boolean };
+}
+
+export interface Guard {
+  state: string;
+  reason: string;
+  e_stopped: boolean;
+  command_age_ms: number | null;
+  applied: Velocity;
+}
+
+export interface SourceState {
+  channel: string;
+  state: "live" | "stale" | "closed" | "waiting";
+  age_ms: number | null;
+  rate_hz: number | null;
+  expected_hz: number | null;
+}
+
+export interface Status {
+  type: "status";
+  seq: number;
+  stamp: number;
+  guard: Guard;
+  world_rate: number;
+  odometry: ({ x: number; y: number; theta: number } & Velocity) | null;
+  driver: { operator: string; mine: boolean } | null;
+  exploited: string | null;
+  sources: SourceState[];
+}
+
+export type LaneState = "fulfilled" | "degraded" | "unfulfilled" | "inhibited" | "undesired" | "needed";
+
+export interface LaneRow {
+  class: string;
+  intensity: number | null;
+  utility: number | null;
+  rate: number | null;
+  divisor: number | null;
+  state: LaneState;
+  text: string;
+}
+
+export interface Lanes {
+  type: "lanes";
+  seq: number;
+  stamp: number;
+  rows: LaneRow[];
+}
+
+export interface Desire {
+  id: string;
+  class: string;
+  intensity: number;
+  utility: number;
+  security: boolean;
+  params: Record<string, unknown>;
+  source: { kind: string; name: string };
+  created: number;
+  expires: number | null;
+}
+
+export interface SelectedStrategy {
+  name: string;
+  class: string;
+  utility: number;
+  filters: Record<string, number | null>;
+  costs: Record<string, number>;
+}
+
+export interface Reason {
+  state: string;
+  utility: number | null;
+  wanted: number | null;
+  text: string;
+  alternatives?: unknown[];
+}
+
+export interface Intention {
+  stamp: number;
+  strategies: SelectedStrategy[];
+  fulfilled: string[];
+  omega: number;
+  use: Record<string, { used: number; capacity: number; unit?: string }>;
+  filters: Record<string, number | null>;
+  proven: boolean;
+  solve_ms: number;
+  relaxed: string[];
+  reasons: Record<string, Reason>;
+}
+
+export interface RobotEvent {
+  id: number | string;
+  stamp: number;
+  kind: string;
+  subject: string | null;
+  text: string;
+  data?: Record<string, unknown> | null;
+}
+
+export interface ModuleInput {
+  name: string;
+  channel: string;
+  divisor: number | null;
+  received: number;
+  passed: number;
+  decimated: number;
+  dropped: number;
+  age_ms: number | null;
+}
+
+export interface ModuleLoad {
+  name: string;
+  title: string;
+  state: "running" | "starting" | "failed" | "hung" | "stopped";
+  cpu: number;
+  message_cpu_us: number | null;
+  restarts: number;
+  problem: string | null;
+  inputs: ModuleInput[];
+}
+
+export interface Load {
+  type: "load";
+  stamp: number;
+  process_cpu: number;
+  budget: number;
+  modules: ModuleLoad[];
+}
+
+export interface Landmark {
+  text: string;
+  x: number;
+  y: number;
+  z: number;
+  sigma_m: number;
+  sightings: number;
+  first_seen: number;
+  last_seen: number;
+}
+
+export type NoticeLevel = "info" | "warning" | "error";
+
+export type FromRobot =
+  | Hello
+  | Status
+  | Lanes
+  | Load
+  | { type: "desires"; desires: Desire[] }
+  | { type: "intention"; intention: Intention | null }
+  | { type: "events"; events: RobotEvent[] }
+  | { type: "landmarks"; landmarks: Landmark[] }
+  | { type: "pong"; t: number; stamp: number }
+  | { type: "notice"; level: NoticeLevel; text: string };
+
+export interface DriveCommand {
+  type: "drive";
+  seq: number;
+  held: boolean;
+  linear: number;
+  angular: number;
+}
+
+export type ToRobot =
+  | DriveCommand
+  | { type: "e_stop" }
+  | { type: "clear_e_stop" }
+  | { type: "take_control" }
+  | { type: "release_control" }
+  | { type: "ping"; t: number; rtt_ms: number | null }
+  | { type: "ack"; kind: 1; seq: number }
+  | { type: "view"; camera: boolean };

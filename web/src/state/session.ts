@@ -1,0 +1,181 @@
+/** Joins the connection to the store: newest message of each kind once per frame, staleness, login, clocks. */
+
+import { batch } from "@preact/signals";
+import { LiveConnection } from "../protocol/live";
+import { Problem, Rest } from "../protocol/rest";
+import type { FromRobot, ToRobot } from "../protocol/types";
+import type { Store } from "./store";
+
+const STALE_MS = 500;
+const HISTORY_EVENTS = 200;
+
+export class Session {
+  readonly rest: Rest;
+  /** Called with each binary frame, at arrival. */
+  onPicture: (frame: ArrayBuffer) => void = () => undefined;
+  /** Called when the robot has greeted a new connection. */
+  onHello: () => void = () => undefined;
+  private readonly live: LiveConnection;
+  private readonly waiting = new Map<FromRobot["type"], FromRobot>();
+  private lastStatusAt = 0;
+  private stopOwed = false;
+
+  constructor(private readonly store: Store) {
+    this.rest = new Rest(() => store.operator.value);
+    this.live = new LiveConnection(() => liveAddress(store.operator.value), {
+      opened: () => this.opened(),
+      message: (message) => this.receive(message),
+      picture: (frame) => this.onPicture(frame),
+      roundTrip: (rttMs) => this.roundTrip(rttMs),
+      lost: (everOpened, retryInMs) => this.lost(everOpened, retryInMs),
+    });
+  }
+
+  async start(): Promise<void> {
+    window.setInterval(() => this.watch(), 100);
+    window.setInterval(() => this.refresh(), 250);
+    const frame = () => {
+      this.apply();
+      requestAnimationFrame(frame);
+    };
+    requestAnimationFrame(frame);
+    await this.enter();
+  }
+
+  /** Asks whether we may, then connects; shows the login when we may not. */
+  async enter(): Promise<void> {
+    if (await this.refused()) this.store.link.value = { phase: "login", wasDriving: false, retryAt: 0 };
+    else this.live.open();
+  }
+
+  async logIn(token: string): Promise<void> {
+    await this.rest.logIn(token);
+    this.store.link.value = { phase: "connecting", wasDriving: false, retryAt: 0 };
+    this.live.open();
+  }
+
+  send(message: ToRobot): boolean {
+    return this.live.send(message);
+  }
+
+  /** Sends the emergency stop; while nobody hears it, it is owed and sent first thing on the next connection. */
+  eStop(): void {
+    if (this.send({ type: "e_stop" })) return;
+    this.stopOwed = true;
+    this.store.notify("error", "Not connected: the emergency stop will be sent as soon as the robot answers. Without commands it stands still.");
+  }
+
+  clearEStop(): void {
+    this.stopOwed = false;
+    this.send({ type: "clear_e_stop" });
+  }
+
+  private async refused(): Promise<boolean> {
+    try {
+      await this.rest.session();
+      return false;
+    } catch (problem) {
+      return problem instanceof Problem && problem.status === 401;
+    }
+  }
+
+  private opened(): void {
+    if (this.stopOwed && this.send({ type: "e_stop" })) this.stopOwed = false;
+    void this.rest.timeline(HISTORY_EVENTS).then(
+      (events) => {
+        this.store.addEvents(events);
+        this.store.eventsKnown.value = true;
+      },
+      () => (this.store.eventsKnown.value = true),
+    );
+  }
+
+  private receive(message: FromRobot): void {
+    const at = performance.now();
+    if (message.type === "hello") this.store.clock.reset();
+    if ("stamp" in message && typeof message.stamp === "number" && message.type !== "load") this.store.clock.heard(message.stamp, at / 1000);
+    if (message.type === "status") this.lastStatusAt = at;
+    if (message.type === "lanes") this.store.lanes.push(message);
+    if (message.type === "events") this.store.addEvents(message.events);
+    else if (message.type === "notice") this.store.notify(message.level, message.text);
+    else if (message.type === "hello") {
+      this.store.hello.value = message;
+      this.onHello();
+    } else this.waiting.set(message.type, message);
+  }
+
+  /** What came since the last frame, newest of each kind, in one batch. */
+  private apply(): void {
+    if (this.waiting.size === 0) return;
+    const messages = [...this.waiting.values()];
+    this.waiting.clear();
+    batch(() => messages.forEach((message) => this.show(message)));
+  }
+
+  private show(message: FromRobot): void {
+    const { store } = this;
+    if (message.type === "status") {
+      store.status.value = message;
+      if (store.link.value.phase !== "live" && this.fresh()) store.link.value = { phase: "live", wasDriving: false, retryAt: 0 };
+    } else if (message.type === "lanes") store.rows.value = message.rows;
+    else if (message.type === "desires") store.desires.value = message.desires;
+    else if (message.type === "intention") store.intention.value = message.intention;
+    else if (message.type === "landmarks") store.landmarks.value = message.landmarks;
+    else if (message.type === "load") {
+      store.load.value = message;
+      store.addLoad(message);
+    }
+  }
+
+  private roundTrip(rttMs: number): void {
+    this.store.rttMs.value = rttMs;
+    this.store.clock.roundTrip(rttMs / 1000, performance.now() / 1000);
+  }
+
+  private fresh(): boolean {
+    return performance.now() - this.lastStatusAt <= STALE_MS;
+  }
+
+  private watch(): void {
+    const link = this.store.link.value;
+    if (link.phase === "live" && !this.fresh()) this.store.link.value = { ...link, phase: "stale" };
+  }
+
+  private refresh(): void {
+    const at = performance.now();
+    const { store } = this;
+    batch(() => {
+      store.now.value = store.clock.now(at / 1000);
+      const shown = store.status.value?.stamp;
+      const now = store.now.value;
+      store.viewAgeMs.value = shown !== undefined && now !== null ? Math.max(0, (now - shown) * 1000) : null;
+      if (store.notices.value.some((notice) => notice.until < at)) {
+        store.notices.value = store.notices.value.filter((notice) => notice.until >= at);
+      }
+    });
+  }
+
+  private lost(everOpened: boolean, retryInMs: number): void {
+    const { store } = this;
+    const was = store.link.value;
+    const wasDriving = was.wasDriving || (everOpened && store.status.value?.driver?.mine === true);
+    const phase = store.hello.value ? "lost" : "connecting";
+    store.link.value = { phase, wasDriving, retryAt: performance.now() + retryInMs };
+    store.rttMs.value = null;
+    if (everOpened) return;
+    // A refused handshake looks like a dead robot: ask which it is.
+    void this.refused().then((refused) => {
+      if (!refused) return;
+      this.live.close();
+      store.link.value = { phase: "login", wasDriving: false, retryAt: 0 };
+    });
+  }
+}
+
+function liveAddress(operator: string): string {
+  const address = new URL("./api/v1/live", location.href);
+  address.protocol = location.protocol === "https:" ? "wss:" : "ws:";
+  address.search = new URLSearchParams({ operator }).toString();
+  address.hash = "";
+  return address.href;
+}

@@ -1,0 +1,104 @@
+/** The page's one store: what the robot last said, and what this page is showing. Fed by `session.ts`. */
+
+import { computed, type ReadonlySignal, signal } from "@preact/signals";
+import type { Desire, Hello, Intention, Landmark, LaneRow, Load, NoticeLevel, RobotEvent, Status } from "../protocol/types";
+import { LaneHistory } from "../lanes/history";
+import { RobotClock } from "./robotClock";
+
+export type Phase = "connecting" | "live" | "stale" | "lost" | "login";
+export type Tab = "attention" | "lanes" | "found" | "load" | "events";
+export type CameraMode = "inset" | "large" | "hidden";
+
+export interface LinkView {
+  phase: Phase;
+  /** This page was driving when the connection was lost. */
+  wasDriving: boolean;
+  /** The page's clock (ms) at which the next attempt starts. */
+  retryAt: number;
+}
+
+export interface Notice {
+  id: number;
+  level: NoticeLevel;
+  text: string;
+  until: number;
+}
+
+/** One figure a second, newest last, for the load plot. */
+export interface LoadPoint {
+  stamp: number;
+  cpu: number;
+  budget: number;
+}
+
+const EVENTS_KEPT = 1000;
+const LOAD_KEPT = 600;
+const NOTICES_SHOWN = 4;
+const OPERATOR_KEY = "hbba.operator";
+
+export function createStore() {
+  const link = signal<LinkView>({ phase: "connecting", wasDriving: false, retryAt: 0 });
+  const events = signal<RobotEvent[]>([]);
+  const loadHistory = signal<LoadPoint[]>([]);
+  const notices = signal<Notice[]>([]);
+  const operator = signal(readOperator());
+  let noticeId = 0;
+
+  return {
+    clock: new RobotClock(),
+    lanes: new LaneHistory(),
+    link,
+    hello: signal<Hello | null>(null),
+    status: signal<Status | null>(null),
+    rows: signal<LaneRow[]>([]),
+    desires: signal<Desire[] | null>(null),
+    intention: signal<Intention | null>(null),
+    load: signal<Load | null>(null),
+    loadHistory,
+    landmarks: signal<Landmark[] | null>(null),
+    events,
+    eventsKnown: signal(false),
+    notices,
+    operator,
+    rttMs: signal<number | null>(null),
+    viewAgeMs: signal<number | null>(null),
+    /** The robot's clock, refreshed four times a second: for "12 s ago". */
+    now: signal<number | null>(null),
+    tab: signal<Tab>("attention"),
+    camera: signal<CameraMode>("inset"),
+    help: signal(false),
+    live: computed(() => link.value.phase === "live") as ReadonlySignal<boolean>,
+
+    addEvents(fresh: RobotEvent[]): void {
+      // A robot that was started anew counts from the beginning again: the stamp tells its events apart.
+      const key = (event: RobotEvent) => `${event.id}@${event.stamp}`;
+      const known = new Set(events.value.map(key));
+      const added = fresh.filter((event) => !known.has(key(event)));
+      if (added.length === 0) return;
+      const all = [...events.value, ...added].sort((a, b) => a.stamp - b.stamp);
+      events.value = all.slice(-EVENTS_KEPT);
+    },
+    addLoad(load: Load): void {
+      const point = { stamp: load.stamp, cpu: load.process_cpu, budget: load.budget };
+      loadHistory.value = [...loadHistory.value.slice(1 - LOAD_KEPT), point];
+    },
+    notify(level: NoticeLevel, text: string): void {
+      const until = performance.now() + (level === "info" ? 5000 : 9000);
+      const others = notices.value.filter((notice) => notice.text !== text);
+      notices.value = [...others, { id: ++noticeId, level, text, until }].slice(-NOTICES_SHOWN);
+    },
+    dismiss(id: number): void {
+      notices.value = notices.value.filter((notice) => notice.id !== id);
+    },
+    rename(name: string): void {
+      operator.value = name.trim().slice(0, 40) || "operator";
+      localStorage.setItem(OPERATOR_KEY, operator.value);
+    },
+  };
+}
+
+function readOperator(): string {
+  return (typeof localStorage === "undefined" ? null : localStorage.getItem(OPERATOR_KEY)) ?? "operator";
+}
+
+export type Store = ReturnType<typeof createStore>;

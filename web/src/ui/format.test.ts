@@ -1,0 +1,24 @@
+import { expect, test } from "vitest";
+import { ago, divisor, left, millis, number, spaced } from "./format";
+
+test("ages are said as people say them", () => {
+  expect([0.4, 12.3, 89, 200, 7200, 200_000].map(ago)).toEqual(["just now", "12 s ago", "89 s ago", "3 min ago", "2 h ago", "2 d ago"]);
+  expect([0.2, 29.4, 600].map(left)).toEqual(["1 s left", "30 s left", "10 min left"]);
+  expect(ago(-3)).toBe("just now");
+});
+
+test("divisors, milliseconds and numbers", () => {
+  expect([1, 2, null, undefined].map(divisor)).toEqual(["all", "1 of 2", "closed", "closed"]);
+  expect([1.234, 34.6, 12_400, null].map(millis)).toEqual(["1.2", "35", "12 s", "–"]);
+  expect([8, 1.25, -0.5, null].map((v) => number(v))).toEqual(["8", "1.3", "−0.5", "–"]);
+});
+
+test("names of classes are spaced, acronyms stay", () => {
+  expect(["FindQRCodes", "SLAM", "LocateFaces", "GoTo", "Teleoperation"].map(spaced)).toEqual([
+    "Find QR codes",
+    "SLAM",
+    "Locate faces",
+    "Go to",
+    "Teleoperation",
+  ]);
+});

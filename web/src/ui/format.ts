@@ -1,0 +1,49 @@
+/** Numbers, ages and divisors in words for people. */
+
+export function ago(seconds: number): string {
+  const s = Math.max(0, seconds);
+  if (s < 1.5) return "just now";
+  if (s < 90) return `${Math.round(s)} s ago`;
+  if (s < 5400) return `${Math.round(s / 60)} min ago`;
+  if (s < 129_600) return `${Math.round(s / 3600)} h ago`;
+  return `${Math.round(s / 86_400)} d ago`;
+}
+
+export function left(seconds: number): string {
+  const s = Math.max(0, seconds);
+  if (s < 90) return `${Math.ceil(s)} s left`;
+  if (s < 5400) return `${Math.round(s / 60)} min left`;
+  return `${Math.round(s / 3600)} h left`;
+}
+
+/** "all", "1 of 2", "closed". */
+export function divisor(phi: number | null | undefined): string {
+  if (phi === null || phi === undefined) return "closed";
+  return phi === 1 ? "all" : `1 of ${phi}`;
+}
+
+export function millis(ms: number | null | undefined): string {
+  if (ms === null || ms === undefined || !Number.isFinite(ms)) return "–";
+  if (ms < 9.95) return ms.toFixed(1);
+  if (ms < 10_000) return Math.round(ms).toString();
+  return `${Math.round(ms / 1000)} s`;
+}
+
+export function number(value: number | null | undefined, digits = 1): string {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "–";
+  return Number(value.toFixed(digits)).toString().replace("-", "−");
+}
+
+export function percent(share: number | null | undefined): string {
+  return share === null || share === undefined ? "–" : `${Math.round(share * 100)} %`;
+}
+
+/** FindQRCodes → Find QR codes. */
+export function spaced(name: string): string {
+  const words = name.replace(/([a-z0-9])([A-Z])/g, "$1 $2").replace(/([A-Z]+)([A-Z][a-z])/g, "$1 $2").split(/[\s_]+/);
+  return words.map((word, i) => (i === 0 || /^[A-Z0-9]{2,}/.test(word) ? word : word.toLowerCase())).join(" ");
+}
+
+export function clockTime(stamp: number): string {
+  return new Date(stamp * 1000).toLocaleTimeString([], { hour12: false });
+}
