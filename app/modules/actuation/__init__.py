@@ -1,0 +1,1 @@
+"""From behaviors' commands to the motors: arbitration and limits."""

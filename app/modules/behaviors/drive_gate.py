@@ -1,0 +1,71 @@
+"""What an operator's hands may do to the base: a pure decision on each command and on each beat of the clock.
+
+The dead-man rules: a command with ``held`` False stops at once, even one that comes late; while held, silence of
+``timeout_s`` stops too; what cannot be a stick position (not a number, beyond full stick) stops and is refused; a held
+command older than one already taken is ignored.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from app.link import BaseLimits
+from app.messages import OperatorDrive, Twist
+
+#: Full stick is 1; rounding on the way here may add a hair.
+_FULL = 1.0 + 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """What follows from a command or a beat: the ``twist`` to publish, None for nothing; ``problem`` in words or empty."""
+
+    twist: Twist | None
+    problem: str = ""
+
+
+class DriveGate:
+    """Turns operator commands into twists; ``timeout_s`` is how long a held command stands by itself."""
+
+    def __init__(self, limits: BaseLimits, timeout_s: float = 0.25) -> None:
+        self.limits = limits
+        self.timeout_s = timeout_s
+        self._operator: str | None = None
+        self._sequence = -1
+        self._held_since: float | None = None
+
+    def take(self, command: OperatorDrive, speed: float = 1.0) -> Decision:
+        """Decide on a command: full stick gives ``speed`` (in ]0, 1]) of the robot's limits."""
+        if command.operator != self._operator:
+            self._operator, self._sequence = command.operator, -1
+        late = command.sequence <= self._sequence
+        self._sequence = max(self._sequence, command.sequence)
+        if not command.held:
+            return Decision(self._stop(command.stamp))
+        if late:
+            return Decision(None)
+        if not all(math.isfinite(stick) and abs(stick) <= _FULL for stick in (command.linear, command.angular)):
+            return Decision(
+                self._stop(command.stamp),
+                f"refused a command: linear and angular must be numbers from -1 to 1, "
+                f"not {command.linear!r} and {command.angular!r}",
+            )
+        self._held_since = command.stamp
+        linear, angular = (max(-1.0, min(1.0, stick)) for stick in (command.linear, command.angular))
+        return Decision(
+            Twist(command.stamp, speed * linear * self.limits.linear_mps, speed * angular * self.limits.angular_radps)
+        )
+
+    def beat(self, now: float) -> Decision:
+        """Decide on silence: a held command older than ``timeout_s`` is stopped, once."""
+        if self._held_since is None or now - self._held_since < self.timeout_s:
+            return Decision(None)
+        silence_s = now - self._held_since
+        return Decision(
+            self._stop(now), f"stopped: the dead-man was held, but nothing came from the operator for {silence_s:.2f} s"
+        )
+
+    def _stop(self, stamp: float) -> Twist:
+        self._held_since = None
+        return Twist(stamp, 0.0, 0.0)

@@ -1,0 +1,82 @@
+"""Teleop: the operator's hands drive the base (thesis 4.2).
+
+    ┌─────────────────────────────────────────────────────────────────────────────────────────┐
+    │ Teleop    in   operator  OperatorDrive, 20 Hz while held, sticks -1..1; never filtered   │
+    │           out  twist     Twist, with each command (m/s, rad/s in base_link)              │
+    └─────────────────────────────────────────────────────────────────────────────────────────┘
+
+    v = speed · stick_linear · v_max        ω = speed · stick_angular · ω_max
+
+``speed`` is the parameter of the desire Teleoperation, v_max and ω_max are the body's limits. Only while the dead-man is
+held: its release gives zero at once, silence while held gives zero after ``timeout_s``, and one zero is the last word
+when attention closes the output.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import Field
+
+from app.messages import OperatorDrive, Twist
+from app.modules.behaviors.drive_gate import Decision, DriveGate
+from app.modules.body import robot_link
+from app.runtime.module import Module, ModuleContext, Settings
+
+
+class TeleopSettings(Settings):
+    """Settings of Teleop: two periods whose sum bounds the time from an operator's silence to the stop."""
+
+    timeout_s: float = Field(0.25, gt=0, le=1, description="a held command stands this long by itself")
+    period_s: float = Field(0.025, gt=0, le=0.1, description="how often silence is looked for")
+
+
+class Teleop(Module):
+    """Scales an operator's commands into twists, and stops when the operator does or falls silent."""
+
+    title = "Teleop"
+    Settings = TeleopSettings
+
+    _gate: DriveGate
+
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        assert isinstance(context.settings, TeleopSettings)
+        self._settings = context.settings
+        # Room for a burst: a release must not push out, nor be pushed out by, what comes next to it.
+        self.operator = self.input("operator", OperatorDrive, capacity=8, always_open=True)
+        self.twist = self.output("twist", Twist)
+        self._speed = 1.0
+        self._refusing = False
+        self.on(self.operator, self._take)
+        self.every(self._settings.period_s, self._beat)
+
+    async def start(self) -> None:
+        """Ask the body for its limits."""
+        self._gate = DriveGate(robot_link(self).description.limits, self._settings.timeout_s)
+
+    def configure(self, parameters: Mapping[str, Any]) -> None:
+        """Take ``speed`` (share of the limits, in ]0, 1]) from the intention; 1 without one."""
+        self._speed = float(parameters.get("speed", 1.0))
+
+    def last_word(self, port: str) -> Twist | None:
+        """A stop, when attention takes the wheel away."""
+        return Twist(self.clock.now(), 0.0, 0.0)
+
+    async def _take(self, command: OperatorDrive) -> None:
+        decision = self._gate.take(command, self._speed)
+        if decision.problem and not self._refusing:
+            self.log.warning("%s", decision.problem)
+        self._refusing = bool(decision.problem)
+        self._publish(decision)
+
+    async def _beat(self) -> None:
+        decision = self._gate.beat(self.clock.now())
+        if decision.problem:
+            self.log.warning("%s", decision.problem)
+        self._publish(decision)
+
+    def _publish(self, decision: Decision) -> None:
+        if decision.twist is not None:
+            self.twist.publish(decision.twist)

@@ -1,0 +1,71 @@
+"""The desire classes of this robot: what can be asked of it, with which parameters (thesis 4.2.5)."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from app.attention.desires import DesireClass
+
+
+class FindQRCodesParameters(BaseModel):
+    """Parameters of a desire of class FindQRCodes."""
+
+    model_config = ConfigDict(extra="forbid", title="Find QR codes")
+
+    upscale: bool = Field(
+        True,
+        title="Second try enlarged",
+        description="Look again in the image enlarged two times when nothing was found: reads codes from further away, "
+        "for about twice the computing time.",
+    )
+
+
+class TeleoperationParameters(BaseModel):
+    """Parameters of a desire of class Teleoperation."""
+
+    model_config = ConfigDict(extra="forbid", title="Drive by hand")
+
+    speed: float = Field(
+        1.0,
+        gt=0,
+        le=1,
+        title="Speed",
+        description="Share of the robot's greatest speeds that full stick gives, 0 to 1.",
+    )
+
+
+class TelepresenceParameters(BaseModel):
+    """Parameters of a desire of class Telepresence."""
+
+    model_config = ConfigDict(extra="forbid", title="See through the robot's eyes")
+
+    max_points: int = Field(
+        19_200, ge=1_000, le=76_800, title="Points", description="Most points of one coloured point cloud."
+    )
+    jpeg_quality: int = Field(
+        80, ge=30, le=95, title="Picture quality", description="JPEG quality of the camera picture, 30 to 95."
+    )
+
+
+def desire_classes() -> tuple[DesireClass, ...]:
+    """Every desire class that modules of this program serve, in the order the console shows them."""
+    return (
+        DesireClass(
+            name="FindQRCodes",
+            title="Find QR codes",
+            description="Read the QR codes in the camera's view and remember where they hang (m, in odom).",
+            parameters=FindQRCodesParameters,
+        ),
+        DesireClass(
+            name="Teleoperation",
+            title="Drive by hand",
+            description="Let an operator's hands drive the base while the dead-man is held.",
+            parameters=TeleoperationParameters,
+        ),
+        DesireClass(
+            name="Telepresence",
+            title="See through the robot's eyes",
+            description="Send people the camera's picture and its coloured point cloud (m, in base_link).",
+            parameters=TelepresenceParameters,
+        ),
+    )

@@ -1,0 +1,1 @@
+"""What makes the robot want: motivations post desires into the Intention Workspace."""

@@ -1,0 +1,1 @@
+"""From sensor messages to percepts: pure algorithm files beside thin modules."""

@@ -1,0 +1,1 @@
+"""What the body senses, put on channels: nothing is computed here."""

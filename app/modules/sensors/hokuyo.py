@@ -1,0 +1,28 @@
+"""Hokuyo: the laser range finder at 0.40 m above the ground (thesis 4.2: UTM-30LX).
+
+    ┌─────────────────────────────────────────────────────────────────────────────────────────┐
+    │ Hokuyo    out  scans  LaserScan, 40 Hz, 720 rays over 180 deg, 30 m, in hokuyo_link      │
+    └─────────────────────────────────────────────────────────────────────────────────────────┘
+
+Computes nothing: what the body's stream ``hokuyo`` gives is published as it comes, and only while somebody wants it.
+"""
+
+from __future__ import annotations
+
+from app.messages import LaserScan
+from app.modules.body import StreamModule
+from app.runtime.module import ModuleContext
+
+
+class Hokuyo(StreamModule):
+    """The body's ``hokuyo`` stream on a channel."""
+
+    title = "Hokuyo laser"
+
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.scans = self.output("scans", LaserScan)
+
+    async def start(self) -> None:
+        """Listen to the body. Raises ModuleFailed for a body without a laser."""
+        self.relay("hokuyo", self.scans, lazy=True)

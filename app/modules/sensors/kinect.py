@@ -1,0 +1,29 @@
+"""Kinect: colour and registered depth from the camera on the head (thesis 4.2).
+
+    ┌─────────────────────────────────────────────────────────────────────────────────────────┐
+    │ Kinect    out  images  Image, 15 Hz, 640 x 480, in kinect_optical_frame, depth 0.4-5 m   │
+    └─────────────────────────────────────────────────────────────────────────────────────────┘
+
+Computes nothing: what the body's stream ``kinect`` gives is published as it comes, and only while somebody wants it.
+A closed eye costs no rendering, no transport and no memory traffic: that is where attention saves most.
+"""
+
+from __future__ import annotations
+
+from app.messages import Image
+from app.modules.body import StreamModule
+from app.runtime.module import ModuleContext
+
+
+class Kinect(StreamModule):
+    """The body's ``kinect`` stream on a channel."""
+
+    title = "Kinect"
+
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.images = self.output("images", Image)
+
+    async def start(self) -> None:
+        """Listen to the body. Raises ModuleFailed for a body without a Kinect."""
+        self.relay("kinect", self.images, lazy=True)

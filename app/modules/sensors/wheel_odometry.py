@@ -1,0 +1,31 @@
+"""WheelOdometry: where the wheels say the base went, and how the joints stand (thesis 4.2).
+
+    ┌─────────────────────────────────────────────────────────────────────────────────────────┐
+    │ WheelOdometry    out  odometry  Odometry, 100 Hz, X_OB in odom (m, rad), twist in base   │
+    │                  out  joints    JointState, 30 Hz or as the body gives them (rad, m)     │
+    └─────────────────────────────────────────────────────────────────────────────────────────┘
+
+Computes nothing; both streams always run, since self-motion and safety may have no gap.
+"""
+
+from __future__ import annotations
+
+from app.messages import JointState, Odometry
+from app.modules.body import StreamModule
+from app.runtime.module import ModuleContext
+
+
+class WheelOdometry(StreamModule):
+    """The body's ``odometry`` and ``joints`` streams on channels."""
+
+    title = "Wheel odometry"
+
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.odometry = self.output("odometry", Odometry)
+        self.joints = self.output("joints", JointState)
+
+    async def start(self) -> None:
+        """Listen to the body. Raises ModuleFailed for a body that gives no odometry or joints."""
+        self.relay("odometry", self.odometry)
+        self.relay("joints", self.joints)
