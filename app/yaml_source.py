@@ -1,7 +1,7 @@
 """YAML (and JSON, its subset) read so that every error can name file, line and key.
 
-Scalars follow the YAML 1.2 core schema: ``off``, ``no`` and ``12:30`` are strings and ``1e3`` is a number, where YAML 1.1
-would have made them False, False, 750 and a string. A key given twice is an error.
+Scalars follow the YAML 1.2 core schema: ``off``, ``no`` and ``12:30`` are strings and ``1e3`` is a number, where YAML
+1.1 would have made them False, False, 750 and a string. A key given twice is an error.
 """
 
 from __future__ import annotations
@@ -56,8 +56,8 @@ _CoreLoader.add_constructor("tag:yaml.org,2002:int", _construct_int)
 class Document:
     """A file's content and where each value stands.
 
-    ``data`` is what the file says (dict, list, str, int, float, bool, None); ``file`` its name for people; ``lines`` the
-    line, from 1, of each key path.
+    ``data`` is what the file says (dict, list, str, int, float, bool, None); ``file`` its name for people; ``lines``
+    the line, from 1, of each key path.
     """
 
     data: Any
@@ -77,7 +77,8 @@ class Document:
         return ConfigError(message, self.file, self.line(key_path), dotted(key_path))
 
     def validate(self, model: type[ModelT], at: KeyPath = ()) -> ModelT:
-        """The part of the document under ``at`` as a ``model``; raises ConfigError at the first value that does not fit."""
+        """The part of the document under ``at`` as a ``model``; raises ConfigError at the first value that does not
+        fit."""
         value = self.data
         for key in at:
             value = value[key]

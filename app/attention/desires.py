@@ -1,0 +1,147 @@
+"""Desires and their classes (thesis 2.2.3, 4.2.5).
+
+A desire asks for one class of behavior or perception: with an intensity *i* (how much), a desired utility *u* (how good
+it must be; 0 inhibits the class), a security flag *z* (must be fulfilled) and the parameters its class declares.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Final, Literal
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from app.yaml_source import dotted, suggestion, validation_message
+
+SCALE: Final = 8.0
+"""The scale's end for intensity, desired utility and produced utility: t_i = t_u = t_v of the thesis."""
+
+GRAIN: Final = 1000
+"""Intensities, utilities and costs are whole thousandths, so that optima are compared exactly."""
+
+SourceKind = Literal["motivation", "operator", "rest"]
+
+
+class UnknownDesireClass(Exception):
+    """No desire class has this name. ``name`` is the one asked for, ``known`` those there are."""
+
+    def __init__(self, name: str, known: Iterable[str]) -> None:
+        self.name = name
+        self.known = tuple(sorted(known))
+        super().__init__(f"no desire class is called {name!r}; {suggestion(name, self.known)}")
+
+
+class InvalidDesire(Exception):
+    """A desire was refused. ``field`` is the dotted name of what is wrong, ``message`` says what is allowed."""
+
+    def __init__(self, field: str, message: str) -> None:
+        self.field = field
+        self.message = message
+        super().__init__(f"{field}: {message}")
+
+
+class NoParameters(BaseModel):
+    """The parameters of a desire class that takes none."""
+
+    model_config = ConfigDict(extra="forbid")
+
+
+@dataclass(frozen=True, slots=True)
+class DesireClass:
+    """What can be desired: its name in configuration and REST, words for people, and its parameters as a pydantic
+    model."""
+
+    name: str
+    title: str
+    description: str
+    parameters: type[BaseModel] = NoParameters
+
+    def validated(self, params: Mapping[str, Any] | None) -> dict[str, Any]:
+        """``params`` checked, completed with defaults and made JSON-able; raises InvalidDesire naming the parameter."""
+        given = dict(params or {})
+        if self.parameters.model_config.get("extra") != "allow":
+            allowed = [info.alias or name for name, info in self.parameters.model_fields.items()]
+            for key in given:
+                if key not in allowed:
+                    raise InvalidDesire(
+                        f"params.{key}", f"{self.name} has no such parameter; {suggestion(key, allowed)}"
+                    )
+        try:
+            return self.parameters.model_validate(given).model_dump(mode="json", by_alias=True)
+        except ValidationError as failure:
+            detail = failure.errors(include_url=False)[0]
+            field = dotted(("params", *detail["loc"]))
+            raise InvalidDesire(field, validation_message(self.parameters, detail)) from None
+
+
+class DesireClasses(Mapping[str, DesireClass]):
+    """The desire classes of a robot by name; an unknown name raises UnknownDesireClass, which names those there are."""
+
+    def __init__(self, classes: Iterable[DesireClass]) -> None:
+        self._classes: dict[str, DesireClass] = {}
+        for desire_class in classes:
+            if desire_class.name in self._classes:
+                raise ValueError(f"two desire classes are called {desire_class.name!r}")
+            self._classes[desire_class.name] = desire_class
+
+    def __getitem__(self, name: str) -> DesireClass:
+        try:
+            return self._classes[name]
+        except KeyError:
+            raise UnknownDesireClass(name, self._classes) from None
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._classes
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._classes)
+
+    def __len__(self) -> int:
+        return len(self._classes)
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Who asked: a motivation of the robot, an operator at the console or a REST client, by name."""
+
+    kind: SourceKind
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Desire:
+    """One desire, as it stands in the Intention Workspace.
+
+    ``intensity`` in ]0, 8]; ``utility`` (desired) in [0, 8], 0 inhibits the class; ``security`` must be fulfilled;
+    ``params`` as validated by the class; ``created`` and ``expires`` are stamps (seconds of the robot's clock),
+    ``expires`` None for a desire that stays until removed.
+    """
+
+    id: str
+    cls: str
+    intensity: float
+    utility: float
+    security: bool
+    params: Mapping[str, Any]
+    source: Source
+    created: float
+    expires: float | None = None
+
+
+def checked_number(field: str, value: object, *, above: float | None = None) -> float:
+    """``value`` rounded to a thousandth; raises InvalidDesire unless within [0, 8] (``above``: strictly greater)."""
+    low = f"greater than {above:g}" if above is not None else "at least 0"
+    problem = f"must be a number {low} and at most {SCALE:g}, not {value!r}"
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise InvalidDesire(field, problem)
+    rounded = round(value * GRAIN) / GRAIN
+    if rounded > SCALE or rounded < 0 or (above is not None and rounded <= above):
+        raise InvalidDesire(field, problem)
+    return rounded
+
+
+def strongest_first(desire: Desire) -> tuple[float, float]:
+    """Sort key: the most intense desire first, the older of two equally intense."""
+    return (-desire.intensity, desire.created)

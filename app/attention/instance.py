@@ -1,0 +1,226 @@
+"""A selection problem in whole numbers: what both exact searches work on.
+
+Strategies that cannot be part of any useful selection are left out: those of classes that nobody desires and nothing
+requires, those of inhibited classes or requiring one, and those too weak for their class where nothing else needs it.
+
+The objective is lexicographic: Ω first, then the ties of ARCHITECTURE.md in order. Each criterion is a whole-number
+linear form; :attr:`Instance.fulfil`, ``serve`` and ``pay`` hold them combined into one whole number in mixed radix
+(Python's integers have no bound), :attr:`Instance.criteria` one by one.
+
+1. Ω, in 10⁻⁶ (weights and values are thousandths)
+2. Σ i' f a v: more utility to the more intense desire
+3. fewest strategies that were not selected before: no needless switch
+4. least use of the thrift resource (CPU)
+5. fewest strategies
+6. table order: of the first strategy in which two selections differ, the one that has it
+
+By 3 to 5 no set of strategies that serves nothing survives: without it a selection is never worse, and by 5 better.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from app.attention.problem import InvalidProblem, Problem, thousandths, thrift_resource
+from app.attention.strategies import exclusive
+
+
+class Infeasible(Exception):
+    """No selection meets every security desire."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """``chosen`` kept-strategy indices s; ``bound`` of Ω in 10⁻⁶ (without the offset); ``proven`` optimal in every
+    criterion."""
+
+    chosen: tuple[int, ...]
+    bound: int
+    proven: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Criterion:
+    """One linear form to maximise: Σ_k fulfil_k f_k + Σ_s serve_s f_k(s) a_s - Σ_s pay_s a_s, its value in [-low,
+    high]."""
+
+    fulfil: dict[int, int]
+    serve: tuple[int, ...]
+    pay: tuple[int, ...]
+    low: int
+    high: int
+
+
+@dataclass(frozen=True, slots=True)
+class Instance:
+    """Whole numbers only. Index s counts the strategies kept, k the classes concerned.
+
+    ``table`` (s) index in the problem's table; ``cls`` (s) class k; ``utility`` (s) v; ``requires`` (s) {k: l};
+    ``costs`` (s) a c per limited resource; ``capacities`` m; ``members`` (k) its s; ``conflicts`` (s) the s excluded by
+    it; ``desired`` {k: u'} with u' > 0; ``needed`` the k that some kept strategy requires; ``security`` the k with z' =
+    1 kept; ``impossible``: a security class has no strategy at all.
+    """
+
+    problem: Problem
+    classes: tuple[str, ...]
+    table: tuple[int, ...]
+    cls: tuple[int, ...]
+    utility: tuple[int, ...]
+    requires: tuple[dict[int, int], ...]
+    costs: tuple[tuple[int, ...], ...]
+    capacities: tuple[int, ...]
+    members: tuple[tuple[int, ...], ...]
+    conflicts: tuple[frozenset[int], ...]
+    desired: dict[int, int]
+    needed: frozenset[int]
+    security: frozenset[int]
+    impossible: bool
+    criteria: tuple[Criterion, ...]
+    fulfil: dict[int, int]
+    serve: tuple[int, ...]
+    pay: tuple[int, ...]
+    omega_unit: int
+    omega_shift: int
+    omega_offset: int
+
+    def value(self, chosen: tuple[int, ...]) -> int:
+        """The combined objective of a selection that breaks no constraint."""
+        total = -sum(self.pay[s] for s in chosen)
+        for k, wanted in self.desired.items():
+            cover = sum(self.utility[s] for s in chosen if self.cls[s] == k)
+            cover -= sum(self.requires[s].get(k, 0) for s in chosen)
+            if cover >= wanted:
+                total += self.fulfil[k] + sum(self.serve[s] for s in chosen if self.cls[s] == k)
+        return total
+
+    def omega_criterion(self, value: int) -> int:
+        """Ω in 10⁻⁶ without the offset, from a combined objective (an upper bound of the one from one of the other)."""
+        return (value + self.omega_shift) // self.omega_unit
+
+    def omega_of(self, millionths: int) -> float:
+        """Ω from the value of its criterion."""
+        return round((millionths + self.omega_offset) / 1e6, 6)
+
+
+def build_instance(problem: Problem, *, relaxed: frozenset[str] = frozenset()) -> Instance:
+    """The whole-number form of ``problem``; γ4 is dropped for the classes in ``relaxed``. Raises InvalidProblem."""
+    desires = problem.desires
+    inhibited = {cls for cls, desire in desires.items() if desire.utility == 0}
+    kept = _useful(problem, inhibited)
+    strategies = [problem.strategies[index] for index in kept]
+    names = list(dict.fromkeys([s.cls for s in strategies] + [c for s in strategies for c in s.requires]))
+    names += [c for c, d in desires.items() if c not in names and c not in inhibited and d.security]
+    number = {cls: k for k, cls in enumerate(names)}
+
+    limits = {name: thousandths(value, f"the capacity of {name}") for name, value in problem.capacities.items()}
+    for s in strategies:
+        for resource in s.costs:
+            if resource not in limits:
+                raise InvalidProblem(f"strategy {s.name!r} costs {resource!r}, which has no capacity")
+    cost_of = [{r: thousandths(c, f"{s.name}: cost of {r}") for r, c in s.costs.items()} for s in strategies]
+    cls = tuple(number[s.cls] for s in strategies)
+    members: list[list[int]] = [[] for _ in names]
+    for s_index, k in enumerate(cls):
+        members[k].append(s_index)
+    conflicts: list[set[int]] = [set() for _ in strategies]
+    for group in members:
+        for position, one in enumerate(group):
+            for other in group[position + 1 :]:
+                if exclusive(strategies[one], strategies[other]):
+                    conflicts[one].add(other)
+                    conflicts[other].add(one)
+    # A resource that all kept strategies together cannot use up never binds.
+    binding = [r for r, limit in limits.items() if sum(costs.get(r, 0) for costs in cost_of) > limit]
+    utility = tuple(thousandths(s.utility, f"{s.name}: utility") for s in strategies)
+    requires = tuple(
+        {number[c]: thousandths(amount, f"{s.name}: requires {c}") for c, amount in s.requires.items() if amount > 0}
+        for s in strategies
+    )
+    desired = {
+        number[c]: thousandths(d.utility, f"desired utility of {c}")
+        for c, d in desires.items()
+        if c in number and c not in inhibited
+    }
+    security = frozenset(number[c] for c, d in desires.items() if d.security and c in number and c not in relaxed)
+    intensity = {k: thousandths(desires[names[k]].intensity, f"intensity of {names[k]}") for k in desired}
+
+    weight_i = thousandths(problem.weights.intensity, "the weight of intensity")
+    weight_v = thousandths(problem.weights.utility, "the weight of utility")
+    weight_c = thousandths(problem.weights.spare, "the weight of spare capacity")
+    thrift = thrift_resource(problem)
+    thrift_cost = tuple(costs.get(thrift, 0) if thrift else 0 for costs in cost_of)
+    count = len(strategies)
+    zeros = (0,) * count
+    worth = tuple(intensity.get(cls[s], 0) * utility[s] for s in range(count))
+    fresh = tuple(int(s.name not in problem.previous) for s in strategies)
+    criteria = (
+        _criterion(
+            {k: weight_i * i for k, i in intensity.items()},
+            tuple(weight_v * utility[s] if cls[s] in desired else 0 for s in range(count)),
+            tuple(weight_c * c for c in thrift_cost),
+        ),
+        _criterion({}, worth, zeros),
+        _criterion({}, zeros, fresh),
+        _criterion({}, zeros, thrift_cost),
+        _criterion({}, zeros, (1,) * count),
+        _criterion({}, zeros, tuple(-(1 << (count - 1 - s)) for s in range(count))),
+    )
+    fulfil = dict.fromkeys(desired, 0)
+    serve, pay = [0] * count, [0] * count
+    unit, shift, low = 1, 0, 0
+    for criterion in reversed(criteria):
+        for k, gain in criterion.fulfil.items():
+            fulfil[k] += unit * gain
+        serve = [total + unit * gain for total, gain in zip(serve, criterion.serve, strict=True)]
+        pay = [total + unit * cost for total, cost in zip(pay, criterion.pay, strict=True)]
+        omega_unit, shift = unit, low
+        low += unit * criterion.low
+        unit *= criterion.high + criterion.low + 1
+    return Instance(
+        problem=problem,
+        classes=tuple(names),
+        table=tuple(kept),
+        cls=cls,
+        utility=utility,
+        requires=requires,
+        costs=tuple(tuple(costs.get(r, 0) for r in binding) for costs in cost_of),
+        capacities=tuple(limits[r] for r in binding),
+        members=tuple(tuple(group) for group in members),
+        conflicts=tuple(frozenset(group) for group in conflicts),
+        desired=desired,
+        needed=frozenset(k for needs in requires for k in needs),
+        security=security,
+        impossible=any(not members[k] for k in security),
+        criteria=criteria,
+        fulfil=fulfil,
+        serve=tuple(serve),
+        pay=tuple(pay),
+        omega_unit=omega_unit,
+        omega_shift=shift,
+        omega_offset=weight_c * (limits[thrift] if thrift else 0),
+    )
+
+
+def _useful(problem: Problem, inhibited: set[str]) -> list[int]:
+    """Indices of the strategies that may serve: of desired classes, and of what those require, over any distance."""
+    by_class: dict[str, list[int]] = {}
+    for index, strategy in enumerate(problem.strategies):
+        if strategy.cls in inhibited or any(c in inhibited and need > 0 for c, need in strategy.requires.items()):
+            continue
+        if any(cost > problem.capacities.get(r, 0.0) for r, cost in strategy.costs.items() if r in problem.capacities):
+            continue
+        by_class.setdefault(strategy.cls, []).append(index)
+    reached = [c for c in problem.desires if c in by_class]
+    seen = set(reached)
+    while reached:
+        for index in by_class[reached.pop()]:
+            for c, amount in problem.strategies[index].requires.items():
+                if amount > 0 and c in by_class and c not in seen:
+                    seen.add(c)
+                    reached.append(c)
+    return sorted(index for c in seen for index in by_class[c])
+
+
+def _criterion(fulfil: dict[int, int], serve: tuple[int, ...], pay: tuple[int, ...]) -> Criterion:
+    high = sum(fulfil.values()) + sum(serve) + sum(-p for p in pay if p < 0)
+    return Criterion(fulfil, serve, pay, low=sum(p for p in pay if p > 0), high=high)

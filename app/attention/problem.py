@@ -1,0 +1,201 @@
+"""The selection problem and its answer, as values (thesis 4.2.5 and 4.3.3).
+
+Maximise  Ω = Σ_k i'_k f_k + Σ_k Σ_s f_k a_s v_sk   (4.9)   over a_s, f_k in {0, 1}, subject to
+
+====  ==============  =====================================================  =====
+γ1    u'_k > 0        Σ_s a_s (v_sk - l_sk) ≥ f_k u'_k                       (4.4)
+γ2    u'_k = 0        Σ_s a_s v_sk = 0  and  Σ_s a_s l_sk = 0  (f_k = 0)     (4.5)
+γ3    u'_k undefined  Σ_s a_s (v_sk - l_sk) ≥ 0  and  f_k = 0                (4.6)
+γ4    z'_k = 1        f_k = 1                                                (4.7)
+γ5    resource j      Σ_s a_s c_sj ≤ m_j, and exclusive strategies           (4.10)
+====  ==============  =====================================================  =====
+
+An inhibited class has f_k = 0, so that its intensity does not count in Ω; with z' = 1 it is inhibited all the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+from app.attention.desires import GRAIN, Desire
+from app.attention.strategies import Strategy, exclusive
+
+ReasonState = Literal["fulfilled", "degraded", "unfulfilled", "inhibited"]
+
+
+class InvalidProblem(ValueError):
+    """The problem contradicts itself: a cost of an unknown resource, a negative amount, a value finer than a
+    thousandth."""
+
+
+@dataclass(frozen=True, slots=True)
+class Weights:
+    """Weights in Ω, all 1 and 0 in the thesis: Ω = Σ intensity·i f + Σ utility·f a v + spare·(m_cpu - Σ a c_cpu).
+
+    ``spare`` is what a unit of the thrift resource left unused is worth: it must be small, or nothing is ever done.
+    """
+
+    intensity: float = 1.0
+    utility: float = 1.0
+    spare: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One selection problem.
+
+    ``desires`` holds the strongest desire of each class; ``strategies`` the table in order; ``capacities`` the m_j;
+    ``previous`` the strategies selected now (ties keep them); ``thrift`` the resource that ties are decided by (the
+    first one there is, if absent).
+    """
+
+    desires: Mapping[str, Desire]
+    strategies: tuple[Strategy, ...]
+    capacities: Mapping[str, float]
+    previous: frozenset[str] = frozenset()
+    weights: Weights = Weights()
+    thrift: str = "cpu"
+
+    def without(self, cls: str) -> Problem:
+        """The same problem had nobody desired ``cls``."""
+        return replace(self, desires={name: desire for name, desire in self.desires.items() if name != cls})
+
+    def with_capacity(self, resource: str, capacity: float) -> Problem:
+        """The same problem had ``resource`` another capacity."""
+        return replace(self, capacities={**self.capacities, resource: capacity})
+
+
+@dataclass(frozen=True, slots=True)
+class Alternative:
+    """What would serve a desire better.
+
+    ``kind`` "capacity": ``amount`` more of ``resource``; "without": nobody desiring class ``without``. ``utility`` is
+    what the class would then get.
+    """
+
+    kind: Literal["capacity", "without"]
+    utility: float
+    resource: str = ""
+    amount: float = 0.0
+    unit: str = ""
+    without: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Reason:
+    """Why a desired class gets what it gets.
+
+    ``utility`` is what it gets, ``wanted`` what its desire asks for at least, ``best`` the most that any selection
+    could give. ``text`` is a sentence for people.
+    """
+
+    state: ReasonState
+    utility: float
+    wanted: float
+    best: float
+    text: str
+    alternatives: tuple[Alternative, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """The answer to a problem.
+
+    ``strategies`` is A, names in table order; ``fulfilled`` is F, classes in table order; ``omega`` is Ω (4.9);
+    ``bound`` no selection can exceed (equal to ``omega`` when ``proven``); ``use`` the amount used of each resource;
+    ``relaxed`` the classes whose security desires could not be kept, most intense first; ``reasons`` is empty until
+    explained.
+    """
+
+    strategies: tuple[str, ...]
+    fulfilled: tuple[str, ...]
+    omega: float
+    bound: float
+    use: Mapping[str, float]
+    proven: bool
+    solve_time_s: float = 0.0
+    relaxed: tuple[str, ...] = ()
+    reasons: Mapping[str, Reason] = field(default_factory=dict)
+
+
+def thousandths(value: float, what: str) -> int:
+    """``value`` as a whole number of thousandths; raises InvalidProblem if it is none, or negative."""
+    scaled = value * GRAIN
+    if not 0 <= scaled < 2**53 or abs(scaled - round(scaled)) > 1e-4:
+        raise InvalidProblem(f"{what} must be at least 0 with at most three decimals, not {value!r}")
+    return round(scaled)
+
+
+def produced(problem: Problem, selected: Collection[str], cls: str) -> float:
+    """Σ_s a_s v_sk: the utility that the selected strategies produce for ``cls``."""
+    return sum(s.utility for s in problem.strategies if s.cls == cls and s.name in selected)
+
+
+def coverage(problem: Problem, selected: Collection[str], cls: str) -> float:
+    """Σ_s a_s (v_sk - l_sk): what they produce for ``cls`` less what they require of it, to a thousandth."""
+    total = 0.0
+    for strategy in problem.strategies:
+        if strategy.name in selected:
+            total += (strategy.utility if strategy.cls == cls else 0.0) - strategy.requires.get(cls, 0.0)
+    return round(total, 3)
+
+
+def used(problem: Problem, selected: Collection[str]) -> dict[str, float]:
+    """Σ_s a_s c_sj of each resource, to a thousandth."""
+    use = dict.fromkeys(problem.capacities, 0.0)
+    for strategy in problem.strategies:
+        if strategy.name in selected:
+            for resource, cost in strategy.costs.items():
+                use[resource] += cost
+    return {resource: round(amount, 3) for resource, amount in use.items()}
+
+
+def assess(problem: Problem, selected: Collection[str], *, relaxed: Collection[str] = ()) -> Selection | None:
+    """``selected`` under γ1–γ5 and 4.9, whoever chose it: a Selection (not proven), or None if it breaks a constraint.
+
+    γ4 is not asked of the classes in ``relaxed``.
+    """
+    chosen = [s for s in problem.strategies if s.name in selected]
+    if len(chosen) != len(set(selected)):
+        return None
+    use = used(problem, selected)
+    if any(use[resource] > capacity for resource, capacity in problem.capacities.items()):
+        return None
+    if any(exclusive(one, other) for index, one in enumerate(chosen) for other in chosen[index + 1 :]):
+        return None
+    served = {s.cls for s in chosen}
+    required = {cls for s in chosen for cls, amount in s.requires.items() if amount > 0}
+    fulfilled: list[str] = []
+    omega = 0.0
+    for cls in dict.fromkeys([*(s.cls for s in problem.strategies), *problem.desires, *required]):
+        desire = problem.desires.get(cls)
+        if desire is not None and desire.utility == 0:
+            if cls in served or cls in required:
+                return None
+            continue
+        cover = coverage(problem, selected, cls)
+        if cover < 0:
+            return None
+        if desire is None:
+            continue
+        if cover >= desire.utility:
+            fulfilled.append(cls)
+            omega += problem.weights.intensity * desire.intensity
+            omega += problem.weights.utility * produced(problem, selected, cls)
+        elif desire.security and cls not in relaxed:
+            return None
+    if problem.weights.spare:
+        resource = thrift_resource(problem)
+        if resource is not None:
+            omega += problem.weights.spare * (problem.capacities[resource] - use[resource])
+    omega = round(omega, 6)
+    return Selection(
+        tuple(s.name for s in chosen), tuple(fulfilled), omega, float("inf"), use, False, relaxed=tuple(relaxed)
+    )
+
+
+def thrift_resource(problem: Problem) -> str | None:
+    """The resource that ties are decided by: ``problem.thrift`` if it exists, else the first, else None."""
+    return problem.thrift if problem.thrift in problem.capacities else next(iter(problem.capacities), None)

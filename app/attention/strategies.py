@@ -1,0 +1,287 @@
+"""Strategies and resources, read from ``config/strategies/*.yaml`` (thesis 4.2.5, tables 4.2 and 4.4).
+
+A strategy serves one desire class: it produces a utility, sets filters and parameters, may require other classes, and
+costs resources. Strategies of one class that set the same filter exclude each other without saying so. Where selected
+strategies of *different* classes set the same filter, the smallest divisor wins: every one of them receives at least
+what it needs, and no desire is dropped for it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+
+from app.attention.desires import GRAIN, SCALE
+from app.yaml_source import Document, KeyPath, load_yaml, suggestion
+
+CLOSED = math.inf
+"""φ of a closed filter."""
+
+
+@dataclass(frozen=True, slots=True)
+class Location:
+    """Where something was declared: ``file`` as people named it, ``line`` from 1."""
+
+    file: str
+    line: int
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}"
+
+
+@dataclass(frozen=True, slots=True)
+class Resource:
+    """What strategies share: ``capacity`` and costs are in ``unit``; capacity 1 with costs of 1 excludes mutually."""
+
+    name: str
+    capacity: float
+    unit: str = ""
+    description: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Strategy:
+    """One way to serve a desire class.
+
+    ``utility`` is the produced utility v in ]0, 8]. ``requires`` maps a class to the utility l that this strategy needs
+    of it. ``filters`` maps ``"Module.port"`` to its divisor φ: an integer from 1, or ``math.inf`` for closed.
+    ``parameters`` maps a module to what it is handed while the strategy is selected. ``costs`` maps a resource to the
+    amount used.
+    """
+
+    name: str
+    cls: str
+    utility: float
+    requires: Mapping[str, float] = field(default_factory=dict)
+    filters: Mapping[str, float] = field(default_factory=dict)
+    parameters: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    costs: Mapping[str, float] = field(default_factory=dict)
+    location: Location | None = None
+
+    @property
+    def modules(self) -> tuple[str, ...]:
+        """The modules this strategy concerns: those of its filters and of its parameters, sorted."""
+        return tuple(sorted({name.partition(".")[0] for name in self.filters} | set(self.parameters)))
+
+
+@dataclass(frozen=True, slots=True)
+class StrategyTable:
+    """The strategies in the order that breaks the last ties, and the resources by name."""
+
+    strategies: tuple[Strategy, ...]
+    resources: Mapping[str, Resource]
+
+    def __getitem__(self, name: str) -> Strategy:
+        """The strategy of this name; raises KeyError."""
+        for strategy in self.strategies:
+            if strategy.name == name:
+                return strategy
+        raise KeyError(name)
+
+    @property
+    def classes(self) -> tuple[str, ...]:
+        """The classes that some strategy serves, in table order."""
+        return tuple(dict.fromkeys(strategy.cls for strategy in self.strategies))
+
+    @property
+    def filters(self) -> frozenset[str]:
+        """Every filter that some strategy sets, ``"Module.port"``."""
+        return frozenset(name for strategy in self.strategies for name in strategy.filters)
+
+    def capacities(self) -> dict[str, float]:
+        """The declared capacity of each resource."""
+        return {name: resource.capacity for name, resource in self.resources.items()}
+
+
+def exclusive(one: Strategy, other: Strategy) -> bool:
+    """Whether two strategies can never be selected together: same class and a filter in common."""
+    return one.cls == other.cls and not one.filters.keys().isdisjoint(other.filters.keys())
+
+
+# --- The file -----------------------------------------------------------------------------------------------------
+
+
+def _grained(value: float) -> float:
+    if not math.isclose(value * GRAIN, round(value * GRAIN), rel_tol=0, abs_tol=1e-6):
+        raise ValueError(f"should have at most {len(str(GRAIN)) - 1} decimals")
+    return value
+
+
+def _divisor(value: Any) -> float:
+    if value == "off" or value == math.inf:
+        return CLOSED
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        raise ValueError("should be an integer of at least 1, or off")
+    return float(value)
+
+
+Amount = Annotated[float, Field(ge=0, allow_inf_nan=False), BeforeValidator(lambda value: value)]
+Utility = Annotated[float, Field(gt=0, le=SCALE, allow_inf_nan=False)]
+Divisor = Annotated[float, BeforeValidator(_divisor)]
+
+
+class ResourceEntry(BaseModel):
+    """A resource as the file writes it."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    capacity: Amount = Field(description="How much of it there is, in its unit.")
+    unit: str = Field("", description="The unit of capacity and costs, for people.")
+    description: str = Field("", description="What it is, for people.")
+
+
+class StrategyEntry(BaseModel):
+    """A strategy as the file writes it."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, populate_by_name=True)
+
+    name: str = Field(min_length=1, description="Its name, unique in the table.")
+    cls: str = Field(alias="class", min_length=1, description="The desire class it serves.")
+    utility: Utility = Field(description="Produced utility v, over 0 and at most 8.")
+    filters: dict[str, Divisor] = Field(
+        default={}, description="Filters it sets, Module.port to divisor: an integer of at least 1, or off."
+    )
+    requires: dict[str, Utility] = Field(
+        default={}, description="Classes it depends on, each with the utility l it needs of it."
+    )
+    parameters: dict[str, dict[str, Any]] = Field(
+        default={}, description="What it hands to modules while it is selected, by module."
+    )
+    costs: dict[str, Amount] = Field(default={}, description="What it uses of each resource.")
+
+
+class StrategyFile(BaseModel):
+    """A file of strategies, and of resources if it declares some."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    resources: dict[str, ResourceEntry] = Field(default={}, description="Resources by name.")
+    strategies: list[StrategyEntry] = Field(default=[], description="Strategies; their order breaks the last ties.")
+
+
+def load_strategies(
+    paths: Iterable[Path | str],
+    *,
+    classes: Iterable[str],
+    ports: Mapping[str, Collection[str]] | None = None,
+) -> StrategyTable:
+    """Read strategy files, in the order given, into one table.
+
+    ``classes`` are the desire classes there are; ``ports`` maps each module to its ports (None: not checked). A
+    resource may be declared in several files if they agree. Raises ConfigError, with file and line, for an unknown
+    class, module, port or resource, a name given twice, or a number out of its range.
+    """
+    documents = [load_yaml(path) for path in paths]
+    files = [document.validate(StrategyFile) for document in documents]
+    return build_table(list(zip(documents, files, strict=True)), classes=classes, ports=ports)
+
+
+def build_table(
+    files: Iterable[tuple[Document, StrategyFile]],
+    *,
+    classes: Iterable[str],
+    ports: Mapping[str, Collection[str]] | None = None,
+) -> StrategyTable:
+    """The table of several read files; checks as :func:`load_strategies` does."""
+    files = tuple(files)
+    known = sorted(set(classes))
+    resources: dict[str, Resource] = {}
+    for document, file in files:
+        for name, entry in file.resources.items():
+            _check_amount(document, ("resources", name, "capacity"), entry.capacity)
+            resource = Resource(name, entry.capacity, entry.unit, entry.description)
+            if resources.setdefault(name, resource).capacity != resource.capacity:
+                raise document.error(
+                    f"resource {name!r} has capacity {resource.capacity:g} here, {resources[name].capacity:g} elsewhere",
+                    ("resources", name, "capacity"),
+                )
+    table: dict[str, Strategy] = {}
+    for document, file in files:
+        for index, item in enumerate(file.strategies):
+            at: KeyPath = ("strategies", index)
+            if item.name in table:
+                raise document.error(
+                    f"strategy {item.name!r} is already declared at {table[item.name].location}", (*at, "name")
+                )
+            _check_names(document, at, item, known, resources, ports)
+            for resource_name, cost in item.costs.items():
+                _check_amount(document, (*at, "costs", resource_name), cost)
+            for key, value in (("utility", item.utility), *((f"requires.{c}", v) for c, v in item.requires.items())):
+                _check_amount(document, (*at, *key.split(".", 1)), value)
+            table[item.name] = Strategy(
+                item.name,
+                item.cls,
+                item.utility,
+                dict(item.requires),
+                dict(item.filters),
+                {module: dict(values) for module, values in item.parameters.items()},
+                {name: cost for name, cost in item.costs.items() if cost},
+                Location(document.file, document.line(at)),
+            )
+    return StrategyTable(tuple(table.values()), resources)
+
+
+def _check_amount(document: Document, at: KeyPath, value: float) -> None:
+    try:
+        _grained(value)
+    except ValueError as failure:
+        raise document.error(f"{at[-1]}: {failure}, not {value!r}", at) from None
+
+
+def _check_names(
+    document: Document,
+    at: KeyPath,
+    item: StrategyEntry,
+    classes: list[str],
+    resources: Mapping[str, Resource],
+    ports: Mapping[str, Collection[str]] | None,
+) -> None:
+    """Refuse a class, resource, module or port that does not exist, and a strategy that requires its own class."""
+    name = item.name
+    if item.cls not in classes:
+        raise document.error(
+            f"strategy {name!r} serves unknown class {item.cls!r}; {suggestion(item.cls, classes)}", (*at, "class")
+        )
+    for required in item.requires:
+        where = (*at, "requires", required)
+        if required not in classes:
+            raise document.error(
+                f"strategy {name!r} requires unknown class {required!r}; {suggestion(required, classes)}", where
+            )
+        if required == item.cls:
+            raise document.error(f"strategy {name!r} requires its own class {required!r}", where)
+    for resource in item.costs:
+        if resource not in resources:
+            raise document.error(
+                f"strategy {name!r} costs unknown resource {resource!r}; {suggestion(resource, list(resources))}",
+                (*at, "costs", resource),
+            )
+    for filter_name in item.filters:
+        module, dot, port = filter_name.partition(".")
+        where = (*at, "filters", filter_name)
+        if not (module and dot and port):
+            raise document.error(f"strategy {name!r}: a filter is named Module.port, not {filter_name!r}", where)
+        if ports is None:
+            continue
+        if module not in ports:
+            raise document.error(
+                f"strategy {name!r} filters unknown module {module!r}; {suggestion(module, list(ports))}", where
+            )
+        if port not in ports[module]:
+            raise document.error(
+                f"strategy {name!r} filters unknown port {port!r} of {module}; {suggestion(port, list(ports[module]))}",
+                where,
+            )
+    if ports is not None:
+        for module in item.parameters:
+            if module not in ports:
+                hint = suggestion(module, list(ports))
+                raise document.error(
+                    f"strategy {name!r} hands parameters to unknown module {module!r}; {hint}",
+                    (*at, "parameters", module),
+                )

@@ -1,0 +1,112 @@
+"""The timeline: a bounded history of everything that happened to the robot's attention, with query by time."""
+
+from __future__ import annotations
+
+import logging
+from collections import deque
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+EventKind = Literal[
+    "desire", "intention", "filter", "exploitation", "restart", "overload", "guard", "solver", "capacity", "module"
+]
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class TimelineEvent:
+    """One event. ``id`` grows by one from 1; ``stamp`` is the robot's clock in seconds; ``subject`` names what it is
+    about (a desire class, a module, a filter); ``data`` is JSON-able; ``text`` is one sentence for people."""
+
+    id: int
+    stamp: float
+    kind: EventKind
+    subject: str
+    text: str
+    data: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class TimelineStatistics:
+    """``events`` kept now, ``added`` since the start, ``forgotten`` for want of room."""
+
+    events: int
+    added: int
+    forgotten: int
+
+
+class Timeline:
+    """The last ``capacity`` events; ``clock_now`` stamps those added without a stamp (None: every event brings its
+    own)."""
+
+    def __init__(self, capacity: int, clock_now: Callable[[], float] | None = None) -> None:
+        if capacity < 1:
+            raise ValueError(f"a timeline holds at least 1 event, not {capacity}")
+        self._events: deque[TimelineEvent] = deque(maxlen=capacity)
+        self._now = clock_now
+        self._last = 0
+        self._observers: list[Callable[[TimelineEvent], None]] = []
+
+    def add(
+        self,
+        kind: EventKind,
+        subject: str,
+        text: str,
+        data: Mapping[str, Any] | None = None,
+        *,
+        stamp: float | None = None,
+    ) -> TimelineEvent:
+        """Note an event (``stamp`` None: now) and tell the observers."""
+        if stamp is None:
+            if self._now is None:
+                raise ValueError("a timeline without a clock needs each event's stamp")
+            stamp = self._now()
+        self._last += 1
+        event = TimelineEvent(self._last, stamp, kind, subject, text, dict(data or {}))
+        self._events.append(event)
+        for observer in tuple(self._observers):
+            try:
+                observer(event)
+            except Exception:  # noqa: BLE001 - whatever a reader got wrong
+                # The history must not fail its writers: that reader is dropped, loudly.
+                self._observers.remove(observer)
+                _log.exception("an observer of the timeline failed and is no longer told: %r", observer)
+        return event
+
+    def query(
+        self,
+        since: float | None = None,
+        until: float | None = None,
+        kinds: Collection[str] | None = None,
+        limit: int | None = None,
+        *,
+        after_id: int = 0,
+    ) -> tuple[TimelineEvent, ...]:
+        """The newest ``limit`` events with ``since`` <= stamp < ``until``, of these ``kinds``, of a greater id; oldest
+        first."""
+        found: list[TimelineEvent] = []
+        for event in reversed(self._events):
+            if event.id <= after_id or (limit is not None and len(found) >= limit):
+                break
+            if (
+                (since is None or event.stamp >= since)
+                and (until is None or event.stamp < until)
+                and (kinds is None or event.kind in kinds)
+            ):
+                found.append(event)
+        return tuple(reversed(found))
+
+    def observe(self, callback: Callable[[TimelineEvent], None]) -> Callable[[], None]:
+        """Call ``callback`` with every event from now on; returns what ends it."""
+        self._observers.append(callback)
+
+        def end() -> None:
+            if callback in self._observers:
+                self._observers.remove(callback)
+
+        return end
+
+    def statistics(self) -> TimelineStatistics:
+        return TimelineStatistics(len(self._events), self._last, self._last - len(self._events))

@@ -1,0 +1,298 @@
+"""The Intention Workspace: every desire there is, edited in transactions (thesis 2.2.3).
+
+Not for use from several threads: all edits belong on the event loop, and a transaction must not await.
+"""
+
+from __future__ import annotations
+
+import math
+import secrets
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import Any, Final, Literal
+
+from app.attention.desires import Desire, DesireClasses, InvalidDesire, Source, checked_number, strongest_first
+
+RemovalReason = Literal["removed", "expired"]
+
+
+class _Unset:
+    """The type of KEEP."""
+
+
+KEEP: Final = _Unset()
+"""As an argument of :meth:`IntentionWorkspace.change`: leave this field as it is."""
+
+
+class UnknownDesire(Exception):
+    """No desire in the workspace has this id (any more)."""
+
+    def __init__(self, desire_id: str) -> None:
+        self.id = desire_id
+        super().__init__(f"no desire has the id {desire_id!r} (it may have expired or been removed)")
+
+
+@dataclass(frozen=True, slots=True)
+class Removal:
+    """A desire that left, and why."""
+
+    desire: Desire
+    reason: RemovalReason
+
+
+@dataclass(frozen=True, slots=True)
+class WorkspaceChange:
+    """The net effect of one transaction: what came, what changed (before, after), what left."""
+
+    added: tuple[Desire, ...] = ()
+    changed: tuple[tuple[Desire, Desire], ...] = ()
+    removed: tuple[Removal, ...] = ()
+
+    def __bool__(self) -> bool:
+        return bool(self.added or self.changed or self.removed)
+
+
+@dataclass(frozen=True, slots=True)
+class WorkspaceStatistics:
+    """Counters since the start: ``desires`` there are now, and how many came, changed, were removed and expired."""
+
+    desires: int
+    added: int
+    changed: int
+    removed: int
+    expired: int
+
+
+Observer = Callable[[WorkspaceChange], None]
+
+
+def random_id() -> str:
+    """A new desire id: ``d-`` and 40 random bits in hexadecimal, so that no restart ever reuses an id."""
+    return f"d-{secrets.token_hex(5)}"
+
+
+class IntentionWorkspace:
+    """All desires, several of one class allowed.
+
+    ``clock_now`` gives stamps (seconds); ``new_id`` gives ids (called again while it returns one in use).
+    Every single edit is a transaction of its own unless made inside ``with workspace.transaction():``.
+    """
+
+    def __init__(
+        self,
+        classes: DesireClasses,
+        clock_now: Callable[[], float],
+        *,
+        new_id: Callable[[], str] = random_id,
+    ) -> None:
+        self.classes = classes
+        self._now = clock_now
+        self._new_id = new_id
+        self._desires: dict[str, Desire] = {}
+        self._expired: set[str] = set()
+        self._observers: list[Observer] = []
+        self._depth = 0
+        self._pending: list[WorkspaceChange] = []
+        self._notifying = False
+        self._counts = {"added": 0, "changed": 0, "removed": 0, "expired": 0}
+
+    # --- Reading ---------------------------------------------------------------------------------------------------
+
+    def get(self, desire_id: str) -> Desire:
+        """The desire with this id; raises UnknownDesire."""
+        try:
+            return self._desires[desire_id]
+        except KeyError:
+            raise UnknownDesire(desire_id) from None
+
+    def desires(self) -> tuple[Desire, ...]:
+        """All desires in the order they came."""
+        return tuple(self._desires.values())
+
+    def strongest(self) -> Mapping[str, Desire]:
+        """Intensity-based selection: per class its most intense desire; of equally intense ones the oldest."""
+        strongest: dict[str, Desire] = {}
+        for desire in self._desires.values():
+            rival = strongest.get(desire.cls)
+            if rival is None or strongest_first(desire) < strongest_first(rival):
+                strongest[desire.cls] = desire
+        return strongest
+
+    @property
+    def next_expiry(self) -> float | None:
+        """The stamp at which the next desire expires; None while none will."""
+        return min((d.expires for d in self._desires.values() if d.expires is not None), default=None)
+
+    def statistics(self) -> WorkspaceStatistics:
+        return WorkspaceStatistics(desires=len(self._desires), **self._counts)
+
+    # --- Editing ---------------------------------------------------------------------------------------------------
+
+    def add(
+        self,
+        cls: str,
+        *,
+        intensity: float,
+        utility: float,
+        source: Source,
+        security: bool = False,
+        params: Mapping[str, Any] | None = None,
+        ttl: float | None = None,
+    ) -> Desire:
+        """Add a desire. ``ttl`` is its time to live in seconds, None for ever.
+
+        Raises UnknownDesireClass, or InvalidDesire naming the field.
+        """
+        now = self._now()
+        desire_id = self._new_id()
+        while desire_id in self._desires:
+            desire_id = self._new_id()
+        desire = Desire(
+            id=desire_id,
+            cls=cls,
+            intensity=checked_number("intensity", intensity, above=0),
+            utility=checked_number("utility", utility),
+            security=_checked_flag(security),
+            params=self.classes[cls].validated(params),
+            source=source,
+            created=now,
+            expires=None if ttl is None else now + _checked_ttl(ttl),
+        )
+        with self.transaction():
+            self._desires[desire.id] = desire
+        return desire
+
+    def change(
+        self,
+        desire_id: str,
+        *,
+        intensity: float | _Unset = KEEP,
+        utility: float | _Unset = KEEP,
+        security: bool | _Unset = KEEP,
+        params: Mapping[str, Any] | _Unset = KEEP,
+        ttl: float | _Unset | None = KEEP,
+    ) -> Desire:
+        """Change a desire in place; what is not given stays. ``params`` replaces all, ``ttl`` counts from now, None:
+        for ever.
+
+        Raises UnknownDesire, or InvalidDesire naming the field; then nothing has changed.
+        """
+        before = self.get(desire_id)
+        after = replace(
+            before,
+            intensity=(
+                before.intensity if isinstance(intensity, _Unset) else checked_number("intensity", intensity, above=0)
+            ),
+            utility=before.utility if isinstance(utility, _Unset) else checked_number("utility", utility),
+            security=before.security if isinstance(security, _Unset) else _checked_flag(security),
+            params=before.params if isinstance(params, _Unset) else self.classes[before.cls].validated(params),
+            expires=(
+                before.expires if isinstance(ttl, _Unset) else None if ttl is None else self._now() + _checked_ttl(ttl)
+            ),
+        )
+        with self.transaction():
+            self._desires[desire_id] = after
+        return after
+
+    def remove(self, desire_id: str) -> Desire:
+        """Remove a desire and return it; raises UnknownDesire."""
+        desire = self.get(desire_id)
+        with self.transaction():
+            del self._desires[desire_id]
+        return desire
+
+    def expire(self) -> tuple[Desire, ...]:
+        """Remove, in one transaction, the desires whose time is over, and return them."""
+        now = self._now()
+        over = tuple(d for d in self._desires.values() if d.expires is not None and d.expires <= now)
+        with self.transaction():
+            for desire in over:
+                del self._desires[desire.id]
+                self._expired.add(desire.id)
+        return over
+
+    @contextmanager
+    def transaction(self) -> Iterator[None]:
+        """All edits of the block as one: one notification at the end of the outermost, with the net effect.
+
+        A block that raises leaves the workspace as it was when that block began, whatever an enclosing one did before.
+        """
+        before = dict(self._desires)
+        expired = set(self._expired)
+        self._depth += 1
+        try:
+            yield
+        except BaseException:
+            self._desires, self._expired = before, expired
+            raise
+        finally:
+            self._depth -= 1
+        if self._depth == 0:
+            change = self._difference(before)
+            self._expired.clear()
+            if change:
+                self._counts["added"] += len(change.added)
+                self._counts["changed"] += len(change.changed)
+                for removal in change.removed:
+                    self._counts[removal.reason] += 1
+                self._pending.append(change)
+                self._notify()
+
+    def observe(self, callback: Observer) -> Callable[[], None]:
+        """Call ``callback`` with every change from now on; returns what ends it.
+
+        Callbacks run at the end of the transaction, in the order they were added. One that edits the workspace is fine:
+        its change is told afterwards.
+        """
+        self._observers.append(callback)
+
+        def end() -> None:
+            if callback in self._observers:
+                self._observers.remove(callback)
+
+        return end
+
+    # --- Inside ----------------------------------------------------------------------------------------------------
+
+    def _difference(self, before: Mapping[str, Desire]) -> WorkspaceChange:
+        after = self._desires
+        return WorkspaceChange(
+            added=tuple(d for key, d in after.items() if key not in before),
+            changed=tuple((before[key], d) for key, d in after.items() if key in before and before[key] != d),
+            removed=tuple(
+                Removal(d, "expired" if key in self._expired else "removed")
+                for key, d in before.items()
+                if key not in after
+            ),
+        )
+
+    def _notify(self) -> None:
+        if self._notifying:
+            return
+        failures: list[Exception] = []
+        self._notifying = True
+        try:
+            while self._pending:
+                change = self._pending.pop(0)
+                for observer in tuple(self._observers):
+                    try:
+                        observer(change)
+                    except Exception as failure:  # noqa: BLE001 - raised below: one observer must not keep the news from the others
+                        failures.append(failure)
+        finally:
+            self._notifying = False
+        if failures:
+            raise ExceptionGroup("observers of the Intention Workspace failed", failures)
+
+
+def _checked_flag(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise InvalidDesire("security", f"must be true or false, not {value!r}")
+    return value
+
+
+def _checked_ttl(ttl: object) -> float:
+    if isinstance(ttl, bool) or not isinstance(ttl, int | float) or not math.isfinite(ttl) or ttl <= 0:
+        raise InvalidDesire("ttl", f"must be a number of seconds greater than 0, not {ttl!r}")
+    return float(ttl)
