@@ -1,0 +1,19 @@
+# `make` does all its own set-up; the work is in scripts/dev.py. Arguments: make run ARGS="--port 8081"
+PYTHON ?= $(firstword $(foreach name,python3 python3.14 python3.13 python3.12 python3.11,$(shell $(name) -c 'import sys; sys.version_info >= (3, 11) and print("$(name)")' 2>/dev/null)) python3)
+ARGS ?=
+
+.DEFAULT_GOAL := help
+.PHONY: help setup run test lint bench clean
+
+help: ## show this
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+run: ## start the robot in its simulated lab and its console on http://127.0.0.1:8080
+test: ## everything the project is held to: lint, types, layers, the page's tests, pytest
+lint: ## ruff, mypy --strict and the import layers
+bench: ## every benchmark
+setup: ## only set up: .venv, packages, page
+clean: ## remove everything that can be made again
+
+run test lint bench setup clean:
+	@$(PYTHON) scripts/dev.py $@ $(ARGS)

@@ -1,0 +1,27 @@
+"""The commands of ``hbba``, one file each: ``add_parser(subparsers)`` declares it, ``run(args)`` does it."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+from app.commands import check, doctor, run
+
+#: What ``argparse`` gives for adding a command; its own type is private and generic.
+Subparsers = Any
+
+
+class Command(Protocol):
+    """What each file here offers."""
+
+    def add_parser(self, subparsers: Subparsers) -> None:
+        """Declare the command's name, help and arguments."""
+        ...
+
+    def run(self, args: argparse.Namespace) -> int:
+        """Do it and return the exit code. May raise ConfigError for a person's mistake."""
+        ...
+
+
+COMMANDS: Mapping[str, Command] = {"run": run, "doctor": doctor, "check": check}

@@ -1,0 +1,147 @@
+"""``hbba check FILE…``: is this configuration right, and if not, where is the mistake."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from app.errors import ConfigError
+
+
+def add_parser(subparsers: Any) -> None:
+    """Declare ``hbba check``."""
+    parser = subparsers.add_parser(
+        "check",
+        help="validate configuration files",
+        description="Validate configuration: programs, robots, worlds, strategies and channels. "
+        "Each mistake is said as FILE:LINE: what is wrong and what is allowed. Exit code 2 if there is any.",
+    )
+    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="a file of config/")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Check each file; say all mistakes, not only the first file's."""
+    failed = False
+    for path in args.files:
+        try:
+            print(f"{path}: {check_file(path)}, no mistake found")
+        except ConfigError as failure:
+            failed = True
+            print(failure, file=sys.stderr)
+    return 2 if failed else 0
+
+
+def check_file(path: Path) -> str:
+    """Validate one file, and everything it names; return what kind of configuration it is. Raises ConfigError."""
+    from app.yaml_source import load_yaml
+
+    if path.suffix == ".urdf":
+        return _robot_model(path)
+    document = load_yaml(path)
+    if not isinstance(document.data, Mapping):
+        raise document.error("is no configuration: it must be a mapping")
+    kind, check = _kind_of(document.data)
+    if check is None:
+        raise document.error(f"is no known kind of configuration; it must have the keys of {kind}")
+    check(path)
+    return kind
+
+
+def _kind_of(data: Mapping[Any, Any]) -> tuple[str, Callable[[Path], None] | None]:
+    """The kind of file by the keys that only this kind has, with its check; or all kinds for people, and None."""
+    for kind, keys, check in _KINDS:
+        if keys & data.keys():
+            return kind, check
+    if data and all(isinstance(row, Mapping) and "type" in row for row in data.values()):
+        return "channels", _channels
+    kinds = [f"{kind} ({', '.join(sorted(keys))})" for kind, keys, _ in _KINDS]
+    return f"{', '.join(kinds)} or channels (a `type` each)", None
+
+
+def _program(path: Path) -> None:
+    """Read the whole program and wire it, without starting anything."""
+    from app.config import load_configuration
+    from app.system import System
+
+    configuration = load_configuration(path)
+    _robot(configuration.path(configuration.program.robot))
+    System(configuration)
+
+
+def _robot(path: Path) -> None:
+    from app.robots.config import load_robot_config
+
+    robot = load_robot_config(path)
+    _robot_model(robot.model)
+    _world(robot.world)
+
+
+def _robot_model(path: Path) -> str:
+    from app.robots.model import load_model
+
+    load_model(path)
+    return "robot model"
+
+
+def _world(path: Path) -> None:
+    from app.robots.simulated.world_config import WorldConfig
+    from app.yaml_source import parse
+
+    parse(path, WorldConfig)
+
+
+def _strategies(path: Path) -> None:
+    """Check a table by itself, then every program in the folder above that uses it, for its modules and ports."""
+    from app.attention.strategies import load_strategies
+    from app.modules.desire_classes import desire_classes
+
+    load_strategies([path], classes=[kind.name for kind in desire_classes()])
+    for program in _programs_naming(path):
+        _program(program)
+
+
+def _channels(path: Path) -> None:
+    """Check a table by itself, then every program beside it that uses it."""
+    from app.config import ChannelTable
+    from app.yaml_source import load_yaml
+
+    document = load_yaml(path)
+    for name, spec in document.validate(ChannelTable).root.items():
+        try:
+            _ = spec.message_type
+        except KeyError:
+            raise document.error(f"{name}.type: there is no message type {spec.message!r}", (name, "type")) from None
+    for program in _programs_naming(path):
+        _program(program)
+
+
+def _programs_naming(path: Path) -> list[Path]:
+    """The programs, beside ``path`` or in the folder above, that name this file."""
+    from app.yaml_source import load_yaml
+
+    wanted = path.resolve()
+    found = []
+    for folder in (wanted.parent, wanted.parent.parent):
+        for candidate in sorted(folder.glob("*.yaml")):
+            try:
+                data = load_yaml(candidate).data
+            except ConfigError:
+                continue  # somebody else's file; it is not what was asked about
+            if not isinstance(data, Mapping) or "modules" not in data:
+                continue
+            named = [data.get("channels"), *(data.get("strategies") or ())]
+            if wanted in [(folder / str(name)).resolve() for name in named if name]:
+                found.append(candidate)
+    return found
+
+
+#: Kind, the keys by which it is known, its check.
+_KINDS: tuple[tuple[str, frozenset[str], Callable[[Path], None]], ...] = (
+    ("program", frozenset({"modules", "robot"}), _program),
+    ("robot", frozenset({"model", "world", "base"}), _robot),
+    ("world", frozenset({"walls", "materials", "wall_height"}), _world),
+    ("strategies", frozenset({"strategies", "resources"}), _strategies),
+)

@@ -1,0 +1,232 @@
+"""``hbba doctor``: is this computer ready for ``hbba run``, and if not, what is missing and what to do."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from app import paths
+
+CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+PYTHON_MINIMUM = (3, 11)
+MEMORY_MINIMUM_MB = 1500
+#: Three images in flight, 640x480 colour and depth, and room to spare.
+SHARED_MEMORY_MINIMUM_MB = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing looked at: what was found and, if it is not ``ok``, what to do about it.
+
+    ``required``: ``hbba run`` does not work without.
+    """
+
+    name: str
+    ok: bool
+    required: bool
+    found: str
+    remedy: str = ""
+
+
+def add_parser(subparsers: Any) -> None:
+    """Declare ``hbba doctor``."""
+    parser = subparsers.add_parser(
+        "doctor",
+        help="check this computer and say what is missing",
+        description="Check this computer and say what is missing. Exit code 1 if `hbba run` would not work here.",
+    )
+    parser.add_argument("--port", type=int, default=8080, metavar="N", help="the console's port (default 8080)")
+    parser.add_argument("--json", action="store_true", help="print the findings as JSON")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Look at everything, print the findings."""
+    findings = [look() for look in checks(args.port)]
+    if args.json:
+        print(json.dumps([asdict(finding) for finding in findings], indent=2, ensure_ascii=False))
+    else:
+        print(table(findings))
+    return int(any(finding.required and not finding.ok for finding in findings))
+
+
+def checks(port: int) -> Iterable[Callable[[], Finding]]:
+    """Everything to look at, in the order it is shown."""
+    return (
+        python,
+        configuration,
+        graphics,
+        lambda: port_free("127.0.0.1", port),
+        cores,
+        memory,
+        shared_memory,
+        page,
+        cameras,
+        audio,
+        chromium,
+    )
+
+
+def table(findings: Iterable[Finding]) -> str:
+    """The findings for people: what is well, what is missing and what to do."""
+    findings = list(findings)
+    lines = []
+    for finding in findings:
+        mark = "✓" if finding.ok else "✗" if finding.required else "–"
+        lines.append(f"  {mark} {finding.name:<14} {finding.found}")
+        if not finding.ok and finding.remedy:
+            lines.append(f"    {'':<14} → {finding.remedy}")
+    missing = [finding.name for finding in findings if finding.required and not finding.ok]
+    lines.append("")
+    lines.append(f"`hbba run` will not work yet: {', '.join(missing)}." if missing else "Ready: start with `hbba run`.")
+    return "\n".join(lines)
+
+
+# --- What is looked at -------------------------------------------------------------------------------------------
+
+
+def python() -> Finding:
+    """The interpreter's version."""
+    minimum = ".".join(map(str, PYTHON_MINIMUM))
+    return Finding(
+        "Python", sys.version_info >= PYTHON_MINIMUM, True, sys.version.split()[0], f"install Python {minimum} or newer"
+    )
+
+
+def configuration() -> Finding:
+    """The configuration that ``hbba run`` uses when nothing else is said."""
+    from app.commands.check import check_file
+    from app.errors import ConfigError
+
+    path = paths.config_dir() / "lab.yaml"
+    try:
+        kind = check_file(path)
+    except ConfigError as failure:
+        return Finding("configuration", False, True, str(failure), "correct it; `hbba check FILE` looks again")
+    return Finding("configuration", True, True, f"{path} ({kind})")
+
+
+def graphics() -> Finding:
+    """Rendering without a screen, for the simulated camera; tried in another process, as a broken driver may crash."""
+    from app.robots.simulated.gl import check_gl, gl_environment
+
+    if problem := check_gl():
+        found, _, remedy = problem.partition(": ")
+        return Finding("EGL", False, True, found, remedy)
+    remedy = "install or update Mesa's drivers: as root, apt-get install libegl1 libgl1-mesa-dri"
+    command = [sys.executable, "-c", "import mujoco; mujoco.GLContext(64, 64).make_current()"]
+    environment = {**os.environ, **gl_environment()}
+    try:
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60, check=False)
+    except subprocess.TimeoutExpired:
+        return Finding("EGL", False, True, "opening a context took over 60 s", remedy)
+    if done.returncode:
+        last = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
+        return Finding("EGL", False, True, f"no context: {last}", remedy)
+    return Finding("EGL", True, True, "draws without a screen")
+
+
+def port_free(host: str, port: int) -> Finding:
+    """Whether the console could listen."""
+    remedy = f"end the program that listens there, or choose another: hbba run --port {port + 1}"
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((host, port))
+        except OSError as failure:
+            return Finding("port", False, True, f"{host}:{port}: {failure.strerror}", remedy)
+    return Finding("port", True, True, f"{host}:{port} is free")
+
+
+def cores() -> Finding:
+    """Processor cores that this process may use."""
+    usable = available_cores(len(os.sched_getaffinity(0)), Path("/sys/fs/cgroup/cpu.max"))
+    return Finding(
+        "cores", usable >= 2, False, f"{usable:g}", "give it 2 cores; with fewer, the simulated world slows down evenly"
+    )
+
+
+def available_cores(affinity: int, quota_file: Path) -> float:
+    """The cores of ``affinity`` (how many), or fewer where a container's quota (cgroup v2 ``cpu.max``) says so."""
+    try:
+        quota, period = quota_file.read_text(encoding="ascii").split()
+        return min(float(affinity), round(int(quota) / int(period), 1))
+    except (OSError, ValueError):
+        return float(affinity)
+
+
+def memory() -> Finding:
+    """Memory that is free for us."""
+    import psutil
+
+    free_mb = psutil.virtual_memory().available / 2**20
+    return Finding(
+        "memory",
+        free_mb >= MEMORY_MINIMUM_MB,
+        False,
+        f"{free_mb / 1024:.1f} GiB free",
+        "close other programs: 1.5 GiB are needed",
+    )
+
+
+def shared_memory() -> Finding:
+    """Room for images between the body's process and this one."""
+    folder = Path("/dev/shm")
+    if not folder.is_dir():
+        return Finding("shared memory", False, True, "there is no /dev/shm", "mount a tmpfs there")
+    free_mb = shutil.disk_usage(folder).free / 2**20
+    return Finding(
+        "shared memory",
+        free_mb >= SHARED_MEMORY_MINIMUM_MB,
+        True,
+        f"{free_mb:.0f} MiB free",
+        f"give /dev/shm {SHARED_MEMORY_MINIMUM_MB} MiB (docker run --shm-size=256m)",
+    )
+
+
+def page() -> Finding:
+    """The built operator page."""
+    built = (paths.static_dir() / "index.html").is_file()
+    remedy = "`make run` builds it; until then the console serves a plain page"
+    return Finding("operator page", built, False, "built" if built else "not built", remedy)
+
+
+def cameras() -> Finding:
+    """Cameras, for a real body."""
+    found = sorted(str(path) for path in Path("/dev").glob("video*"))
+    return Finding("cameras", bool(found), False, ", ".join(found) or "none", "only needed for a real robot")
+
+
+def audio() -> Finding:
+    """Sound cards, for a real body."""
+    try:
+        text = Path("/proc/asound/cards").read_text(encoding="utf-8")
+    except OSError:
+        text = ""
+    found = [line.split(":", 1)[1].strip() for line in text.splitlines() if "]:" in line]
+    return Finding("audio", bool(found), False, ", ".join(found) or "none", "only needed for a real robot")
+
+
+def chromium() -> Finding:
+    """The browser that the tests drive."""
+    found = find_chromium()
+    return Finding(
+        "Chromium",
+        found is not None,
+        False,
+        found or "none",
+        "only needed for tests; as root: apt-get install chromium",
+    )
+
+
+def find_chromium() -> str | None:
+    """The browser for tests: ``HBBA_CHROMIUM`` if set, else the first of CHROMIUM_NAMES on the path."""
+    return os.environ.get("HBBA_CHROMIUM") or next(filter(None, map(shutil.which, CHROMIUM_NAMES)), None)

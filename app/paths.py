@@ -1,0 +1,24 @@
+"""Where the program's own files are, in a checkout or installed from a wheel."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+_PACKAGE = Path(__file__).resolve().parent
+
+
+def config_dir() -> Path:
+    """The folder of configuration: the checkout's ``config/`` if this is one, else the copy packed in the wheel."""
+    checkout = checkout_dir()
+    return checkout / "config" if checkout is not None else _PACKAGE / "_config"
+
+
+def checkout_dir() -> Path | None:
+    """The checkout this program runs from, or None where it is installed."""
+    root = _PACKAGE.parent
+    return root if (root / "pyproject.toml").is_file() and (root / "config").is_dir() else None
+
+
+def static_dir() -> Path:
+    """Where the built operator page lies, if it was built."""
+    return _PACKAGE / "console" / "static"

@@ -1,0 +1,296 @@
+"""Everything behind ``make``: set-up on a fresh machine, then run, test, lint or measure. Standard library only.
+
+Each step is skipped when a stamp says that its sources have not changed, so that a second ``make run`` starts at once.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ctypes.util
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+if sys.version_info < (3, 11):
+    sys.exit(
+        f"HBBA needs Python 3.11 or newer, and {sys.executable} is {sys.version.split()[0]}: make PYTHON=python3.12"
+    )
+
+import page
+
+ROOT = page.ROOT
+VENV = ROOT / ".venv"
+STAMP = VENV / "installed.json"
+PYTHON = VENV / "bin" / "python"
+CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+MESA_DRIVERS = ("*/dri/swrast_dri.so", "*/libgallium-*.so", "dri/swrast_dri.so", "libgallium-*.so")
+JUNK = [
+    ".venv",
+    "web/node_modules",
+    "app/console/static",
+    "build",
+    "dist",
+    ".pytest_cache",
+    ".mypy_cache",
+    ".ruff_cache",
+    ".hypothesis",
+    ".import_linter_cache",
+]
+
+
+class SetupFailed(Exception):
+    """Set-up cannot go on; the message is one sentence that says what to do."""
+
+
+def main() -> int:
+    """Do what the Makefile's target asks for."""
+    parser = argparse.ArgumentParser(prog="scripts/dev.py", description=__doc__)
+    parser.add_argument("task", choices=["setup", "run", "test", "lint", "bench", "clean"])
+    parser.add_argument("arguments", nargs=argparse.REMAINDER, help="handed on to hbba run, pytest or the benchmarks")
+    args = parser.parse_args()
+    os.chdir(ROOT)
+    try:
+        if args.task == "clean":
+            return clean()
+        if args.task == "run":
+            set_up(set())
+            run_hbba(args.arguments)
+        if args.task == "setup":
+            set_up({"test"})
+            return 0
+        if args.task == "lint":
+            set_up({"test"}, page_wanted=False)
+            return lint()
+        if args.task == "bench":
+            set_up({"test", "bench"}, page_wanted=False)
+            return run([PYTHON, "-m", "benchmarks", *args.arguments])
+        return test(args.arguments)
+    except SetupFailed as failure:
+        sys.stderr.write(f"\n{failure}\n")
+        return 1
+    except KeyboardInterrupt:
+        return 130
+
+
+# --- Set-up ------------------------------------------------------------------------------------------------------
+
+
+def set_up(extras: set[str], *, page_wanted: bool = True) -> None:
+    """The virtual environment with ``extras`` and, if wanted, the page."""
+    make_environment()
+    install(extras)
+    if page_wanted:
+        try:
+            build_page()
+        except page.PageFailed as failure:
+            sys.stderr.write(f"\nThe operator page is not built, the console will serve a plain one. {failure}\n\n")
+
+
+def make_environment() -> None:
+    """Create ``.venv``; one that was made elsewhere or by another Python is made anew."""
+    stamp = read_stamp()
+    if stamp and (stamp["root"], stamp["python"]) != (str(ROOT), sys.version):
+        shutil.rmtree(VENV)
+    if PYTHON.is_file():
+        return
+    say("creating .venv")
+    made = subprocess.run(
+        [sys.executable, "-m", "venv", "--clear", str(VENV)], capture_output=True, text=True, check=False
+    )
+    if made.returncode:
+        shutil.rmtree(VENV, ignore_errors=True)
+        if "ensurepip" in made.stdout + made.stderr:
+            raise SetupFailed("Python's venv module is missing: as root, apt-get install python3-venv, then try again.")
+        raise SetupFailed(f"The virtual environment .venv cannot be created: {(made.stdout + made.stderr).strip()}")
+
+
+def install(extras: set[str]) -> None:
+    """Install the project, editable, with ``extras``, unless it is installed as pyproject.toml asks for now."""
+    digest = hashlib.sha256()
+    for name in ("pyproject.toml", "hatch_build.py"):
+        digest.update((ROOT / name).read_bytes())
+    wanted = digest.hexdigest()
+    stamp = read_stamp()
+    installed = set(stamp["extras"]) if stamp else set()
+    if stamp and stamp["hash"] == wanted and extras <= installed:
+        return
+    extras = extras | installed
+    say("installing Python packages (a minute or two the first time)")
+    target = f".[{','.join(sorted(extras))}]" if extras else "."
+    done = subprocess.run(
+        [PYTHON, "-m", "pip", "install", "-q", "--disable-pip-version-check", "-e", target],
+        env={**os.environ, "HBBA_SKIP_WEB": "1", "PIP_ROOT_USER_ACTION": "ignore"},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+    )
+    if done.returncode:
+        if "NewConnectionError" in done.stdout or "Name or service not known" in done.stdout:
+            raise SetupFailed(
+                "The Python package index cannot be reached: connect this computer to the network, "
+                "or name a mirror in the environment variable PIP_INDEX_URL."
+            )
+        raise SetupFailed(f"pip could not install the project:\n{done.stdout.strip()[-3000:]}")
+    content = {"hash": wanted, "extras": sorted(extras), "root": str(ROOT), "python": sys.version}
+    STAMP.write_text(json.dumps(content), encoding="utf-8")
+
+
+def build_page() -> None:
+    """Build the page unless it is current. Raises PageFailed."""
+    if page.is_current():
+        return
+    node = node_or_install()
+    say("building the operator page")
+    page.build(node)
+
+
+def node_or_install() -> page.Node:
+    """The machine's Node, or one from PyPI put into ``.venv``. Raises PageFailed."""
+    site_packages = next((VENV / "lib").glob("python3*/site-packages"))
+    node = page.find_node(site_packages)
+    if node is None:
+        say("installing Node from PyPI")
+        subprocess.run(
+            [PYTHON, "-m", "pip", "install", "-q", "--disable-pip-version-check", page.NODE_REQUIREMENT],
+            env={**os.environ, "PIP_ROOT_USER_ACTION": "ignore"},
+            stdin=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            check=False,
+        )
+        node = page.find_node(site_packages)
+    if node is None:
+        raise page.PageFailed("Install Node 20.19 or newer with npm (nodejs.org), then try again.")
+    return node
+
+
+def install_debian_packages() -> None:
+    """Chromium for the browser tests and Mesa for the simulated camera: installed where we may, else named."""
+    missing: dict[str, str] = {}
+    if not os.environ.get("HBBA_CHROMIUM") and not any(map(shutil.which, CHROMIUM_NAMES)):
+        missing["chromium"] = "the browser tests"
+    if ctypes.util.find_library("EGL") is None:
+        missing["libegl1"] = "the simulated camera"
+    if not any(any(Path("/usr").glob(f"lib*/{name}")) for name in MESA_DRIVERS) and not Path("/dev/nvidiactl").exists():
+        missing["libgl1-mesa-dri"] = "the simulated camera"
+    if not missing:
+        return
+    packages = " ".join(missing)
+    if os.geteuid() == 0 and shutil.which("apt-get"):
+        say(f"installing {packages}")
+        environment = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
+        quiet = ["-qq", "-o", "Dpkg::Use-Pty=0"]
+        install = ["apt-get", *quiet, "install", "-y", "--no-install-recommends", *missing]
+        for command in (["apt-get", *quiet, "update"], install):
+            done = subprocess.run(
+                command,
+                env=environment,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                check=False,
+            )
+        if done.returncode == 0:
+            return
+    sys.stderr.write(
+        f"\nMissing for {' and '.join(sorted(set(missing.values())))}: as root, apt-get install {packages}"
+        " (without, the tests that need them are skipped).\n\n"
+    )
+
+
+def read_stamp() -> dict[str, object] | None:
+    """What was installed last, or None."""
+    try:
+        return json.loads(STAMP.read_text(encoding="utf-8")) if PYTHON.is_file() else None
+    except (OSError, ValueError):
+        return None
+
+
+# --- Tasks -------------------------------------------------------------------------------------------------------
+
+
+def run_hbba(arguments: list[str]) -> None:
+    """Become ``hbba run``, so that signals reach it directly."""
+    hbba = VENV / "bin" / "hbba"
+    os.execv(hbba, [str(hbba), "run", *arguments])
+
+
+def lint() -> int:
+    """Everything that reads the sources without running them."""
+    return first_failure(
+        [
+            [PYTHON, "-m", "ruff", "check", "--quiet", "."],
+            [PYTHON, "-m", "ruff", "format", "--quiet", "--check", "."],
+            [PYTHON, "-m", "mypy", "--no-error-summary"],
+            [VENV / "bin" / "lint-imports", "--no-logo"],
+        ]
+    )
+
+
+def test(arguments: list[str]) -> int:
+    """Set up, lint, the page's own tests, then pytest, whose closing line comes last."""
+    began = time.monotonic()
+    set_up({"test"})
+    install_debian_packages()
+    set_up_s = time.monotonic() - began
+    linted = lint()
+    web = web_tests()
+    say(f"running pytest (set-up took {set_up_s:.0f} s)")
+    tested = run([PYTHON, "-m", "pytest", *arguments])
+    for what, status in (("lint", linted), ("the page's tests", web)):
+        if status:
+            sys.stderr.write(f"{what}: failed, see above\n")
+    return tested or linted or web
+
+
+def web_tests() -> int:
+    """The page's unit tests."""
+    say("running the page's tests")
+    try:
+        node = node_or_install()
+        page.install_packages(node)
+        output = page.run_npm(node, "test")
+    except page.PageFailed as failure:
+        sys.stderr.write(f"{failure}\n")
+        return 1
+    sys.stdout.writelines(f"{line}\n" for line in output.splitlines() if " passed " in line)
+    return 0
+
+
+def clean() -> int:
+    """Remove everything that can be made again."""
+    for name in JUNK:
+        shutil.rmtree(ROOT / name, ignore_errors=True)
+    for folder in ROOT.rglob("__pycache__"):
+        shutil.rmtree(folder, ignore_errors=True)
+    return 0
+
+
+def first_failure(commands: list[list[object]]) -> int:
+    """Run all ``commands``; the status of the first that failed, or 0."""
+    statuses = []
+    for command in commands:
+        say(f"running {Path(str(command[2] if command[1] == '-m' else command[0])).name}")
+        statuses.append(run(command))
+    return next((status for status in statuses if status), 0)
+
+
+def run(command: list[object]) -> int:
+    """Run ``command`` with our output as its own."""
+    return subprocess.run([str(word) for word in command], stdin=subprocess.DEVNULL, check=False).returncode
+
+
+def say(text: str) -> None:
+    """One line of progress."""
+    sys.stdout.write(f"hbba: {text}\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
