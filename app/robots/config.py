@@ -1,0 +1,168 @@
+"""Configuration of a body: the models of ``config/robots/*.yaml``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from app.errors import ConfigError
+from app.link import BaseLimits
+from app.robots.guard import GuardLimits
+from app.yaml_source import load_yaml
+
+Positive = Annotated[float, Field(gt=0)]
+NotNegative = Annotated[float, Field(ge=0)]
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class LimitsConfig(_Model):
+    """What the base may do (thesis 4.2), and how it brakes when the guard stops it."""
+
+    linear_mps: Positive = 0.40
+    angular_radps: Positive = 1.00
+    linear_mps2: Positive = 0.40
+    angular_radps2: Positive = 4.00
+    emergency_mps2: Annotated[float, Field(gt=0, le=5)] = Field(
+        default=2.5, description="braking of a safety stop; the drives' torque limit follows from it"
+    )
+    command_timeout_s: Annotated[float, Field(gt=0, le=1)] = 0.2
+    sensor_timeout_s: Positive = 0.5
+    required_sensors: tuple[str, ...] = Field(
+        default=("odometry",), description="streams without which the base must not drive"
+    )
+
+    def base(self) -> BaseLimits:
+        """Speeds and accelerations alone."""
+        return BaseLimits(self.linear_mps, self.angular_radps, self.linear_mps2, self.angular_radps2)
+
+    def guard(self) -> GuardLimits:
+        """What the guard needs of it."""
+        return GuardLimits(self.base(), self.command_timeout_s, self.sensor_timeout_s)
+
+
+class BaseConfig(_Model):
+    """The differential drive as its builder believes it to be, and how far wheels and encoders are from that.
+
+    ``wheel_radius_m`` and ``track_m`` are the nominal values that odometry computes with. The errors are fractions of
+    them (1-sigma, drawn once per start from the seed); ``slip`` is the 1-sigma fraction by which each wheel slips,
+    wandering with the distance it rolls; ``encoder_ticks`` counts one turn of a wheel.
+    """
+
+    left_wheel_joint: str = "left_wheel_joint"
+    right_wheel_joint: str = "right_wheel_joint"
+    wheel_radius_m: Positive = 0.10
+    track_m: Positive = 0.44
+    radius_error: NotNegative = 0.003
+    track_error: NotNegative = 0.006
+    slip: NotNegative = 0.004
+    encoder_ticks: Annotated[int, Field(ge=16)] = 8192
+
+
+class OdometryConfig(_Model):
+    """Stream ``odometry``."""
+
+    rate_hz: Positive = 100.0
+
+
+class JointsConfig(_Model):
+    """Stream ``joints``: measured with ``noise_rad`` (1-sigma)."""
+
+    rate_hz: Positive = 30.0
+    noise_rad: NotNegative = 0.0005
+
+
+class HokuyoConfig(_Model):
+    """Stream ``hokuyo``: a UTM-30LX read over its forward 180 degrees (thesis 4.2)."""
+
+    rate_hz: Positive = 40.0
+    link: str = "hokuyo_link"
+    rays: Annotated[int, Field(ge=2)] = 720
+    fov_deg: Annotated[float, Field(gt=0, le=360)] = 180.0
+    range_min_m: NotNegative = 0.1
+    range_max_m: Positive = 30.0
+    noise_m: NotNegative = 0.01
+    sweep_s: NotNegative = Field(default=0.0125, description="time from the first ray to the last")
+
+
+class KinectConfig(_Model):
+    """Stream ``kinect``: colour with registered depth (thesis 4.2).
+
+    Depth noise is ``noise_floor_m + noise_slope * (z - 0.4)^2`` (1-sigma, m; Nguyen, Izadi and Lovell 2012);
+    depths are quantised as the sensor's disparity is, ``quantum_m`` at 1 m and growing with z^2 (Khoshelham and
+    Elberink 2012); ``baseline_m`` between projector and camera makes the shadows beside near things.
+    """
+
+    rate_hz: Positive = 15.0
+    link: str = "kinect_optical_frame"
+    width: Annotated[int, Field(ge=16, le=1920)] = 640
+    height: Annotated[int, Field(ge=16, le=1080)] = 480
+    fov_deg: tuple[float, float] = (57.0, 43.0)
+    range_min_m: Positive = 0.4
+    range_max_m: Positive = 5.0
+    noise_floor_m: NotNegative = 0.0012
+    noise_slope: NotNegative = 0.0019
+    quantum_m: Positive = 0.00285
+    baseline_m: NotNegative = 0.075
+    color_noise: NotNegative = Field(default=2.0, description="1-sigma, grey levels")
+
+
+class StatusConfig(_Model):
+    """Streams ``status`` and, where configuration turns it on, ``ground_truth``."""
+
+    rate_hz: Positive = 20.0
+
+
+class StreamsConfig(_Model):
+    """Every stream of the body. A sensor set to null is not there."""
+
+    odometry: OdometryConfig = OdometryConfig()
+    joints: JointsConfig = JointsConfig()
+    status: StatusConfig = StatusConfig()
+    kinect: KinectConfig | None = KinectConfig()
+    hokuyo: HokuyoConfig | None = HokuyoConfig()
+
+
+class StartPose(_Model):
+    """Where the body stands at the start: metres and degrees in the world."""
+
+    x: float = 0.0
+    y: float = 0.0
+    heading_deg: float = 0.0
+
+
+class RobotConfig(_Model):
+    """One body. ``model`` and ``world`` are paths; :func:`load_robot_config` takes them relative to the file itself."""
+
+    kind: Literal["simulated"] = "simulated"
+    name: str = "IRL-1/TR"
+    model: Path
+    world: Path
+    limits: LimitsConfig = LimitsConfig()
+    base: BaseConfig = BaseConfig()
+    streams: StreamsConfig = StreamsConfig()
+    ground_truth: bool = Field(default=False, description="offer the true pose, for tests and experiments only")
+    seed: int = 1
+    start: StartPose = StartPose()
+    guard_log: Path | None = Field(
+        default=None, description="record every step of the guard in this file (guard_log.py)"
+    )
+
+
+def load_robot_config(path: Path | str) -> RobotConfig:
+    """Read ``config/robots/<name>.yaml``; raises ConfigError naming file, line and key, also for files that are missing."""
+    document = load_yaml(path)
+    config = document.validate(RobotConfig)
+    here = Path(path).resolve().parent
+    paths = {"model": (here / config.model).resolve(), "world": (here / config.world).resolve()}
+    for key, file in paths.items():
+        if not file.is_file():
+            raise document.error(f"{key}: there is no file {file}", (key,))
+    return config.model_copy(update=paths)
+
+
+__all__ = ["ConfigError", "RobotConfig", "load_robot_config"]

@@ -1,0 +1,176 @@
+"""The guard: what stands between the program and the wheels, as pure functions of time, ages, flags and state.
+
+It runs in the link's process at every control step and depends on nothing the runtime does: a runtime that is dead,
+frozen or stuck merely stops sending commands, and their age does the rest.
+
+- No fresh command for ``command_timeout_s`` (0.2 s): zero. Latched emergency stop: zero until it is cleared.
+- Speeds are clamped to the base's limits; a command that is no number is refused and counts as zero.
+- An ordinary command is approached at the base's accelerations, up and down alike (thesis 4.2: 0.40 m/s^2, 4.00
+  rad/s^2). A *safety* stop (stale command, emergency stop, failed sensor) sets the wheels' speed to zero at once; the
+  drives then brake as hard as their torque limit lets them (``emergency_mps2`` of the robot's configuration).
+
+Source: ArduPilot's and PX4's failsafes are built the same way: one decision function, stepped in its tests.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+from app.link import BaseLimits
+
+FUTURE_TOLERANCE_S = 0.05
+"""How far a command's stamp may lie ahead of the guard's clock before the command is refused."""
+
+
+class GuardMode(StrEnum):
+    """What the guard is doing; the values of ``LinkStatus.guard``."""
+
+    IDLE = "idle"
+    DRIVING = "driving"
+    STALE_COMMAND = "stale_command"
+    E_STOPPED = "e_stopped"
+    SENSOR_FAILURE = "sensor_failure"
+
+
+@dataclass(frozen=True, slots=True)
+class Velocity:
+    """A velocity of the base: forward (m/s) and turn (rad/s, left positive)."""
+
+    linear_mps: float = 0.0
+    angular_radps: float = 0.0
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether both parts are numbers."""
+        return math.isfinite(self.linear_mps) and math.isfinite(self.angular_radps)
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether both parts are exactly zero."""
+        return self.linear_mps == 0.0 and self.angular_radps == 0.0
+
+
+ZERO = Velocity()
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A velocity asked for at ``stamp`` (s, robot's clock)."""
+
+    stamp: float
+    velocity: Velocity
+
+
+@dataclass(frozen=True, slots=True)
+class GuardLimits:
+    """The base's limits; how old (s) a command and a sensor the base must not drive without may get."""
+
+    base: BaseLimits
+    command_timeout_s: float = 0.2
+    sensor_timeout_s: float = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class GuardState:
+    """What the guard remembers from step to step.
+
+    ``applied`` is what the wheels are given; ``command`` the newest command; ``e_stop`` the reason of the latched stop
+    or None; ``refused`` why the newest command cannot be obeyed, or None.
+    """
+
+    applied: Velocity = ZERO
+    command: Command | None = None
+    e_stop: str | None = None
+    refused: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class GuardAction:
+    """What to do now: give the wheels ``target``, at once if ``immediate``, else along the ramp; and how to say it."""
+
+    mode: GuardMode
+    reason: str
+    target: Velocity
+    immediate: bool
+
+
+def accept(state: GuardState, command: Command) -> GuardState:
+    """The state after ``command`` arrived: refused and held as zero if it is no number, ignored if older than the last."""
+    if not (command.velocity.is_finite and math.isfinite(command.stamp)):
+        refused = Command(state.command.stamp if state.command else -math.inf, ZERO)
+        return replace(state, command=refused, refused="the last command was not a number")
+    if state.command is not None and command.stamp < state.command.stamp:
+        return state
+    return replace(state, command=command, refused=None)
+
+
+def e_stop(state: GuardState, reason: str) -> GuardState:
+    """The state with the emergency stop latched; the first reason stays."""
+    return state if state.e_stop is not None else replace(state, e_stop=reason)
+
+
+def clear_e_stop(state: GuardState) -> GuardState:
+    """The state with the latch released: earlier commands are forgotten, so the base waits for a new one."""
+    return state if state.e_stop is None else replace(state, e_stop=None, command=None, refused=None)
+
+
+def command_age(state: GuardState, now: float) -> float | None:
+    """Age (s) of the newest command at ``now``, None before the first."""
+    if state.command is None or not math.isfinite(state.command.stamp):
+        return None
+    return now - state.command.stamp
+
+
+def clamp(velocity: Velocity, limits: BaseLimits) -> Velocity:
+    """``velocity`` within the base's speeds."""
+    return Velocity(
+        min(max(velocity.linear_mps, -limits.linear_mps), limits.linear_mps),
+        min(max(velocity.angular_radps, -limits.angular_radps), limits.angular_radps),
+    )
+
+
+def decide(now: float, state: GuardState, sensor_ages: Mapping[str, float], limits: GuardLimits) -> GuardAction:
+    """What the wheels may be given at ``now`` (s, robot's clock).
+
+    ``sensor_ages``: seconds since each sensor last gave a value, for those the base must not drive without.
+    The most severe state wins: emergency stop, failed sensor, unusable or stale command.
+    """
+    if state.e_stop is not None:
+        return GuardAction(GuardMode.E_STOPPED, f"emergency stop: {state.e_stop}", ZERO, immediate=True)
+    for name, age in sensor_ages.items():
+        if not age <= limits.sensor_timeout_s:
+            return GuardAction(GuardMode.SENSOR_FAILURE, f"{name} has given nothing for {age:.1f} s", ZERO, True)
+    if state.refused is not None:
+        return GuardAction(GuardMode.STALE_COMMAND, state.refused, ZERO, immediate=True)
+    if state.command is None:
+        return GuardAction(GuardMode.IDLE, "no command yet", ZERO, immediate=False)
+    age = now - state.command.stamp
+    if age < -FUTURE_TOLERANCE_S:
+        reason = f"the command's time lies {-age:.1f} s in the future: is its sender's clock the robot's?"
+        return GuardAction(GuardMode.STALE_COMMAND, reason, ZERO, immediate=True)
+    if age > limits.command_timeout_s:
+        if state.command.velocity.is_zero and state.applied.is_zero:
+            return GuardAction(GuardMode.IDLE, "standing; nobody commands", ZERO, immediate=True)
+        return GuardAction(GuardMode.STALE_COMMAND, f"no fresh command for {age:.1f} s", ZERO, immediate=True)
+    target = clamp(state.command.velocity, limits.base)
+    if target.is_zero:
+        return GuardAction(GuardMode.IDLE, "commanded to stand", ZERO, immediate=False)
+    return GuardAction(GuardMode.DRIVING, "", target, immediate=False)
+
+
+def step(state: GuardState, action: GuardAction, limits: GuardLimits, dt_s: float) -> GuardState:
+    """The state ``dt_s`` seconds on: ``applied`` moved towards the action's target, never faster than the base may."""
+    if action.immediate:
+        return replace(state, applied=action.target)
+    applied = Velocity(
+        _approach(state.applied.linear_mps, action.target.linear_mps, limits.base.linear_mps2 * dt_s),
+        _approach(state.applied.angular_radps, action.target.angular_radps, limits.base.angular_radps2 * dt_s),
+    )
+    return replace(state, applied=applied)
+
+
+def _approach(value: float, target: float, most: float) -> float:
+    return min(max(target, value - most), value + most)

@@ -1,0 +1,144 @@
+"""The body's model as the program sees it: frames, joints and forward kinematics of a URDF file.
+
+Only the kinematics are read here; shapes are for the physics and the console. (A mesh library would do it too, at a
+second of import time that every start of the link would pay.)
+"""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.errors import ConfigError
+from app.geometry import Pose3
+
+MOVING_TYPES = ("revolute", "continuous", "prismatic")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Joint:
+    """One joint: ``X_PJ`` is its frame in the parent link at position 0; ``axis`` (3,) a unit vector in that frame.
+
+    ``lower`` and ``upper`` bound its position (rad or m; infinite where the file says none).
+    """
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    X_PJ: Pose3
+    axis: NDArray[np.float64]
+    lower: float
+    upper: float
+
+    @property
+    def moves(self) -> bool:
+        """Whether it has a position."""
+        return self.kind in MOVING_TYPES
+
+    def pose(self, position: float) -> Pose3:
+        """``X_PC``: pose of the child link in the parent link at ``position`` (rad or m)."""
+        if self.kind == "prismatic":
+            return self.X_PJ @ Pose3(np.eye(3), self.axis * position)
+        if self.moves:
+            return self.X_PJ @ Pose3(rotation_about(self.axis, position), np.zeros(3))
+        return self.X_PJ
+
+
+class RobotModel:
+    """The tree of links and joints of one URDF file."""
+
+    def __init__(self, root: str, joints: tuple[Joint, ...]) -> None:
+        self.root = root
+        self.joints = {joint.name: joint for joint in joints}
+        self._joint_above = {joint.child: joint for joint in joints}
+
+    @property
+    def links(self) -> tuple[str, ...]:
+        """Every link, the root first, then in the order of the joints that carry them."""
+        return (self.root, *self._joint_above)
+
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The joints that move, in the file's order."""
+        return tuple(name for name, joint in self.joints.items() if joint.moves)
+
+    def pose(self, link: str, positions: Mapping[str, float] | None = None) -> Pose3:
+        """``X_BF``: pose of ``link`` in the root link at joint ``positions`` by name (missing ones are 0).
+
+        Raises KeyError naming the links there are.
+        """
+        if link != self.root and link not in self._joint_above:
+            raise KeyError(f"the robot has no link {link!r}; it has {', '.join(self.links)}")
+        positions = positions or {}
+        pose = Pose3.identity()
+        while link != self.root:
+            joint = self._joint_above[link]
+            pose = joint.pose(positions.get(joint.name, 0.0)) @ pose
+            link = joint.parent
+        return pose
+
+
+def rotation_about(axis: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
+    """The rotation matrix (3, 3) by ``angle`` (rad) about the unit vector ``axis`` (Rodrigues' formula)."""
+    x, y, z = (float(v) for v in axis)
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross))
+
+
+def load_model(path: Path) -> RobotModel:
+    """Read the URDF file ``path``. Raises ConfigError if it is none, or if its links are no tree."""
+    try:
+        robot = ElementTree.parse(path).getroot()
+        joints = tuple(_joint(element) for element in robot.findall("joint"))
+        links = [element.attrib["name"] for element in robot.findall("link")]
+    except OSError as failure:
+        raise ConfigError(f"cannot be read: {failure.strerror}", str(path)) from None
+    except ElementTree.ParseError as failure:
+        raise ConfigError(f"is no XML: {failure}", str(path)) from None
+    except (KeyError, ValueError, AttributeError) as failure:
+        raise ConfigError(f"is no URDF: {failure}", str(path)) from None
+    children = [joint.child for joint in joints]
+    roots = [link for link in links if link not in children]
+    if len(roots) != 1 or len(set(children)) != len(children):
+        raise ConfigError(
+            f"its links must form one tree; these have no parent: {', '.join(roots) or 'none'}", str(path)
+        )
+    return RobotModel(roots[0], joints)
+
+
+def _joint(element: ElementTree.Element) -> Joint:
+    origin = element.find("origin")
+    xyz = _vector(origin.get("xyz", "0 0 0") if origin is not None else "0 0 0")
+    rpy = _vector(origin.get("rpy", "0 0 0") if origin is not None else "0 0 0")
+    axis_element = element.find("axis")
+    axis = np.array(_vector(axis_element.attrib["xyz"] if axis_element is not None else "1 0 0"))
+    limit = element.find("limit")
+    return Joint(
+        name=element.attrib["name"],
+        kind=element.attrib["type"],
+        parent=_child(element, "parent").attrib["link"],
+        child=_child(element, "child").attrib["link"],
+        X_PJ=Pose3.from_translation_rpy(xyz, rpy),
+        axis=axis / np.linalg.norm(axis),
+        lower=float(limit.get("lower", "-inf")) if limit is not None else -math.inf,
+        upper=float(limit.get("upper", "inf")) if limit is not None else math.inf,
+    )
+
+
+def _child(element: ElementTree.Element, tag: str) -> ElementTree.Element:
+    found = element.find(tag)
+    if found is None:
+        raise ValueError(f"joint {element.get('name')!r} has no <{tag}>")
+    return found
+
+
+def _vector(text: str) -> tuple[float, float, float]:
+    x, y, z = (float(part) for part in text.split())
+    return (x, y, z)

@@ -1,0 +1,180 @@
+"""The body in the world: the URDF attached with a free joint, its drives, servos and camera, and their addresses.
+
+Contacts are between robot and world only; the robot's visual shapes are group 1, its collision shapes group 3, so that
+the laser (which looks at group 0) never sees its own body and the camera draws the visual shapes alone.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from app.geometry import Pose2
+from app.robots.config import RobotConfig
+from app.robots.guard import Velocity
+from app.robots.model import load_model
+from app.robots.simulated.kinect import camera_model
+from app.robots.simulated.odometry import TrueBase
+from app.robots.simulated.world import ROBOT_CONTACT, TIMESTEP_S, WORLD_CONTACT, build_world
+from app.robots.simulated.world_config import WorldConfig
+
+PREFIX = "robot/"
+VISUAL_GROUP, COLLISION_GROUP = 1, 3
+CAMERA = "kinect"
+_DRIVE_GAIN = 60.0
+_WHEEL_ARMATURE = 0.01
+_SERVO_ARMATURE = 0.05
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Simulation:
+    """A compiled world with the robot in it. ``joints`` are the moving joints' names, ``joint_addresses`` theirs in qpos."""
+
+    model: mujoco.MjModel
+    data: mujoco.MjData
+    joints: tuple[str, ...]
+    joint_addresses: NDArray[np.intp]
+    left_wheel: int
+    right_wheel: int
+    base_address: int
+    base_velocity: int
+    base_body: int
+    config: RobotConfig
+
+    def drive(self, velocity: Velocity) -> None:
+        """Give the wheels' drives the speeds that ``velocity`` asks of the nominal base."""
+        base = self.config.base
+        turn = velocity.angular_radps * base.track_m / 2
+        self.data.ctrl[self.left_wheel] = (velocity.linear_mps - turn) / base.wheel_radius_m
+        self.data.ctrl[self.right_wheel] = (velocity.linear_mps + turn) / base.wheel_radius_m
+
+    def step(self) -> None:
+        """Advance by one time step."""
+        mujoco.mj_step(self.model, self.data)
+
+    @property
+    def time_s(self) -> float:
+        """Simulated seconds since the start."""
+        return float(self.data.time)
+
+    def joint_positions(self) -> NDArray[np.float64]:
+        """True positions of ``joints`` (rad or m)."""
+        return np.asarray(self.data.qpos[self.joint_addresses])
+
+    def true_pose(self) -> Pose2:
+        """``X_WB`` in the plane."""
+        x, y, _, w, qx, qy, qz = (float(v) for v in self.data.qpos[self.base_address : self.base_address + 7])
+        return Pose2(x, y, math.atan2(2 * (w * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz)))
+
+    def true_velocity(self) -> Velocity:
+        """Forward and turning speed of the base in its own frame."""
+        vx, vy = (float(v) for v in self.data.qvel[self.base_velocity : self.base_velocity + 2])
+        heading = self.true_pose().theta
+        return Velocity(vx * math.cos(heading) + vy * math.sin(heading), float(self.data.qvel[self.base_velocity + 5]))
+
+
+def build_simulation(robot: RobotConfig, world: WorldConfig, base: TrueBase) -> Simulation:
+    """Build and compile the world with the robot at its start pose. ``base`` is what its wheels really are.
+
+    Raises ConfigError for a model that is no URDF or has not the configured joints and links.
+    """
+    spec = build_world(world)
+    body = mujoco.MjSpec.from_file(str(robot.model))
+    kinematics = load_model(robot.model)
+    _tune(body, robot, base)
+    if robot.streams.kinect is not None:
+        _add_camera(body, robot)
+    X_WB = spec.worldbody.add_frame(
+        pos=[robot.start.x, robot.start.y, 0.0],
+        quat=[
+            math.cos(math.radians(robot.start.heading_deg) / 2),
+            0,
+            0,
+            math.sin(math.radians(robot.start.heading_deg) / 2),
+        ],
+    )
+    root = X_WB.attach_body(body.body(kinematics.root), PREFIX, "")
+    root.add_freejoint(name="base")
+    model = spec.compile()
+    wheels = (robot.base.left_wheel_joint, robot.base.right_wheel_joint)
+    _limit_drives(model, wheels, robot, base)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    free = model.joint("base")
+    return Simulation(
+        model=model,
+        data=data,
+        joints=kinematics.joint_names,
+        joint_addresses=np.array([model.joint(PREFIX + name).qposadr[0] for name in kinematics.joint_names]),
+        left_wheel=model.actuator(PREFIX + wheels[0]).id,
+        right_wheel=model.actuator(PREFIX + wheels[1]).id,
+        base_address=int(free.qposadr[0]),
+        base_velocity=int(free.dofadr[0]),
+        base_body=int(free.bodyid[0]),
+        config=robot,
+    )
+
+
+def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase) -> None:
+    """Contacts, groups, drives and servos; wheels as they really are."""
+    for geom in body.geoms:
+        if geom.contype == 0:
+            geom.group = VISUAL_GROUP
+            continue
+        geom.group = COLLISION_GROUP
+        geom.contype, geom.conaffinity = ROBOT_CONTACT, WORLD_CONTACT
+        if geom.type == mujoco.mjtGeom.mjGEOM_SPHERE:  # ball casters: they carry, and roll any way
+            geom.friction = [0.01, 0.0001, 0.0001]
+            geom.priority = 1
+            geom.condim = 3
+    wheels = {
+        robot.base.left_wheel_joint: (base.left_radius_m, base.track_m / 2),
+        robot.base.right_wheel_joint: (base.right_radius_m, -base.track_m / 2),
+    }
+    for joint in body.joints:
+        actuator = body.add_actuator(name=joint.name, target=joint.name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        if joint.name in wheels:
+            radius, y = wheels[joint.name]
+            actuator.set_to_velocity(kv=_DRIVE_GAIN)
+            joint.armature = _WHEEL_ARMATURE
+            wheel = joint.parent
+            wheel.pos = [wheel.pos[0], y, wheel.pos[2]]
+            for geom in wheel.geoms:
+                if geom.contype:
+                    geom.size = [radius, geom.size[1], 0]
+                    geom.friction = [0.9, 0.005, 0.0001]
+                    geom.priority = 2
+        else:
+            actuator.set_to_position(kp=120.0, kv=12.0)
+            joint.armature = _SERVO_ARMATURE
+
+
+def _add_camera(body: mujoco.MjSpec, robot: RobotConfig) -> None:
+    config = robot.streams.kinect
+    assert config is not None
+    camera = camera_model(config)
+    # MuJoCo's cameras look along -z with y up: half a turn about x from the optical frame
+    body.body(config.link).add_camera(
+        name=CAMERA,
+        quat=[0.0, 1.0, 0.0, 0.0],
+        resolution=[camera.width, camera.height],
+        sensor_size=[camera.width / camera.fx, camera.height / camera.fy],
+        focal_length=[1.0, 1.0],
+    )
+
+
+def _limit_drives(model: mujoco.MjModel, wheels: tuple[str, str], robot: RobotConfig, base: TrueBase) -> None:
+    """Torque limits such that a safety stop brakes the whole robot with ``emergency_mps2``."""
+    mass = float(model.body_subtreemass[model.joint("base").bodyid[0]])
+    for wheel, radius in zip(wheels, (base.left_radius_m, base.right_radius_m), strict=True):
+        actuator = model.actuator(PREFIX + wheel).id
+        torque = mass * robot.limits.emergency_mps2 * radius / 2
+        model.actuator_forcelimited[actuator] = 1
+        model.actuator_forcerange[actuator] = (-torque, torque)
+
+
+__all__ = ["TIMESTEP_S", "Simulation", "build_simulation"]

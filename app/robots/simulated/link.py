@@ -1,0 +1,310 @@
+"""The simulated body's end in the program: starts the link's process, passes messages, learns at once of its death."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import os
+import socket
+import sys
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+from app.link import LinkFailed, RobotDescription, StreamDescription
+from app.messages import GroundTruth, Image, JointState, LaserScan, LinkStatus, Odometry, Twist, read_only
+from app.robots.config import RobotConfig
+from app.robots.simulated import wire
+from app.robots.simulated.gl import check_gl, gl_environment
+from app.robots.simulated.image_ring import ImageRing, create_memory, ring_bytes
+from app.robots.simulated.kinect import camera_model
+from app.robots.simulated.world_config import WorldConfig
+
+START_TIMEOUT_S = 20.0
+STOP_TIMEOUT_S = 0.6
+ALWAYS_ON = ("odometry", "joints", "status")
+_UNSENT_BYTES = 4096
+_LAST_LINES = 12
+
+log = logging.getLogger(__name__)
+
+
+class SimulatedLink:
+    """Implements ``app.link.RobotLink`` for a robot in a simulated world.
+
+    ``clock_offset`` (s) makes the robot's clock of ``time.monotonic()``, in the program and in the link alike.
+    """
+
+    def __init__(self, robot: RobotConfig, world: WorldConfig, clock_offset: float) -> None:
+        self._robot = robot
+        self._world = world
+        self._clock_offset = clock_offset
+        self._description = describe(robot)
+        self._receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in self._description.streams}
+        self._wanted: set[str] = set()
+        self._session: _Session | None = None
+        self.images_overwritten = 0
+        self.commands_dropped = 0
+
+    @property
+    def description(self) -> RobotDescription:
+        """What this body is; known before :meth:`start`."""
+        return self._description
+
+    @property
+    def process_id(self) -> int | None:
+        """The link process's id, None while there is none."""
+        return self._session.process.pid if self._session is not None else None
+
+    async def start(self) -> None:
+        """Start the process and wait until its streams run. Raises LinkFailed, having released everything."""
+        if self._session is not None:
+            raise LinkFailed("the simulated robot runs already")
+        if self._robot.streams.kinect is not None and (problem := check_gl()):
+            raise LinkFailed(problem)
+        session = await _Session.open(self._robot, self._receive)
+        self._session = session
+        session.send(wire.Start(self._robot, self._world, self._clock_offset, frozenset(self._wanted)))
+        try:
+            async with asyncio.timeout(START_TIMEOUT_S):
+                await session.wait_running()
+        except TimeoutError:
+            await self._release()
+            raise LinkFailed(f"The simulated robot did not start within {START_TIMEOUT_S:.0f} s.") from None
+        except LinkFailed:
+            await self._release()
+            raise
+        except asyncio.CancelledError:
+            await self._release()
+            raise
+
+    async def stop(self) -> None:
+        """Stop the wheels, end the process, release everything; idempotent, under 1 s."""
+        if self._session is not None:
+            self._session.expect_end()
+            self._session.send(wire.Stop())
+            await self._release()
+
+    async def wait_failed(self) -> LinkFailed:
+        """Wait until the process ends without having been told to; return why."""
+        if self._session is None:
+            return LinkFailed("The simulated robot was not started.")
+        return await self._session.wait_failed()
+
+    def attach(self, stream: str, receive: Callable[[Any], None]) -> Callable[[], None]:
+        """Call ``receive(message)`` on the loop for each message of ``stream``; returns the detacher."""
+        if stream not in self._receivers:
+            raise KeyError(f"{self._robot.name} has no stream {stream!r}; it has {', '.join(self._receivers)}")
+        receivers = self._receivers[stream]
+        receivers.append(receive)
+
+        def detach() -> None:
+            with contextlib.suppress(ValueError):
+                receivers.remove(receive)
+
+        return detach
+
+    def demand(self, stream: str, wanted: bool) -> None:
+        """Tell whether anybody listens to ``stream``; may be told before :meth:`start`."""
+        if stream not in self._receivers:
+            raise KeyError(f"{self._robot.name} has no stream {stream!r}; it has {', '.join(self._receivers)}")
+        if stream in ALWAYS_ON or wanted == (stream in self._wanted):
+            return
+        (self._wanted.add if wanted else self._wanted.discard)(stream)
+        if self._session is not None:
+            self._session.send(wire.Demand(stream, wanted))
+
+    def command(self, twist: Twist) -> None:
+        """Give the base a velocity. While a frozen link does not read, commands are dropped: they would come too late."""
+        if self._session is None or self._session.unsent_bytes > _UNSENT_BYTES:
+            self.commands_dropped += 1
+            return
+        self._session.send(wire.Drive(twist.stamp, twist.linear_mps, twist.angular_radps))
+
+    def e_stop(self, reason: str) -> None:
+        """Latch the emergency stop."""
+        if self._session is not None:
+            self._session.send(wire.EStop(reason))
+
+    def clear_e_stop(self) -> None:
+        """Release the latch."""
+        if self._session is not None:
+            self._session.send(wire.ClearEStop())
+
+    async def _release(self) -> None:
+        session, self._session = self._session, None
+        if session is not None:
+            await session.close()
+
+    def _receive(self, frame: Any) -> None:
+        match frame:
+            case wire.Sample(stream, message):
+                if isinstance(message, LaserScan):
+                    read_only(message.ranges)
+                    read_only(message.intensities)
+                self._deliver(stream, message)
+            case wire.ImageNotice():
+                self._deliver_image(frame)
+
+    def _deliver_image(self, notice: wire.ImageNotice) -> None:
+        if not self._receivers[notice.stream] or self._session is None:
+            return
+        pictures = self._session.ring.read(notice.slot, notice.sequence) if self._session.ring else None
+        if pictures is None:
+            self.images_overwritten += 1
+            return
+        config = self._robot.streams.kinect
+        assert config is not None
+        color, depth = pictures
+        read_only(notice.X_BC.rotation)
+        read_only(notice.X_BC.translation)
+        image = Image(notice.stamp, config.link, color, depth, camera_model(config), notice.X_BC)
+        self._deliver(notice.stream, image)
+
+    def _deliver(self, stream: str, message: Any) -> None:
+        for receive in tuple(self._receivers[stream]):
+            try:
+                receive(message)
+            except Exception as failure:  # one receiver's fault must not cut the others off, nor pass in silence
+                asyncio.get_running_loop().call_exception_handler(
+                    {"message": f"a receiver of {stream} raised", "exception": failure}
+                )
+
+
+def describe(robot: RobotConfig) -> RobotDescription:
+    """The description of the body that ``robot`` configures."""
+    streams = robot.streams
+    table: list[tuple[str, type[Any], float]] = [
+        ("odometry", Odometry, streams.odometry.rate_hz),
+        ("joints", JointState, streams.joints.rate_hz),
+        ("status", LinkStatus, streams.status.rate_hz),
+    ]
+    if streams.kinect is not None:
+        table.append(("kinect", Image, streams.kinect.rate_hz))
+    if streams.hokuyo is not None:
+        table.append(("hokuyo", LaserScan, streams.hokuyo.rate_hz))
+    if robot.ground_truth:
+        table.append(("ground_truth", GroundTruth, streams.odometry.rate_hz))
+    descriptions = {name: StreamDescription(name, kind, rate) for name, kind, rate in table}
+    return RobotDescription(robot.name, robot.model, robot.limits.base(), descriptions, simulated=True)
+
+
+class _Session(asyncio.Protocol):
+    """One life of the link's process: its socket, its shared memory, its last words."""
+
+    def __init__(self, ring: ImageRing | None, receive: Callable[[Any], None]) -> None:
+        self.ring = ring
+        self._receive = receive
+        self._reader = wire.FrameReader()
+        self._running = asyncio.Event()
+        self._transport: asyncio.Transport | None = None
+        self._ended = asyncio.get_running_loop().create_future()
+        self._expected = False
+        self._last_lines: deque[str] = deque(maxlen=_LAST_LINES)
+        self.process: asyncio.subprocess.Process
+        self._watch: asyncio.Task[None]
+
+    @staticmethod
+    async def open(robot: RobotConfig, receive: Callable[[Any], None]) -> _Session:
+        """Start the process, with a socket and a memory of its own."""
+        kinect = robot.streams.kinect
+        memory = create_memory(ring_bytes(kinect.width, kinect.height) if kinect else 64)
+        ours, theirs = socket.socketpair()
+        try:
+            ring = ImageRing(memory, kinect.width, kinect.height) if kinect else None
+            session = _Session(ring, receive)
+            session.process = await asyncio.create_subprocess_exec(
+                sys.executable, "-m", "app.robots.simulated.process", str(theirs.fileno()), str(memory),
+                pass_fds=(theirs.fileno(), memory), stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.DEVNULL,
+                stderr=asyncio.subprocess.PIPE, env=os.environ | gl_environment(), start_new_session=True,
+            )  # fmt: skip
+        except OSError as failure:
+            ours.close()
+            raise LinkFailed(f"The simulated robot's process cannot be started: {failure.strerror}.") from None
+        finally:
+            theirs.close()
+            os.close(memory)
+        session._watch = asyncio.create_task(session._watch_process(), name="simulated link")
+        await asyncio.get_running_loop().create_connection(lambda: session, sock=ours)
+        return session
+
+    @property
+    def unsent_bytes(self) -> int:
+        """Bytes the process has not read yet, beyond what the socket holds."""
+        return self._transport.get_write_buffer_size() if self._transport is not None else 0
+
+    def send(self, frame: Any) -> None:
+        """Write ``frame``; never waits."""
+        if self._transport is not None and not self._transport.is_closing():
+            self._transport.write(wire.encode(frame))
+
+    def expect_end(self) -> None:
+        """From now on the process's end is no failure."""
+        self._expected = True
+
+    async def wait_running(self) -> None:
+        """Wait for the first sample; raises LinkFailed if the process ends before."""
+        running = asyncio.ensure_future(self._running.wait())
+        try:
+            await asyncio.wait({running, self._ended}, return_when=asyncio.FIRST_COMPLETED)
+            if self._ended.done():
+                raise self._ended.result()
+        finally:
+            running.cancel()
+
+    async def wait_failed(self) -> LinkFailed:
+        """Wait for the end of the process; return what to say about it."""
+        failure: LinkFailed = await asyncio.shield(self._ended)
+        return failure
+
+    async def close(self) -> None:
+        """Let the process end by itself for a moment, then kill it; release socket and memory."""
+        self._expected = True
+        try:
+            async with asyncio.timeout(STOP_TIMEOUT_S):
+                await asyncio.shield(self._watch)
+        except TimeoutError:
+            with contextlib.suppress(ProcessLookupError):
+                self.process.kill()
+            await self._watch
+        finally:
+            if self._transport is not None:
+                self._transport.abort()
+            if self.ring is not None:
+                self.ring.close()
+
+    # asyncio.Protocol
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """The socket is ready."""
+        assert isinstance(transport, asyncio.Transport)
+        self._transport = transport
+
+    def data_received(self, data: bytes) -> None:
+        """Frames arrive."""
+        for frame in self._reader.feed(data):
+            if isinstance(frame, wire.Sample):
+                self._running.set()
+            self._receive(frame)
+
+    async def _watch_process(self) -> None:
+        """Follow the process's standard error and wait for its end."""
+        assert self.process.stderr is not None
+        async for raw in self.process.stderr:
+            line = raw.decode(errors="replace").rstrip()
+            self._last_lines.append(line)
+            log.warning("simulated robot: %s", line)
+        status = await self.process.wait()
+        failure = LinkFailed(self._epitaph(status))
+        if not self._expected:
+            log.error("%s", failure)
+        self._ended.set_result(failure)
+
+    def _epitaph(self, status: int) -> str:
+        how = f"was killed by signal {-status}" if status < 0 else f"ended with status {status}"
+        words = [line.strip() for line in self._last_lines if line.strip(" ^~")]
+        if status == 1 and len(words) == 1:  # a sentence for people
+            return words[0]
+        said = "; its last words: " + " | ".join(words[-3:]) if words else ""
+        return f"The simulated robot's process {how}{said}."

@@ -1,0 +1,228 @@
+"""The world's builder: a pure function from a WorldConfig to a MuJoCo specification.
+
+Walls are boxes whose local z is the wall's normal, because MuJoCo lays a flat texture along a box's local x and y.
+Everything of the world is geometry group 0 (what the laser sees); contacts are between robot and world alone.
+"""
+
+from __future__ import annotations
+
+import math
+import zlib
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from app.errors import ConfigError
+from app.geometry import Pose3
+from app.robots.simulated.furniture import Part, Vector, furnish
+from app.robots.simulated.textures import Texture, poster_page, texture
+from app.robots.simulated.world_config import (
+    CODE_RISE_M,
+    LETTER_HEIGHT_M,
+    LETTER_WIDTH_M,
+    DoorConfig,
+    ObjectConfig,
+    PosterConfig,
+    WallConfig,
+    WorldConfig,
+)
+
+WORLD_GROUP = 0
+WORLD_CONTACT, ROBOT_CONTACT = 2, 1
+TIMESTEP_S = 0.002
+_SHAPES = {
+    "box": mujoco.mjtGeom.mjGEOM_BOX,
+    "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
+    "ellipsoid": mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+}
+_BASEBOARD: Vector = (0.33, 0.31, 0.30)
+_FRAME: Vector = (0.40, 0.27, 0.17)
+_LEAF = "door"
+
+
+def build_world(config: WorldConfig) -> mujoco.MjSpec:
+    """The world without a robot. The same configuration gives the same world.
+
+    Raises ConfigError for furniture of an unknown kind.
+    """
+    spec = mujoco.MjSpec()
+    spec.modelname = config.name
+    spec.option.timestep = TIMESTEP_S
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    spec.visual.quality.offsamples = 0
+    spec.visual.quality.shadowsize = 0
+    spec.visual.map.znear = 0.05
+    spec.visual.map.zfar = 60.0
+    spec.stat.extent = 1.0  # so that znear and zfar are metres
+    spec.visual.headlight.ambient = [config.ambient] * 3
+    spec.visual.headlight.diffuse = [0.12] * 3
+    spec.visual.headlight.specular = [0.0] * 3
+    for light in config.lights:
+        spec.worldbody.add_light(
+            type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+            dir=light.direction,
+            diffuse=[light.strength] * 3,
+            specular=[0.15 * light.strength] * 3,
+            castshadow=False,
+        )
+    _Builder(spec, config).build()
+    return spec
+
+
+class _Builder:
+    def __init__(self, spec: mujoco.MjSpec, config: WorldConfig) -> None:
+        self._spec = spec
+        self._config = config
+
+    def build(self) -> None:
+        self._materials()
+        self._floors()
+        for wall in self._config.walls:
+            self._wall(wall)
+        for number, item in enumerate(self._config.objects):
+            self._object(number, item)
+        for number, poster in enumerate(self._config.posters):
+            self._poster(number, poster)
+
+    def _materials(self) -> None:
+        for name, material in self._config.materials.items():
+            # zlib.crc32, because hash() of a string differs from process to process
+            pixels = texture(material, self._config.seed ^ zlib.crc32(name.encode()))
+            self._add_texture(name, pixels)
+            repeat = [1 / material.tile_m[0], 1 / material.tile_m[1]] if material.tile_m else [1.0, 1.0]
+            self._add_material(name, repeat, material.tile_m is not None, material.shine, material.glow)
+
+    def _add_texture(self, name: str, pixels: Texture) -> None:
+        height, width, _ = pixels.shape
+        image = self._spec.add_texture(
+            name=name, type=mujoco.mjtTexture.mjTEXTURE_2D, width=width, height=height, nchannel=3
+        )
+        image.data = np.ascontiguousarray(pixels).tobytes()
+
+    def _add_material(
+        self, name: str, repeat: list[float], uniform: bool, shine: float = 0.0, glow: float = 0.0
+    ) -> None:
+        material = self._spec.add_material(
+            name=name, texrepeat=repeat, texuniform=uniform, specular=shine, shininess=0.3, emission=glow
+        )
+        material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
+
+    def _geom(self, part: Part, X_WP: Pose3, name: str = "") -> None:
+        half = [s / 2 for s in part.size]
+        size = [half[0], half[2], 0.0] if part.shape == "cylinder" else half
+        X_WG = X_WP @ Pose3.from_translation_rpy(part.at, part.rpy)
+        look = {"material": part.material} if isinstance(part.material, str) else {"rgba": [*part.material, 1.0]}
+        self._spec.worldbody.add_geom(
+            name=name,
+            type=_SHAPES[part.shape],
+            size=size,
+            pos=X_WG.translation,
+            quat=X_WG.quaternion_wxyz(),
+            group=WORLD_GROUP,
+            contype=WORLD_CONTACT if part.solid else 0,
+            conaffinity=ROBOT_CONTACT if part.solid else 0,
+            **look,
+        )
+
+    def _floors(self) -> None:
+        width, depth = self._config.size
+        middle = [width / 2, depth / 2, 0.0]
+        half = [width / 2, depth / 2, 1.0]
+        self._spec.worldbody.add_geom(
+            name="floor", type=mujoco.mjtGeom.mjGEOM_PLANE, size=half, pos=middle, material=self._config.floor,
+            group=WORLD_GROUP, contype=WORLD_CONTACT, conaffinity=ROBOT_CONTACT, friction=[0.9, 0.005, 0.0001],
+        )  # fmt: skip
+        if self._config.ceiling:
+            self._spec.worldbody.add_geom(
+                name="ceiling", type=mujoco.mjtGeom.mjGEOM_PLANE, size=half, quat=[0.0, 1.0, 0.0, 0.0],
+                pos=[width / 2, depth / 2, self._config.wall_height], material=self._config.ceiling,
+                group=WORLD_GROUP, contype=0, conaffinity=0,
+            )  # fmt: skip
+        for number, area in enumerate(self._config.areas):
+            (x0, y0), (x1, y1) = area.start, area.end
+            self._spec.worldbody.add_geom(  # a millimetre above the floor, and without contact: a look, not a step
+                name=f"area{number}", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[abs(x1 - x0) / 2, abs(y1 - y0) / 2, 1.0],
+                pos=[(x0 + x1) / 2, (y0 + y1) / 2, 0.001 + 0.0005 * number], material=area.material,
+                group=WORLD_GROUP, contype=0, conaffinity=0,
+            )  # fmt: skip
+
+    def _wall(self, wall: WallConfig) -> None:
+        (x0, y0), (x1, y1) = wall.start, wall.end
+        X_WS = Pose3.from_translation_rpy((x0, y0, 0.0), (0.0, 0.0, math.atan2(y1 - y0, x1 - x0)))
+        height, thick = self._config.wall_height, wall.thickness
+        cut = 0.0
+        for door in sorted(wall.doors, key=lambda d: d.at):
+            self._wall_piece(wall, X_WS, cut, door.at - door.width / 2)
+            cut = door.at + door.width / 2
+            lintel = height - door.height
+            self._geom(
+                Part("box", (door.at, 0, height - lintel / 2), (door.width, lintel, thick), wall.material, _UPRIGHT),
+                X_WS,
+            )
+            self._door(wall, door, X_WS)
+        self._wall_piece(wall, X_WS, cut, wall.length_m)
+
+    def _wall_piece(self, wall: WallConfig, X_WS: Pose3, start: float, end: float) -> None:
+        if end - start < 1e-6:
+            return
+        height, thick, middle = self._config.wall_height, wall.thickness, (start + end) / 2
+        size = (end - start, height, thick)
+        self._geom(Part("box", (middle, 0, height / 2), size, wall.material, _UPRIGHT), X_WS)
+        board = (end - start, thick + 0.024, 0.09)
+        self._geom(Part("box", (middle, 0, 0.045), board, _BASEBOARD, solid=False), X_WS)
+
+    def _door(self, wall: WallConfig, door: DoorConfig, X_WS: Pose3) -> None:
+        deep, post = wall.thickness + 0.03, 0.05
+        for side in (-1, 1):
+            at = (door.at + side * (door.width / 2 - post / 2), 0.0, door.height / 2)
+            self._geom(Part("box", at, (post, deep, door.height), _FRAME), X_WS)
+        self._geom(Part("box", (door.at, 0, door.height - post / 2), (door.width, deep, post), _FRAME), X_WS)
+        if door.leaf_deg is None:
+            return
+        far = door.hinge == "far"
+        hinge = (door.at + (door.width / 2 - post) * (1 if far else -1), 0.0, 0.0)
+        turn = math.radians(door.leaf_deg) * (-1 if far else 1) + (math.pi if far else 0.0)
+        X_WH = X_WS @ Pose3.from_translation_rpy(hinge, (0.0, 0.0, turn))
+        leaf = door.width - 2 * post
+        size = (leaf, door.height - post - 0.01, 0.04)
+        material: str | Vector = _LEAF if _LEAF in self._config.materials else _FRAME
+        self._geom(Part("box", (leaf / 2, 0, door.height / 2 - 0.02), size, material, _UPRIGHT), X_WH)
+        for side in (-1, 1):
+            self._geom(Part("box", (leaf - 0.09, side * 0.05, 1.03), (0.12, 0.02, 0.02), (0.6, 0.6, 0.62)), X_WH)
+
+    def _object(self, number: int, item: ObjectConfig) -> None:
+        X_WP = Pose3.from_translation_rpy((*item.at, item.z), (0.0, 0.0, math.radians(item.yaw_deg)))
+        rng = np.random.default_rng([self._config.seed, number])
+        materials = frozenset(self._config.materials)
+        try:
+            parts = furnish(item.kind, item.size, item.material, rng, materials)
+        except KeyError as failure:
+            raise ConfigError(str(failure.args[0]), key=f"objects[{number}].kind") from None
+        for index, part in enumerate(parts):
+            if isinstance(part.material, str) and part.material not in materials:
+                part = Part(part.shape, part.at, part.size, (0.5, 0.5, 0.5), part.rpy, part.solid)
+            self._geom(part, X_WP, name=f"{item.kind}{number}.{index}")
+
+    def _poster(self, number: int, poster: PosterConfig) -> None:
+        name = f"poster{number}"
+        self._add_texture(name, poster_page(poster.text, poster.title))
+        self._add_material(name, [1.0, 1.0], uniform=False)
+        page = Part("box", (0, 0, 0), (LETTER_WIDTH_M, LETTER_HEIGHT_M, 0.001), name, solid=False)
+        self._geom(page, X_WP_of_page(poster), name=name)
+
+
+_UPRIGHT: Vector = (math.pi / 2, 0.0, 0.0)
+"""Turns a box so that its y points up and its z along -y of the frame it stands in."""
+
+
+def X_WP_of_page(poster: PosterConfig) -> Pose3:
+    """Pose of a poster's page in the world: x to the reader's right, y up, z out of the wall."""
+    yaw = math.radians(poster.facing_deg)
+    right: NDArray[np.float64] = np.array([-math.sin(yaw), math.cos(yaw), 0.0])
+    out = np.array([math.cos(yaw), math.sin(yaw), 0.0])
+    up = np.array([0.0, 0.0, 1.0])
+    rotation = np.column_stack([right, up, out])
+    middle = np.array([*poster.at, poster.height - CODE_RISE_M]) + 0.001 * out
+    return Pose3(rotation, middle)

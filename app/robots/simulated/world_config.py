@@ -1,0 +1,161 @@
+"""The models of ``config/worlds/*.yaml``: a building, its furniture and its posters.
+
+World frame W: metres, x east, y north, z up, the origin at the floor's south-west corner.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+LETTER_WIDTH_M, LETTER_HEIGHT_M = 0.2159, 0.2794
+"""US Letter in portrait."""
+CODE_SIDE_M = 0.185
+"""Side of a poster's code without its quiet zone."""
+CODE_RISE_M = 0.030
+"""How far the code's centre lies above the page's centre; the title stands below."""
+
+Positive = Annotated[float, Field(gt=0)]
+Point = tuple[float, float]
+Pattern = Literal[
+    "plain", "plaster", "brick", "wood", "planks", "carpet", "tiles", "terrazzo", "concrete",
+    "ceiling", "books", "leaves", "picture", "whiteboard", "window", "screen", "cardboard",
+]  # fmt: skip
+Color = tuple[
+    Annotated[int, Field(ge=0, le=255)], Annotated[int, Field(ge=0, le=255)], Annotated[int, Field(ge=0, le=255)]
+]
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, populate_by_name=True)
+
+
+class MaterialConfig(_Model):
+    """A surface: a generated pattern in one or two colours (RGB), one repeat covering ``tile_m`` metres.
+
+    Without ``tile_m`` the pattern is stretched once over each face.
+    """
+
+    pattern: Pattern = "plain"
+    color: Color = (200, 200, 200)
+    second: Color | None = None
+    tile_m: tuple[Positive, Positive] | None = None
+    shine: Annotated[float, Field(ge=0, le=1)] = 0.1
+    glow: Annotated[float, Field(ge=0, le=1)] = 0.0
+
+
+class DoorConfig(_Model):
+    """An opening: its middle lies ``at`` metres along the wall. ``leaf_deg`` gives it a leaf, open by that angle.
+
+    The leaf hangs at the end nearer the wall's start, or ``hinge: far``; a positive angle swings it to the left of the
+    wall's direction.
+    """
+
+    at: Positive
+    width: Positive = 1.0
+    height: Positive = 2.1
+    leaf_deg: Annotated[float, Field(ge=-170, le=170)] | None = None
+    hinge: Literal["near", "far"] = "near"
+
+
+class WallConfig(_Model):
+    """A straight wall between two points of its middle line."""
+
+    start: Point = Field(alias="from")
+    end: Point = Field(alias="to")
+    material: str
+    thickness: Positive = 0.12
+    doors: tuple[DoorConfig, ...] = ()
+
+    @property
+    def length_m(self) -> float:
+        """From end to end."""
+        return math.dist(self.start, self.end)
+
+    @model_validator(mode="after")
+    def _doors_fit(self) -> WallConfig:
+        taken = 0.0
+        for door in sorted(self.doors, key=lambda d: d.at):
+            if door.at - door.width / 2 < taken or door.at + door.width / 2 > self.length_m:
+                raise ValueError(
+                    f"the door at {door.at} m overlaps another or leaves its wall of {self.length_m:.1f} m"
+                )
+            taken = door.at + door.width / 2
+        return self
+
+
+class AreaConfig(_Model):
+    """A rectangle of floor with a material of its own (a room's floor, a rug)."""
+
+    start: Point = Field(alias="from")
+    end: Point = Field(alias="to")
+    material: str
+
+
+class ObjectConfig(_Model):
+    """A piece of furniture on the floor (or ``z`` above it), turned by ``yaw_deg``; kinds are in ``furniture.py``.
+
+    ``size`` is its length, width and height (m) where the kind's usual size does not do.
+    """
+
+    kind: str
+    at: Point
+    yaw_deg: float = 0.0
+    size: tuple[Positive, Positive, Positive] | None = None
+    material: str | None = None
+    z: float = 0.0
+
+
+class PosterConfig(_Model):
+    """A US-Letter page with a QR code, flat on a wall.
+
+    ``at`` is a point of the wall's face behind the page, ``height`` that of the *code's* centre above the floor;
+    ``facing_deg`` the direction the page looks (0 east, 90 north).
+    """
+
+    text: Annotated[str, Field(min_length=1, max_length=32)]
+    title: str
+    at: Point
+    height: Positive = 1.2
+    facing_deg: float
+
+    @property
+    def p_WQ(self) -> tuple[float, float, float]:
+        """The true centre of the code in the world (m)."""
+        return (self.at[0], self.at[1], self.height)
+
+
+class LightConfig(_Model):
+    """A light from far away, shining along ``direction``; ``strength`` 0 to 1."""
+
+    direction: tuple[float, float, float]
+    strength: Annotated[float, Field(ge=0, le=1)]
+
+
+class WorldConfig(_Model):
+    """A building of one storey."""
+
+    name: str
+    size: tuple[Positive, Positive]
+    wall_height: Positive = 2.7
+    floor: str
+    ceiling: str | None = None
+    materials: dict[str, MaterialConfig]
+    walls: tuple[WallConfig, ...] = ()
+    areas: tuple[AreaConfig, ...] = ()
+    objects: tuple[ObjectConfig, ...] = ()
+    posters: tuple[PosterConfig, ...] = ()
+    ambient: Annotated[float, Field(ge=0, le=1)] = 0.45
+    lights: tuple[LightConfig, ...] = ()
+    seed: int = 1
+
+    @model_validator(mode="after")
+    def _materials_exist(self) -> WorldConfig:
+        used = [self.floor, *(w.material for w in self.walls), *(a.material for a in self.areas)]
+        used += [name for name in (self.ceiling, *(o.material for o in self.objects)) if name is not None]
+        for name in used:
+            if name not in self.materials:
+                raise ValueError(f"there is no material {name!r}; there are {', '.join(sorted(self.materials))}")
+        return self

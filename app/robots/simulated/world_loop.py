@@ -1,0 +1,235 @@
+"""The control loop of the link's process: commands in, guard, physics, sensors, messages out, at 250 Hz.
+
+Everything but drawing happens in this one thread, and nothing in it waits but the ``select`` that paces it. The
+guard's decision comes first in every turn, from the real clock, so it holds whatever the program does.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import select
+import time
+
+import numpy as np
+
+from app.messages import GroundTruth, JointState, LinkStatus, Odometry, Twist
+from app.robots import guard
+from app.robots.model import load_model
+from app.robots.simulated import wire
+from app.robots.simulated.body import TIMESTEP_S, build_simulation
+from app.robots.simulated.camera import CameraThread, Snapshot
+from app.robots.simulated.guard_log import GuardLog
+from app.robots.simulated.image_ring import ImageRing
+from app.robots.simulated.laser import Laser
+from app.robots.simulated.odometry import WheelOdometry, draw_true_base
+from app.robots.simulated.pacer import Pacer
+
+STEPS_PER_TURN = 2
+_CAMERA_SETUP_S = 20.0
+
+
+class Schedule:
+    """When a stream of ``rate_hz`` is next due, in simulated seconds."""
+
+    def __init__(self, rate_hz: float) -> None:
+        self.period_s = 1.0 / rate_hz
+        self._next_s = 0.0
+
+    def due(self, time_s: float) -> bool:
+        """Whether it is due now; then the next time is a period on (a stream that fell behind skips, not hurries)."""
+        if time_s + 1e-9 < self._next_s:
+            return False
+        self._next_s = max(self._next_s + self.period_s, time_s + 0.5 * self.period_s)
+        return True
+
+
+class WorldLoop:
+    """Builds the world of a ``Start`` and runs it until told to end."""
+
+    def __init__(self, start: wire.Start, sock: wire.Socket, memory: int) -> None:
+        robot, streams = start.robot, start.robot.streams
+        seeds = np.random.SeedSequence(robot.seed).spawn(5)
+        base_rng, odometry_rng, laser_rng, camera_rng, self._joint_rng = (np.random.default_rng(s) for s in seeds)
+        self._robot = robot
+        self._socket = sock
+        self._offset = start.clock_offset
+        self._wanted = set(start.demanded)
+        self._simulation = build_simulation(robot, start.world, draw_true_base(robot.base, base_rng))
+        self._kinematics = load_model(robot.model)
+        self._limits = robot.limits.guard()
+        self._state = guard.GuardState()
+        self._log = GuardLog(robot.guard_log) if robot.guard_log is not None else None
+        self._odometry = WheelOdometry(robot.base, odometry_rng)
+        names = self._simulation.joints
+        self._wheel_joints = (names.index(robot.base.left_wheel_joint), names.index(robot.base.right_wheel_joint))
+        rates = {
+            "odometry": streams.odometry.rate_hz,
+            "joints": streams.joints.rate_hz,
+            "status": streams.status.rate_hz,
+            "ground_truth": streams.odometry.rate_hz,
+        }
+        self._laser: Laser | None = None
+        if streams.hokuyo is not None:
+            X_BL = self._kinematics.pose(streams.hokuyo.link)
+            self._laser = Laser(self._simulation, streams.hokuyo, X_BL, laser_rng)
+            rates["hokuyo"] = streams.hokuyo.rate_hz
+        self._camera: CameraThread | None = None
+        self._wake_read, self._wake_write = os.pipe()
+        os.set_blocking(self._wake_read, False)
+        os.set_blocking(self._wake_write, False)
+        if streams.kinect is not None:
+            ring = ImageRing(memory, streams.kinect.width, streams.kinect.height)
+            self._camera = CameraThread(self._simulation.model, streams.kinect, ring, camera_rng, self._wake)
+            self._camera.wait_ready(_CAMERA_SETUP_S)
+            rates["kinect"] = streams.kinect.rate_hz
+        self._schedules = {name: Schedule(rate) for name, rate in rates.items()}
+        self._ending = False
+        self._pacer = Pacer(time.monotonic(), TIMESTEP_S)
+        self._last_odometry_s = 0.0
+        self._last_seen: dict[str, float] = {}
+
+    def end(self) -> None:
+        """Have :meth:`run` stop the wheels and return; may be called from a signal handler."""
+        self._ending = True
+        self._wake()
+
+    def run(self) -> None:
+        """Turn until the end. Raises what the camera's thread raised."""
+        self._pacer = Pacer(time.monotonic(), TIMESTEP_S)
+        while not self._ending:
+            self._receive()
+            if self._socket.closed:
+                break
+            now = time.monotonic()
+            self._turn(now)
+            if self._camera is not None:
+                if self._camera.failure is not None:
+                    raise self._camera.failure
+                while self._camera.finished:
+                    self._last_seen["kinect"] = now
+                    self._socket.send(self._camera.finished.popleft())
+            self._socket.flush()
+            self._sleep()
+        self._shut_down()
+
+    def _turn(self, now: float) -> None:
+        action = guard.decide(now + self._offset, self._state, self._sensor_ages(now), self._limits)
+        steps = self._pacer.due(now)
+        if steps == 0 and action.immediate:  # do not let a stop wait for the next step
+            self._state = guard.step(self._state, action, self._limits, 0.0)
+            self._simulation.drive(self._state.applied)
+        for _ in range(steps):
+            self._state = guard.step(self._state, action, self._limits, TIMESTEP_S)
+            self._simulation.drive(self._state.applied)
+            self._simulation.step()
+            self._pacer.advance()
+            self._sense()
+        if self._schedules["status"].due(self._simulation.time_s):
+            self._send_status(now, action)
+        if self._log is not None:
+            applied = self._state.applied
+            self._log.write(time.monotonic(), applied.linear_mps, applied.angular_radps)
+
+    def _receive(self) -> None:
+        for frame in self._socket.receive():
+            match frame:
+                case wire.Drive(stamp, linear, angular):
+                    self._state = guard.accept(self._state, guard.Command(stamp, guard.Velocity(linear, angular)))
+                case wire.EStop(reason):
+                    self._state = guard.e_stop(self._state, reason)
+                case wire.ClearEStop():
+                    self._state = guard.clear_e_stop(self._state)
+                case wire.Demand(stream, wanted):
+                    (self._wanted.add if wanted else self._wanted.discard)(stream)
+                    self._last_seen.pop(stream, None)
+                case wire.Stop():
+                    self._ending = True
+
+    def _sensor_ages(self, now: float) -> dict[str, float]:
+        """Ages (s) of the sensors the base must not drive without, of those that are wanted and have spoken once."""
+        return {
+            name: now - self._last_seen[name] for name in self._robot.limits.required_sensors if name in self._last_seen
+        }
+
+    def _sense(self) -> None:
+        time_s = self._simulation.time_s
+        mono = self._pacer.stamp
+        stamp = mono + self._offset
+        if self._schedules["odometry"].due(time_s):
+            self._send_odometry(stamp, time_s, mono)
+        if self._schedules["joints"].due(time_s):
+            positions = tuple(float(p) for p in self._measured_joints())
+            self._send("joints", JointState(stamp, self._simulation.joints, positions), mono)
+        if "ground_truth" in self._wanted and self._schedules["ground_truth"].due(time_s):
+            speed = self._simulation.true_velocity()
+            truth = GroundTruth(stamp, self._simulation.true_pose(), speed.linear_mps, speed.angular_radps)
+            self._send("ground_truth", truth, mono)
+        if self._laser is not None and "hokuyo" in self._wanted:
+            if not self._laser.sweeping and self._schedules["hokuyo"].due(time_s):
+                self._laser.begin(stamp)
+            if self._laser.sweeping and (scan := self._laser.advance(stamp, TIMESTEP_S)) is not None:
+                self._send("hokuyo", scan, mono)
+        if self._camera is not None and "kinect" in self._wanted and self._schedules["kinect"].due(time_s):
+            measured = dict(zip(self._simulation.joints, self._measured_joints(), strict=True))
+            X_BC = self._kinematics.pose(self._robot.streams.kinect.link, measured)  # type: ignore[union-attr]
+            self._camera.request(Snapshot(stamp, self._simulation.data.qpos.copy(), X_BC))
+
+    def _measured_joints(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        true = self._simulation.joint_positions()
+        return true + self._robot.streams.joints.noise_rad * self._joint_rng.standard_normal(true.size)
+
+    def _send_odometry(self, stamp: float, time_s: float, mono: float) -> None:
+        positions = self._simulation.joint_positions()
+        left, right = (float(positions[index]) for index in self._wheel_joints)
+        if not (math.isfinite(left) and math.isfinite(right)):
+            return  # broken encoders: the guard sees the stream age
+        self._odometry.update(left, right, time_s - self._last_odometry_s)
+        self._last_odometry_s = time_s
+        odometry = Odometry(stamp, self._odometry.X_OB, self._odometry.linear_mps, self._odometry.angular_radps)
+        self._send("odometry", odometry, mono)
+
+    def _send_status(self, now: float, action: guard.GuardAction) -> None:
+        stamp = now + self._offset
+        applied = self._state.applied
+        self._send(
+            "status",
+            LinkStatus(
+                stamp=stamp,
+                guard=action.mode.value,
+                reason=action.reason,
+                e_stopped=self._state.e_stop is not None,
+                command_age_s=guard.command_age(self._state, stamp),
+                applied=Twist(stamp, applied.linear_mps, applied.angular_radps),
+                world_rate=self._pacer.rate(now),
+            ),
+            now,
+        )
+
+    def _send(self, stream: str, message: object, mono: float) -> None:
+        self._last_seen[stream] = mono
+        self._socket.send(wire.Sample(stream, message))
+
+    def _wake(self) -> None:
+        try:
+            os.write(self._wake_write, b"\0")
+        except BlockingIOError:
+            pass  # the loop is being woken already
+
+    def _sleep(self) -> None:
+        timeout = self._pacer.wait_s(time.monotonic(), STEPS_PER_TURN)
+        writers = [self._socket] if self._socket.has_unsent else []
+        ready, _, _ = select.select([self._socket, self._wake_read], writers, [], timeout)
+        if self._wake_read in ready:
+            os.read(self._wake_read, 4096)
+
+    def _shut_down(self) -> None:
+        self._simulation.drive(guard.ZERO)
+        self._simulation.step()
+        if self._log is not None:
+            self._log.write(time.monotonic(), 0.0, 0.0)
+            self._log.close()
+        self._socket.flush()
+        if self._camera is not None:
+            self._camera.close(timeout_s=0.3)
+        self._socket.close()
