@@ -19,7 +19,7 @@ _FULL = 1.0 + 1e-6
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """What follows from a command or a beat: the ``twist`` to publish, None for nothing; ``problem`` in words or empty."""
+    """What follows from a command or a beat: the ``twist`` to publish (or None), and a ``problem`` in words (or "")."""
 
     twist: Twist | None
     problem: str = ""

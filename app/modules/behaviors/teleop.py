@@ -7,9 +7,9 @@
 
     v = speed · stick_linear · v_max        ω = speed · stick_angular · ω_max
 
-``speed`` is the parameter of the desire Teleoperation, v_max and ω_max are the body's limits. Only while the dead-man is
-held: its release gives zero at once, silence while held gives zero after ``timeout_s``, and one zero is the last word
-when attention closes the output.
+``speed`` is the parameter of the desire Teleoperation, v_max and ω_max are the body's limits. Only while the dead-man
+is held: its release gives zero at once, silence while held gives zero after ``timeout_s``, and one zero is the last
+word when attention closes the output.
 """
 
 from __future__ import annotations

@@ -1,0 +1,72 @@
+"""Priority arbitration and limits for the mobile base (thesis 4.2): pure functions on commands and times.
+
+Of the behaviors whose command is fresh, the one of highest priority drives, all others are ignored (subsumption, not
+blending); its twist is clamped to the body's speeds and approached no faster than the body's accelerations.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from app.link import BaseLimits
+from app.messages import Twist
+
+
+@dataclass(frozen=True, slots=True)
+class Contender:
+    """A behavior that may drive: the input ``port`` its twists come in by, its name, and its priority (higher wins)."""
+
+    port: str
+    behavior: str
+    priority: int
+
+
+def arbitrate(
+    now: float, commands: Mapping[str, Twist], contenders: Sequence[Contender], max_age_s: float
+) -> tuple[str, Twist] | None:
+    """The behavior that drives and its command, or None: nobody has a fresh one.
+
+    ``commands`` holds the newest twist by port. A command is fresh while its stamp is within ``max_age_s`` of ``now``;
+    one that is not finite is none. Equal priorities go to the contender listed first.
+    """
+    winner: Contender | None = None
+    for contender in contenders:
+        command = commands.get(contender.port)
+        if command is None or abs(now - command.stamp) > max_age_s:
+            continue
+        if not (math.isfinite(command.linear_mps) and math.isfinite(command.angular_radps)):
+            continue
+        if winner is None or contender.priority > winner.priority:
+            winner = contender
+    return None if winner is None else (winner.behavior, commands[winner.port])
+
+
+def clamped(twist: Twist, limits: BaseLimits) -> Twist:
+    """``twist`` within the body's speeds, each axis by itself."""
+    return Twist(
+        twist.stamp,
+        _within(twist.linear_mps, limits.linear_mps),
+        _within(twist.angular_radps, limits.angular_radps),
+    )
+
+
+def approach(before: Twist, target: Twist, limits: BaseLimits, longest_s: float) -> Twist:
+    """The twist between ``before`` and ``target`` that the body's accelerations allow at the target's stamp.
+
+    The time that passed counts up to ``longest_s``, so that a long rest does not permit a jump. A stop (all zero) is
+    passed on at once: braking is shaped by the body, never delayed here.
+    """
+    if target.linear_mps == 0.0 and target.angular_radps == 0.0:
+        return target
+    elapsed_s = min(max(target.stamp - before.stamp, 0.0), longest_s)
+    return Twist(
+        target.stamp,
+        before.linear_mps + _within(target.linear_mps - before.linear_mps, limits.linear_mps2 * elapsed_s),
+        before.angular_radps + _within(target.angular_radps - before.angular_radps, limits.angular_radps2 * elapsed_s),
+    )
+
+
+def _within(value: float, limit: float) -> float:
+    return max(-limit, min(limit, value))
