@@ -1,0 +1,95 @@
+"""Configuration of the whole program: the models of ``config/*.yaml``, read with file and line in every error."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict, Field, RootModel
+
+from app.errors import ConfigError
+from app.runtime.channel_table import ChannelSpec
+from app.runtime.graph import ModuleSpec
+from app.yaml_source import Document, load_yaml
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class AttentionConfig(_Model):
+    """How intentions are chosen."""
+
+    safe_strategies: tuple[str, ...] = Field(
+        (), description="strategies kept while the solver has not answered yet, or cannot"
+    )
+    solve_time_limit_s: float = Field(0.5, gt=0, le=10, description="the solver keeps the best it has found by then")
+    history: int = Field(20_000, ge=100, description="events the timeline remembers")
+    hysteresis_gain: float = Field(0.0, ge=0, description="a switch must gain more than this in Ω ...")
+    hysteresis_dwell_s: float = Field(0.0, ge=0, description="... or last for longer than this; 0 and 0: at once")
+
+
+class ConsoleConfig(_Model):
+    """Where the console listens."""
+
+    host: str = "127.0.0.1"
+    port: int = Field(8080, ge=0, le=65535, description="0: any free port")
+    # Beyond loopback a token is required: given here, on the command line, or made up and printed at the start.
+    token: str | None = Field(None, min_length=8)
+
+
+class ProgramConfig(_Model):
+    """One robot program, as it stands in its file; paths are relative to the file."""
+
+    robot: Path
+    channels: Path
+    strategies: tuple[Path, ...] = Field(min_length=1)
+    attention: AttentionConfig = AttentionConfig()
+    console: ConsoleConfig = ConsoleConfig()
+    modules: dict[str, ModuleSpec] = Field(min_length=1)
+
+
+class ChannelTable(RootModel[dict[str, ChannelSpec]]):
+    """The table of channels, as it stands in its file."""
+
+
+@dataclass(frozen=True, slots=True)
+class Configuration:
+    """A program's configuration with the documents it came from, so that later errors can still name their line."""
+
+    program: ProgramConfig
+    channels: dict[str, ChannelSpec]
+    program_document: Document
+    channels_document: Document
+
+    @property
+    def folder(self) -> Path:
+        """The folder that the program's paths are relative to."""
+        return Path(self.program_document.file).resolve().parent
+
+    def path(self, relative: Path) -> Path:
+        """A path of the configuration as an absolute one."""
+        return self.folder / relative
+
+    def wiring_error(self, message: str, key: tuple[str, ...]) -> ConfigError:
+        """The ConfigError for a mistake in the graph, pointing into the file where ``key`` stands."""
+        if key[0] == "channels":
+            return self.channels_document.error(f"{'.'.join(key[1:])}: {message}", key[1:])
+        return self.program_document.error(f"{'.'.join(key)}: {message}", key)
+
+
+def load_configuration(path: Path) -> Configuration:
+    """Read a program's configuration and its table of channels. Raises ConfigError for anything that cannot be."""
+    document = load_yaml(path)
+    program = document.validate(ProgramConfig)
+    folder = Path(path).resolve().parent
+    for key, relative in [
+        (("robot",), program.robot),
+        (("channels",), program.channels),
+        *((("strategies", number), file) for number, file in enumerate(program.strategies)),
+    ]:
+        if not (folder / relative).is_file():
+            raise document.error(f"there is no file {relative} beside {path}", key)
+    channels_document = load_yaml(folder / program.channels)
+    channels = channels_document.validate(ChannelTable).root
+    return Configuration(program, channels, document, channels_document)

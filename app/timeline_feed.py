@@ -1,0 +1,84 @@
+"""What the program notes on its timeline besides attention's own events: modules, guard, exploitation, overload.
+
+A bad state is noted once on entering and once on leaving, never in between.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from app.attention.timeline import Timeline
+from app.messages import Exploitation, LinkStatus
+from app.runtime.load import Load
+from app.runtime.supervisor import ModuleState
+
+#: Load windows (1 s each) in a row over budget before it is called overload: start-up bursts are none.
+OVERLOAD_WINDOWS = 3
+
+_GUARD_WORDS = {
+    "idle": "The base rests",
+    "driving": "The base drives",
+    "stale_command": "The guard stopped the base",
+    "e_stopped": "Emergency stop",
+    "sensor_failure": "The guard holds the base",
+}
+
+
+class TimelineFeed:
+    """Turns states into timeline events, one for each change."""
+
+    def __init__(self, timeline: Timeline, budgets: Mapping[str, float]) -> None:
+        """``budgets``: the CPU (% of one core) each module is expected to stay under."""
+        self._timeline = timeline
+        self._budgets = dict(budgets)
+        self._guard = ""
+        self._behavior: str | None = None
+        self._slow_world = False
+        self._over = dict.fromkeys(budgets, 0)
+
+    def module(self, state: ModuleState) -> None:
+        """A module's state changed."""
+        data = {"status": state.status, "restarts": state.restarts, "problem": state.problem}
+        if state.status in ("failed", "hung"):
+            self._timeline.add("module", state.name, f"{state.name} {state.status}: {state.problem}", data)
+        elif state.status == "running" and state.restarts:
+            self._timeline.add("restart", state.name, f"{state.name} runs again (restart {state.restarts})", data)
+
+    def guard(self, status: LinkStatus) -> None:
+        """The link reported; noted when the guard's state changes or the world begins or ceases to run slowly."""
+        if status.guard != self._guard:
+            self._guard = status.guard
+            words = _GUARD_WORDS.get(status.guard, status.guard)
+            text = f"{words}: {status.reason}" if status.reason else words
+            self._timeline.add("guard", status.guard, text, {"e_stopped": status.e_stopped})
+        slow = status.world_rate < 0.97 if self._slow_world else status.world_rate < 0.95
+        if slow != self._slow_world:
+            self._slow_world = slow
+            text = (
+                f"The simulated world runs at {status.world_rate:.2f} of real time: this computer is too slow for it"
+                if slow
+                else "The simulated world keeps real time again"
+            )
+            self._timeline.add("overload", "world", text, {"world_rate": status.world_rate})
+
+    def exploitation(self, message: Exploitation) -> None:
+        """The arbiter reported; noted when another behavior drives."""
+        if message.behavior != self._behavior:
+            self._behavior = message.behavior
+            text = f"{message.behavior} drives" if message.behavior else "Nobody drives"
+            self._timeline.add("exploitation", message.behavior or "", text)
+
+    def load(self, load: Load) -> None:
+        """A load window closed; noted when a module goes over its budget for good, and when it is back."""
+        for name, budget in self._budgets.items():
+            used = load.modules.get(name, 0.0)
+            windows = self._over[name]
+            if used > budget:
+                self._over[name] = windows + 1
+                if windows + 1 == OVERLOAD_WINDOWS:
+                    text = f"{name} uses {used:.0f} % of a core, {budget:.0f} % is its budget"
+                    self._timeline.add("overload", name, text, {"used": round(used, 1), "budget": budget})
+            else:
+                self._over[name] = 0
+                if windows >= OVERLOAD_WINDOWS:
+                    self._timeline.add("overload", name, f"{name} is within its budget again", {"used": round(used, 1)})
