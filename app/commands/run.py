@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import argparse
 import asyncio
-import errno
-import ipaddress
 import logging
 import os
-import secrets
 import signal
 import socket
 import sys
 import threading
 import webbrowser
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any
@@ -29,26 +25,6 @@ if TYPE_CHECKING:
 STOP_WITHIN_S = 2.0
 
 log = logging.getLogger("hbba.run")
-
-
-class CannotRun(Exception):
-    """Running is impossible here and now; the message is one sentence that says what to do."""
-
-
-@dataclass(frozen=True, slots=True)
-class Address:
-    """Where the console listens. ``token`` is asked of everybody who comes from beyond loopback, or of all if given."""
-
-    host: str
-    port: int
-    token: str | None
-
-    @property
-    def url(self) -> str:
-        """What to type into a browser, token included."""
-        host = f"[{self.host}]" if ":" in self.host else self.host
-        host = {"0.0.0.0": socket.gethostname(), "[::]": socket.gethostname()}.get(host, host)
-        return f"http://{host}:{self.port}/" + (f"?token={self.token}" if self.token else "")
 
 
 def add_parser(subparsers: Any) -> None:
@@ -72,18 +48,20 @@ def add_parser(subparsers: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run until a signal comes or the body fails. Raises ConfigError."""
     from app.config import load_configuration
+    from app.console.security import check_token, is_loopback, new_token
+    from app.console.server import listen
     from app.link import LinkFailed
 
-    logs.configure(args.log_level, as_json=args.log_json)
     configuration = load_configuration(args.config or paths.config_dir() / "lab.yaml")
     console = configuration.program.console
     host = args.host or console.host
+    token = args.token or console.token or (None if is_loopback(host) else new_token())
+    check_token(token, host)
+    logs.configure(args.log_level, as_json=args.log_json)
     try:
         with listen(host, console.port if args.port is None else args.port) as listener:
-            address = Address(host, listener.getsockname()[1], token_for(host, args.token or console.token))
-            stopping = Stopping()
-            return asyncio.run(_serve(configuration, listener, address, stopping, open_browser=args.open))
-    except (CannotRun, LinkFailed) as failure:
+            return asyncio.run(_serve(configuration, listener, token, Stopping(), open_browser=args.open))
+    except LinkFailed as failure:
         print(f"hbba run: {failure}", file=sys.stderr)
         return 1
 
@@ -91,43 +69,70 @@ def run(args: argparse.Namespace) -> int:
 async def _serve(
     configuration: Configuration,
     listener: socket.socket,
-    address: Address,
+    token: str | None,
     stopping: Stopping,
     *,
     open_browser: bool,
 ) -> int:
-    """Bring everything up, say where, wait for the end, take everything down. Raises LinkFailed, ConfigError."""
-    import cv2
-
-    from app.console.server import serving
-    from app.system import System
-
-    cv2.setNumThreads(1)  # modules have their own threads; OpenCV's pool would only fight them for the cores
-    stop = asyncio.Event()
-    stopping.install(lambda: loop.call_soon_threadsafe(stop.set))
+    """Run until asked to stop, whatever is being done then. Raises LinkFailed, ConfigError."""
     loop = asyncio.get_running_loop()
-    async with System(configuration) as system, serving(system, [listener], token=address.token):
-        print(f"HBBA is up: {address.url}  (Ctrl-C stops it)", flush=True)
-        if open_browser:
-            await asyncio.to_thread(webbrowser.open, address.url)
-        asked = asyncio.create_task(stop.wait())
-        failed = asyncio.create_task(system.wait_failed())
-        await asyncio.wait({asked, failed}, return_when=asyncio.FIRST_COMPLETED)
-        asked.cancel()
-        if failed.done():
-            stopping.begin()
-            raise failed.result()
-        failed.cancel()
-        log.info("stopping")
+    running = asyncio.create_task(_live(configuration, listener, token, open_browser=open_browser))
+    stopping.install(lambda: loop.call_soon_threadsafe(running.cancel))
+    try:
+        await running
+    except asyncio.CancelledError:
+        return 0
+    finally:
+        stopping.begin()
     return 0
 
 
-class Stopping:
-    """The way down: the first signal asks for it; a second one, or STOP_WITHIN_S, ends everything at once."""
+async def _live(
+    configuration: Configuration, listener: socket.socket, token: str | None, *, open_browser: bool
+) -> None:
+    """Bring everything up, say where, wait for the end, take everything down. Raises LinkFailed, ConfigError."""
+    import cv2
 
-    def __init__(self, force: Callable[[int], object] | None = None) -> None:
+    from app.console.app import create_app
+    from app.console.server import address_of, serve
+    from app.system import System
+
+    cv2.setNumThreads(1)  # modules have their own threads; OpenCV's pool would only fight them for the cores
+
+    def announce(url: str) -> None:
+        print(f"HBBA is up: {login_url(url, token)}  (Ctrl-C stops it)", flush=True)
+        if open_browser:
+            asyncio.get_running_loop().run_in_executor(None, webbrowser.open, login_url(url, token))
+
+    host, port = address_of(listener)
+    async with System(configuration) as system:
+        app = create_app(system, token=token)
+        console = asyncio.create_task(serve(app, host, port, listener=listener, started=announce), name="console")
+        failure = asyncio.create_task(system.wait_failed(), name="body's failure")
+        try:
+            await asyncio.wait({console, failure}, return_when=asyncio.FIRST_COMPLETED)
+            if failure.done():
+                raise failure.result()
+            await console
+        finally:
+            log.info("stopping")
+            console.cancel()
+            failure.cancel()
+            await asyncio.gather(console, failure, return_exceptions=True)
+
+
+def login_url(url: str, token: str | None) -> str:
+    """What to open in a browser. The token goes behind the #, which no browser sends to a server or logs."""
+    return url if token is None else f"{url}/#token={token}"
+
+
+class Stopping:
+    """The way down: the first signal asks for it; a second one, or the time allowed being over, ends everything at once."""
+
+    def __init__(self, force: Callable[[int], object] | None = None, within_s: float = STOP_WITHIN_S) -> None:
         """``force`` (exit code) ends the process and its children; replaced in tests."""
         self._force = force or end_now
+        self._within_s = within_s
         self._ask: Callable[[], object] = lambda: None
         self._begun = False
 
@@ -146,14 +151,16 @@ class Stopping:
         self._ask()
 
     def begin(self) -> None:
-        """The way down has begun: it may take STOP_WITHIN_S."""
+        """The way down has begun: it may take the time allowed."""
+        if self._begun:
+            return
         self._begun = True
-        timer = threading.Timer(STOP_WITHIN_S, self._overdue)
+        timer = threading.Timer(self._within_s, self._overdue)
         timer.daemon = True
         timer.start()
 
     def _overdue(self) -> None:
-        log.error("not stopped within %g s: ended by force", STOP_WITHIN_S)
+        log.error("not stopped within %g s: ended by force", self._within_s)
         self._force(1)
 
 
@@ -164,59 +171,6 @@ def end_now(code: int) -> None:
     for child in psutil.Process().children(recursive=True):
         child.kill()
     os._exit(code)
-
-
-def listen(host: str, port: int) -> socket.socket:
-    """A socket that listens at ``host``:``port`` (0: any free port). Raises CannotRun in words for people."""
-    try:
-        family, *_, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
-    except socket.gaierror:
-        raise CannotRun(
-            f"--host {host}: there is no such address; allowed: an address or name of this computer"
-        ) from None
-    listener = socket.socket(family, socket.SOCK_STREAM)
-    try:
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.bind(address)
-        listener.listen(128)
-    except PermissionError:
-        listener.close()
-        raise CannotRun(f"port {port} is reserved for root: choose one from 1024, such as --port 8080") from None
-    except OSError as failure:
-        listener.close()
-        if failure.errno == errno.EADDRINUSE:
-            raise CannotRun(
-                f"port {port} is taken{_by_whom(port)}: end that program, or choose another port: --port {port + 1}"
-            ) from None
-        raise CannotRun(f"cannot listen on {host}, port {port}: {failure.strerror}") from None
-    return listener
-
-
-def token_for(host: str, given: str | None) -> str | None:
-    """The token to ask for: the one given; beyond loopback one is made up, as anybody there could drive the robot."""
-    return given or (None if is_loopback(host) else secrets.token_urlsafe(16))
-
-
-def is_loopback(host: str) -> bool:
-    """Whether only this computer reaches ``host``."""
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"
-
-
-def _by_whom(port: int) -> str:
-    """`` by NAME (process N)``, where the system tells."""
-    import psutil
-
-    try:
-        for connection in psutil.net_connections("tcp"):
-            listens = connection.status == psutil.CONN_LISTEN and connection.laddr and connection.laddr.port == port
-            if listens and connection.pid:
-                return f" by {psutil.Process(connection.pid).name()} (process {connection.pid})"
-    except psutil.Error:
-        pass
-    return ""
 
 
 def _port(text: str) -> int:

@@ -1,0 +1,94 @@
+"""``hbba check``: each kind of file, and mistakes named by file and line."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from app import cli, paths
+
+CONFIG = paths.config_dir()
+FILES = sorted([*CONFIG.rglob("*.yaml"), *CONFIG.rglob("*.urdf")])
+
+
+@pytest.fixture
+def config(tmp_path: Path) -> Path:
+    """A copy of the configuration, to make mistakes in."""
+    return Path(shutil.copytree(CONFIG, tmp_path / "config"))
+
+
+def replace(file: Path, old: str, new: str) -> int:
+    """Put a mistake into ``file``; returns its line."""
+    text = file.read_text(encoding="utf-8")
+    assert text.count(old) >= 1, f"{old!r} is not in {file.name}"
+    file.write_text(text.replace(old, new, 1), encoding="utf-8")
+    return text[: text.index(old)].count("\n") + 1
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(CONFIG)))
+def test_what_the_project_ships_is_right(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["check", str(file)]) == 0, capsys.readouterr().err
+    assert capsys.readouterr().out.endswith("no mistake found\n")
+
+
+def kind(file: Path, capsys: pytest.CaptureFixture[str]) -> str:
+    cli.main(["check", str(file)])
+    return capsys.readouterr().out.split(": ")[1].split(",")[0]
+
+
+def test_kinds_are_told_by_their_keys(capsys: pytest.CaptureFixture[str]) -> None:
+    assert [
+        kind(CONFIG / name, capsys)
+        for name in ("lab.yaml", "channels.yaml", "robots/irl1_tr.yaml", "robots/irl1_tr.urdf", "worlds/lab.yaml")
+    ] == ["program", "channels", "robot", "robot model", "world"]
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "sentence"),
+    [
+        ("lab.yaml", "inputs: {images: kinect", "inputs: {imagse: kinect", "imagse"),
+        ("lab.yaml", "outputs: {images: kinect}", "outputs: {images: kinekt}", "kinekt"),
+        ("lab.yaml", "app.modules.sensors.kinect:Kinect", "app.modules.sensors.kinect:Kinekt", "is not a module class"),
+        ("lab.yaml", "  port: 8080", "  port: 80800", "65535"),
+        ("channels.yaml", "type: LaserScan", "type: LaserScam", "LaserScam"),
+        ("channels.yaml", "rate_hz: 15", "rate_hz: fast", "number"),
+        ("robots/irl1_tr.yaml", "limits:\n  linear_mps: 0.40", "limits:\n  linear_mps: -1", "greater than 0"),
+        ("worlds/lab.yaml", "wall_height: 2.7", "wall_height: tall", "number"),
+        ("strategies/lab.yaml", "class: ", "class: No", "unknown class"),
+    ],
+)
+def test_a_mistake_is_named_by_file_and_line(
+    name: str, old: str, new: str, sentence: str, config: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    line = replace(config / name, old, new) + (old.count("\n"))
+    assert cli.main(["check", str(config / name)]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"{config / name}:{line}: "), error
+    assert sentence in error
+
+
+def test_a_strategys_filters_are_checked_against_the_program_that_uses_it(
+    config: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = config / "strategies" / "lab.yaml"
+    line = replace(file, "QRCodeDetector.images", "QRCodeDetector.imagse")
+    assert cli.main(["check", str(file)]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"{file}:{line}: ")
+    assert "did you mean 'images'" in error
+
+
+def test_all_files_are_checked_not_only_the_first_that_is_wrong(
+    config: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    broken = tmp_path / "broken.yaml"
+    broken.write_text("a: [1\n", encoding="utf-8")
+    poem = tmp_path / "poem.yaml"
+    poem.write_text("roses: red\n", encoding="utf-8")
+    assert cli.main(["check", str(broken), str(poem), str(config / "worlds" / "lab.yaml")]) == 2
+    out, err = capsys.readouterr()
+    assert [line.split(":")[0] for line in err.splitlines()] == [str(broken), str(poem)]
+    assert "is no known kind of configuration" in err
+    assert out.startswith(str(config / "worlds" / "lab.yaml"))

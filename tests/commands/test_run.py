@@ -1,0 +1,179 @@
+"""``hbba run``: starting, being asked to stop, and what a person reads when it cannot."""
+
+from __future__ import annotations
+
+import os
+import queue
+import re
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import psutil
+import pytest
+
+from app import cli
+from app.commands.run import STOP_WITHIN_S, Stopping, login_url
+from app.robots.simulated.gl import check_gl
+
+HBBA = Path(sys.executable).with_name("hbba")
+
+needs_gl = pytest.mark.skipif(check_gl() is not None, reason=check_gl() or "")
+
+
+def test_the_token_goes_behind_the_hash_where_no_server_sees_it() -> None:
+    assert login_url("http://127.0.0.1:8080", None) == "http://127.0.0.1:8080"
+    assert login_url("http://192.0.2.1:8080", "abcdefgh") == "http://192.0.2.1:8080/#token=abcdefgh"
+
+
+def test_the_first_signal_asks_and_the_second_forces() -> None:
+    asked: list[str] = []
+    forced: list[int] = []
+    stopping = Stopping(forced.append, within_s=60)
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    try:
+        stopping.install(lambda: asked.append("stop"))
+        signal.raise_signal(signal.SIGTERM)
+        assert (asked, forced) == (["stop"], [])
+        signal.raise_signal(signal.SIGINT)
+        assert (asked, forced) == (["stop"], [128 + signal.SIGINT])
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+
+
+def test_what_does_not_stop_in_time_is_forced() -> None:
+    forced: queue.Queue[int] = queue.Queue()
+    Stopping(forced.put, within_s=0.01).begin()
+    assert forced.get(timeout=10) == 1
+
+
+def test_a_taken_port_is_one_sentence_and_nothing_starts(capsys: pytest.CaptureFixture[str]) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        assert cli.main(["run", "--port", str(port), "--log-level", "error"]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"hbba run: port {port} of 127.0.0.1 is taken")
+    assert f"--port {port + 1}" in error
+    assert error.count("\n") == 1
+
+
+class Running:
+    """``hbba run`` as a process of its own, and all it writes."""
+
+    def __init__(self, *arguments: str) -> None:
+        # No terminal, own session: what a person's Ctrl-C does to the group is done below, to each process by name.
+        self.process = subprocess.Popen(
+            [HBBA, "run", "--port", "0", *arguments],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            start_new_session=True,
+        )
+        self._lines: queue.Queue[str | None] = queue.Queue()
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+        self.output = ""
+
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self._lines.put(line)
+        self._lines.put(None)
+
+    def wait_for(self, pattern: str, timeout_s: float = 40) -> re.Match[str]:
+        """The first line that matches; fails with all that was written if the process ends before."""
+        deadline = time.monotonic() + timeout_s
+        while (line := self._lines.get(timeout=max(0.1, deadline - time.monotonic()))) is not None:
+            self.output += line
+            if found := re.search(pattern, line):
+                return found
+        pytest.fail(f"no line matches {pattern!r} in:\n{self.output}")
+
+    def family(self) -> list[psutil.Process]:
+        """The process's children and theirs, now."""
+        return psutil.Process(self.process.pid).children(recursive=True)
+
+    def rest(self) -> str:
+        """All it has written, once it has ended."""
+        self._reader.join(10)
+        while (line := self._lines.get(timeout=10)) is not None:
+            self.output += line
+        return self.output
+
+
+@contextmanager
+def running(*arguments: str) -> Iterator[Running]:
+    run = Running(*arguments)
+    try:
+        yield run
+    finally:
+        family = run.family() if run.process.poll() is None else []
+        for process in family:
+            process.kill()
+        run.process.kill()
+        run.process.wait(10)
+        assert run.process.stdout is not None
+        run.process.stdout.close()
+
+
+def gone(processes: list[psutil.Process]) -> bool:
+    _, alive = psutil.wait_procs(processes, timeout=5)
+    return not alive
+
+
+@needs_gl
+@pytest.mark.slow
+@pytest.mark.timeout(120)
+def test_ctrl_c_stops_everything_in_time_and_leaves_no_child() -> None:
+    with running() as run:
+        url = run.wait_for(r"HBBA is up: (http://127\.0\.0\.1:\d+)").group(1)
+        with urllib.request.urlopen(f"{url}/api/v1/health", timeout=10) as answer:
+            assert answer.status == 200
+        family = run.family()
+        assert family, "the body lives in a process of its own"
+        began = time.monotonic()
+        # A terminal sends Ctrl-C to the whole group.
+        os.killpg(run.process.pid, signal.SIGINT)
+        assert run.process.wait(10) == 0, run.rest()
+        # The allowance covers what a busy machine needs to end a process that has said goodbye.
+        assert time.monotonic() - began < STOP_WITHIN_S + 0.5
+        assert gone(family)
+        assert "Traceback" not in run.rest()
+        assert "by force" not in run.output
+
+
+@needs_gl
+@pytest.mark.slow
+@pytest.mark.timeout(120)
+def test_a_lost_body_ends_the_run_with_one_sentence() -> None:
+    with running("--log-level", "error") as run:
+        run.wait_for("HBBA is up")
+        for child in run.family():
+            child.kill()
+        assert run.process.wait(20) == 1
+        assert re.search(r"^hbba run: .+", run.rest(), re.MULTILINE)
+        assert "Traceback" not in run.output
+
+
+@needs_gl
+@pytest.mark.slow
+@pytest.mark.timeout(120)
+def test_being_asked_to_stop_while_starting_leaves_no_child() -> None:
+    with running("--log-level", "debug") as run:
+        while not (family := run.family()) and run.process.poll() is None:
+            os.sched_yield()
+        run.process.send_signal(signal.SIGTERM)
+        run.process.wait(20)
+        assert gone(family)
+        assert "Traceback" not in run.rest()

@@ -1,0 +1,85 @@
+"""The command as a person meets it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from importlib.metadata import version
+from pathlib import Path
+
+import pytest
+
+from app import cli
+from app.commands import COMMANDS
+
+HBBA = Path(sys.executable).with_name("hbba")
+
+
+def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        cli.main(["--help"])
+    assert left.value.code == 0
+    shown = capsys.readouterr().out
+    assert all(f"  {name} " in shown for name in COMMANDS)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_each_command_explains_itself(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        cli.main([command, "--help"])
+    assert left.value.code == 0
+    assert f"usage: hbba {command}" in capsys.readouterr().out
+
+
+def test_version_is_the_distributions(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        cli.main(["--version"])
+    assert capsys.readouterr().out == f"hbba {version('hbba')}\n"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ([], "required: COMMAND"),
+        (["dance"], "invalid choice: 'dance'"),
+        (["run", "--port", "70000"], "a port is a number from 0 to 65535, not '70000'"),
+        (["run", "--port", "http"], "a port is a number from 0 to 65535, not 'http'"),
+        (["run", "--token", "short"], "a token has at least 8 characters"),
+        (["run", "--log-level", "loud"], "invalid choice: 'loud'"),
+    ],
+)
+def test_a_wrong_command_line_is_one_sentence(
+    arguments: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as left:
+        cli.main(arguments)
+    assert left.value.code == 2
+    assert sentence in capsys.readouterr().err
+
+
+def test_a_configuration_that_is_not_there_is_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["run", "--config", "nowhere.yaml", "--port", "0"]) == 2
+    assert capsys.readouterr().err == "hbba run: nowhere.yaml: cannot be read: No such file or directory\n"
+
+
+def test_help_is_quick() -> None:
+    # Best of three, as the machine may be busy; what it guards against (numpy, pydantic at import) costs far more.
+    took = []
+    for _ in range(3):
+        began = time.perf_counter()
+        subprocess.run([HBBA, "--help"], check=True, capture_output=True, timeout=20)
+        took.append(time.perf_counter() - began)
+    assert min(took) < 0.3
+
+
+def test_a_reader_that_leaves_early_is_no_error() -> None:
+    with subprocess.Popen(
+        [HBBA, "check", *(["pyproject.toml"] * 3), "nowhere.yaml"], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdout.close()
+        errors = process.stderr.read().decode()
+        process.wait(timeout=20)
+    assert "Traceback" not in errors

@@ -1,0 +1,30 @@
+"""The house stands as ARCHITECTURE.md draws it: imports point down (the contracts are in pyproject.toml)."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+from importlinter import cli as import_linter
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+@pytest.mark.slow
+def test_every_room_imports_only_rooms_below_it(capsys: pytest.CaptureFixture[str]) -> None:
+    status = import_linter.lint_imports(str(ROOT / "pyproject.toml"), no_cache=True)
+    assert status == import_linter.EXIT_STATUS_SUCCESS, capsys.readouterr().out
+
+
+#: What must not be paid for by a person who only asks for help.
+HEAVY = {"cv2", "fastapi", "mujoco", "numpy", "ortools", "psutil", "pydantic", "scipy", "uvicorn", "viser", "yaml"}
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "app" / "commands").glob("*.py")), ids=lambda path: path.stem)
+def test_commands_import_what_is_heavy_only_when_they_run(path: Path) -> None:
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+        if isinstance(node, ast.ImportFrom) and node.module:
+            names = [node.module]
+        assert not {name.split(".")[0] for name in names} & HEAVY
