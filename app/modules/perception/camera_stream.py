@@ -1,0 +1,73 @@
+"""CameraStream: the camera's picture for people (thesis 3.4).
+
+    ┌─────────────────────────────────────────────────────────────────────────────────────────┐
+    │ CameraStream    in   images    Image, 15 Hz / φ                                          │
+    │                 out  pictures  EncodedImage, JPEG, with each image taken                 │
+    └─────────────────────────────────────────────────────────────────────────────────────────┘
+
+Computes the JPEG of the colour image (ITU-T T.81), reduced to ``width`` first where that is smaller than the image.
+``jpeg_quality`` is a parameter of the desire Telepresence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from app.messages import EncodedImage, Image
+from app.modules.perception.opencv import use_calling_thread
+from app.runtime.module import Module, ModuleContext, Settings
+
+
+def encode_jpeg(color: NDArray[np.uint8], quality: int, width: int | None = None) -> tuple[bytes, int, int]:
+    """JPEG of ``color`` (H, W, 3) uint8 RGB with its width and height (px), reduced to ``width`` if that is smaller.
+
+    ``quality`` is 1 to 100.
+    """
+    height, full_width = color.shape[:2]
+    picture = cv2.cvtColor(color, cv2.COLOR_RGB2BGR)
+    if width is not None and width < full_width:
+        size = (width, max(1, round(height * width / full_width)))
+        picture = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
+    _, encoded = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, quality])
+    return encoded.tobytes(), picture.shape[1], picture.shape[0]
+
+
+class CameraStreamSettings(Settings):
+    """Settings of CameraStream."""
+
+    jpeg_quality: int = Field(80, ge=1, le=100, description="used while no desire says another")
+    width: int | None = Field(None, ge=16, description="widest picture (px); none: as the camera gives it")
+
+
+class CameraStream(Module):
+    """Encodes what the camera sees, while somebody looks."""
+
+    title = "Camera picture"
+    Settings = CameraStreamSettings
+
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        assert isinstance(context.settings, CameraStreamSettings)
+        self._settings = context.settings
+        self._quality = self._settings.jpeg_quality
+        self.images = self.input("images", Image)
+        self.pictures = self.output("pictures", EncodedImage)
+        self.on(self.images, self._encode)
+
+    async def start(self) -> None:
+        """Keep OpenCV's work where it is measured."""
+        use_calling_thread()
+
+    def configure(self, parameters: Mapping[str, Any]) -> None:
+        """Take ``jpeg_quality`` from the intention."""
+        self._quality = int(parameters.get("jpeg_quality", self._settings.jpeg_quality))
+
+    async def _encode(self, image: Image) -> None:
+        jpeg, width, height = await self.compute(encode_jpeg, image.color, self._quality, self._settings.width)
+        self.pictures.publish(EncodedImage(image.stamp, image.frame, jpeg, width, height))
