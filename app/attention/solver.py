@@ -125,30 +125,41 @@ class CachedSolver:
         self._hits = 0
         self._misses = 0
 
-    def solve(self, problem: Problem) -> Selection:
-        """As :func:`solve`; an answer from memory keeps the solve time it took when it was found."""
+    def recall(self, problem: Problem) -> Selection | None:
+        """The answer to an equal problem, with the solve time it took when it was found; None if it is not
+        remembered."""
         if problem.strategies is not self._table:
             self._answers.clear()
             self._table = problem.strategies
-        key = (
-            tuple((d.cls, d.intensity, d.utility, d.security) for d in problem.desires.values()),
-            tuple(problem.capacities.items()),
-            problem.previous,
-            problem.weights,
-            problem.thrift,
-        )
+        key = _key(problem)
         known = self._answers.get(key)
         if known is not None:
             self._hits += 1
             self._answers.move_to_end(key)
+        return known
+
+    def solve(self, problem: Problem) -> Selection:
+        """As :func:`solve`, from memory if it is there."""
+        known = self.recall(problem)
+        if known is not None:
             return known
         self._misses += 1
         selection = solve(problem, time_limit_s=self.time_limit_s)
         if selection.proven:
-            self._answers[key] = selection
+            self._answers[_key(problem)] = selection
             if len(self._answers) > self._size:
                 self._answers.popitem(last=False)
         return selection
 
     def statistics(self) -> CacheStatistics:
         return CacheStatistics(len(self._answers), self._hits, self._misses)
+
+
+def _key(problem: Problem) -> object:
+    return (
+        tuple((d.cls, d.intensity, d.utility, d.security) for d in problem.desires.values()),
+        tuple(problem.capacities.items()),
+        problem.previous,
+        problem.weights,
+        problem.thrift,
+    )

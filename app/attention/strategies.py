@@ -196,8 +196,9 @@ def build_table(
             _check_amount(document, ("resources", name, "capacity"), entry.capacity)
             resource = Resource(name, entry.capacity, entry.unit, entry.description)
             if resources.setdefault(name, resource).capacity != resource.capacity:
+                other = resources[name].capacity
                 raise document.error(
-                    f"resource {name!r} has capacity {resource.capacity:g} here, {resources[name].capacity:g} elsewhere",
+                    f"resource {name!r} has capacity {resource.capacity:g} here and {other:g} elsewhere",
                     ("resources", name, "capacity"),
                 )
     table: dict[str, Strategy] = {}

@@ -1,0 +1,92 @@
+"""What attention writes on the timeline: desires, intentions and filters, each with data for machines and a
+sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from app.attention.desires import Desire
+from app.attention.intention import Intention
+from app.attention.strategies import CLOSED
+from app.attention.timeline import Timeline
+from app.attention.workspace import WorkspaceChange
+
+
+def note_desires(timeline: Timeline, change: WorkspaceChange) -> bool:
+    """Note what a transaction did. Returns whether it can matter: a longer life alone cannot, and is not noted."""
+    for desire in change.added:
+        source = f"{desire.source.kind} {desire.source.name}".strip()
+        _note_desire(timeline, "added", desire, f"{source} desires {desire.cls}")
+    moved = bool(change.added or change.removed)
+    for before, after in change.changed:
+        if replace(before, expires=after.expires) != after:
+            moved = True
+            _note_desire(timeline, "changed", after, f"desire for {after.cls} changed")
+    for removal in change.removed:
+        desire = removal.desire
+        _note_desire(timeline, removal.reason, desire, f"desire for {desire.cls} {removal.reason}")
+    return moved
+
+
+def note_intention(timeline: Timeline, before: Intention | None, after: Intention) -> None:
+    """Note a switch of strategies; nothing if the same ones stay selected."""
+    if before is not None and before.selection.strategies == after.selection.strategies:
+        return
+    old = set(before.selection.strategies) if before is not None else set()
+    new = set(after.selection.strategies)
+    on, off = sorted(new - old), sorted(old - new)
+    parts = [f"+ {', '.join(on)}"] if on else []
+    parts += [f"- {', '.join(off)}"] if off else []
+    selection = after.selection
+    data = {
+        "on": on,
+        "off": off,
+        "strategies": list(selection.strategies),
+        "fulfilled": list(selection.fulfilled),
+        "omega": selection.omega,
+        "use": dict(selection.use),
+        "proven": selection.proven,
+        "relaxed": list(selection.relaxed),
+        "solve_ms": round(selection.solve_time_s * 1000, 3),
+    }
+    text = "; ".join(parts) or "nothing is selected"
+    if selection.relaxed:
+        text += f"; security cannot be kept for {', '.join(selection.relaxed)}"
+    timeline.add("intention", "intention", f"{text} (Ω {selection.omega:g})", data)
+
+
+def note_filters(
+    timeline: Timeline, before: Mapping[str, float], after: Mapping[str, float], order: Sequence[str]
+) -> None:
+    """Note each filter whose φ moved, in the order they were set; one not known before was closed."""
+    for name in order:
+        was, phi = before.get(name, CLOSED), after[name]
+        if was != phi:
+            data = {"before": divisor_json(was), "after": divisor_json(phi)}
+            timeline.add("filter", name, f"{name}: φ {_words(was)} → {_words(phi)}", data)
+
+
+def divisor_json(divisor: float) -> int | None:
+    """φ as JSON has it: a whole number, or null for closed."""
+    return None if divisor == CLOSED else int(divisor)
+
+
+def _note_desire(timeline: Timeline, what: str, desire: Desire, text: str) -> None:
+    security = ", security" if desire.security else ""
+    inhibits = ", inhibits the class" if desire.utility == 0 else ""
+    data = {
+        "change": what,
+        "id": desire.id,
+        "class": desire.cls,
+        "intensity": desire.intensity,
+        "utility": desire.utility,
+        "security": desire.security,
+        "source": {"kind": desire.source.kind, "name": desire.source.name},
+    }
+    text += f" (intensity {desire.intensity:g}, utility {desire.utility:g}{security}{inhibits})"
+    timeline.add("desire", desire.cls, text, data)
+
+
+def _words(divisor: float) -> str:
+    return "∞" if divisor == CLOSED else f"{divisor:g}"
