@@ -1,0 +1,129 @@
+"""The whole program put together from its configuration: link, modules, attention.
+
+The console and the commands see the program only through this file. Everything is built, and every mistake in the
+configuration found, before anything starts.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import AsyncExitStack
+from pathlib import Path
+from types import TracebackType
+
+from app.attention.desires import DesireClasses
+from app.attention.strategies import load_strategies
+from app.attention.timeline import Timeline
+from app.attention.translator import Hysteresis, IntentionTranslator
+from app.attention.workspace import IntentionWorkspace
+from app.config import Configuration, load_configuration
+from app.link import LinkFailed, RobotLink
+from app.modules.desire_classes import desire_classes
+from app.robots.config import load_robot_config
+from app.robots.factory import create_link
+from app.runtime.clock import RealClock
+from app.runtime.graph import Graph
+from app.runtime.load import LoadMeter
+from app.runtime.supervisor import Supervisor
+from app.timeline_feed import TimelineFeed
+
+LOAD_WINDOW_S = 1.0
+
+
+class System:
+    """A robot program: ``async with System.from_file(path) as system: ...``."""
+
+    def __init__(self, configuration: Configuration, *, link: RobotLink | None = None) -> None:
+        """Build everything; ``link`` replaces the body that the configuration names. Raises ConfigError."""
+        program = configuration.program
+        self.config = configuration
+        self.clock = RealClock()
+        self.link = link or create_link(load_robot_config(configuration.path(program.robot)), self.clock.offset)
+        self.classes = DesireClasses(desire_classes())
+        self.workspace = IntentionWorkspace(self.classes, self.clock.now)
+        self.timeline = Timeline(program.attention.history, self.clock.now)
+        self.graph = Graph(
+            clock=self.clock,
+            channels=configuration.channels,
+            modules=program.modules,
+            services={RobotLink: self.link, IntentionWorkspace: self.workspace},
+            error=configuration.wiring_error,
+        )
+        self.table = load_strategies(
+            [configuration.path(file) for file in program.strategies],
+            classes=self.classes,
+            ports=self.graph.ports(),
+        )
+        self.graph.attend(self.table.filters)
+        self.supervisor = Supervisor(self.graph.modules, self.clock)
+        self.load = LoadMeter({name: slot.context.meter for name, slot in self.graph.modules.items()}, self.clock.now)
+        self.translator = self._make_translator()
+        self._stack = AsyncExitStack()
+        self._feed = TimelineFeed(
+            self.timeline, {n: spec.cpu_budget for n, spec in program.modules.items() if spec.cpu_budget is not None}
+        )
+
+    @classmethod
+    def from_file(cls, path: Path) -> System:
+        """The program that the configuration file at ``path`` describes. Raises ConfigError."""
+        return cls(load_configuration(path))
+
+    async def __aenter__(self) -> System:
+        """Bring the body up, then attention, then the modules. Raises LinkFailed, having released everything."""
+        async with AsyncExitStack() as stack:
+            stack.push_async_callback(self.link.stop)
+            await self.link.start()
+            self._stack = stack.pop_all()
+        self.supervisor.observe(self._feed.module)
+        self._stack.callback(self.link.attach("status", self._feed.guard))
+        await self._stack.enter_async_context(self.supervisor)
+        for name, coroutine in {
+            "translator": self.translator.run(),
+            "load": self._sample_load(),
+            "exploitation": self._follow_exploitation(),
+        }.items():
+            task = asyncio.create_task(coroutine, name=name)
+            self._stack.push_async_callback(_cancelled, task)
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Stop the modules, then the wheels, then the body."""
+        await self._stack.aclose()
+
+    async def wait_failed(self) -> LinkFailed:
+        """Wait until the body is lost; return why, in words for people."""
+        return await self.link.wait_failed()
+
+    def _make_translator(self) -> IntentionTranslator:
+        settings = self.config.program.attention
+        try:
+            return IntentionTranslator(
+                self.workspace,
+                self.table,
+                self.graph.filters,
+                self.graph,
+                self.timeline,
+                self.clock,
+                safe=settings.safe_strategies,
+                time_limit_s=settings.solve_time_limit_s,
+                hysteresis=Hysteresis(settings.hysteresis_gain, settings.hysteresis_dwell_s),
+            )
+        except ValueError as failure:
+            raise self.config.program_document.error(str(failure), ("attention", "safe_strategies")) from None
+
+    async def _sample_load(self) -> None:
+        while True:
+            await self.clock.sleep(LOAD_WINDOW_S)
+            self._feed.load(self.load.sample())
+
+    async def _follow_exploitation(self) -> None:
+        async for message in self.graph.channel("exploitation").subscribe("timeline"):
+            self._feed.exploitation(message)
+
+
+async def _cancelled(task: asyncio.Task[None]) -> None:
+    """Cancel ``task`` and wait for its end; a failure of its own has been logged where it happened."""
+    task.cancel()
+    await asyncio.wait({task})
