@@ -154,7 +154,7 @@ class RobotConfig(_Model):
 
 
 def load_robot_config(path: Path | str) -> RobotConfig:
-    """Read ``config/robots/<name>.yaml``; raises ConfigError naming file, line and key, also for files that are missing."""
+    """Read ``config/robots/<name>.yaml``; raises ConfigError (file, line, key), also for files that are missing."""
     document = load_yaml(path)
     config = document.validate(RobotConfig)
     here = Path(path).resolve().parent

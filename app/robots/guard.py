@@ -98,7 +98,7 @@ class GuardAction:
 
 
 def accept(state: GuardState, command: Command) -> GuardState:
-    """The state after ``command`` arrived: refused and held as zero if it is no number, ignored if older than the last."""
+    """The state after ``command``: refused and held as zero if it is no number, ignored if older than the last."""
     if not (command.velocity.is_finite and math.isfinite(command.stamp)):
         refused = Command(state.command.stamp if state.command else -math.inf, ZERO)
         return replace(state, command=refused, refused="the last command was not a number")

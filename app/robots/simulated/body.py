@@ -32,7 +32,7 @@ _SERVO_ARMATURE = 0.05
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Simulation:
-    """A compiled world with the robot in it. ``joints`` are the moving joints' names, ``joint_addresses`` theirs in qpos."""
+    """A compiled world with the robot in it; ``joint_addresses`` (n,) are the places of ``joints`` in qpos."""
 
     model: mujoco.MjModel
     data: mujoco.MjData

@@ -7,13 +7,14 @@ counted. The OpenGL context lives and dies in this thread, as it must.
 
 from __future__ import annotations
 
+import copy
+import math
 import os
 import threading
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import cv2
 import mujoco
 import numpy as np
 from numpy.random import Generator
@@ -25,9 +26,11 @@ from app.robots.simulated.body import CAMERA, PREFIX, VISUAL_GROUP
 from app.robots.simulated.image_ring import SLOTS, ImageRing
 from app.robots.simulated.kinect import KinectNoise
 from app.robots.simulated.wire import ImageNotice
-from app.robots.simulated.world import WORLD_GROUP
+from app.robots.simulated.world import OUT_OF_REACH_GROUP, WORLD_GROUP
 
 _MAX_GEOMS = 4000
+_SHOWN_GROUPS = (WORLD_GROUP, OUT_OF_REACH_GROUP, VISUAL_GROUP)
+_CULLED_GROUP = 5
 _NICENESS = 5
 
 
@@ -44,8 +47,8 @@ class Camera:
     """Draws one fixed camera of ``model``; make, use and :meth:`close` it in one thread."""
 
     def __init__(self, model: mujoco.MjModel, width: int, height: int) -> None:
-        self._model = model
-        self._data = mujoco.MjData(model)
+        self._model = copy.copy(model)  # its own: culling moves shapes between groups
+        self._data = mujoco.MjData(self._model)
         self._viewport = mujoco.MjrRect(0, 0, width, height)
         self._gl = mujoco.GLContext(width, height)
         self._gl.make_current()
@@ -56,10 +59,14 @@ class Camera:
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
         self._scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0
         self._option = mujoco.MjvOption()
-        self._option.geomgroup[:] = [group in (WORLD_GROUP, VISUAL_GROUP) for group in range(6)]
+        self._option.geomgroup[:] = [group in _SHOWN_GROUPS for group in range(6)]
         self._view = mujoco.MjvCamera()
         self._view.type = mujoco.mjtCamera.mjCAMERA_FIXED
         self._view.fixedcamid = model.camera(PREFIX + CAMERA).id
+        self._groups = model.geom_group.copy()
+        self._slopes = model.cam_sensorsize[self._view.fixedcamid] / (
+            2 * model.cam_intrinsic[self._view.fixedcamid][:2]
+        )
         self._color = np.zeros((height, width, 3), dtype=np.uint8)
         self._depth = np.zeros((height, width), dtype=np.float32)
         near = model.vis.map.znear * model.stat.extent
@@ -71,16 +78,25 @@ class Camera:
         self._data.qpos[:] = qpos
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
+        self._model.geom_group[:] = np.where(self._in_view(), self._groups, _CULLED_GROUP)
         mujoco.mjv_updateScene(
             self._model, self._data, self._option, None, self._view, mujoco.mjtCatBit.mjCAT_ALL, self._scene
         )
         mujoco.mjr_render(self._viewport, self._scene, self._context)
         mujoco.mjr_readPixels(self._color, self._depth, self._viewport, self._context)
         # The buffer is affine in 1/z, with 0 at the far plane and 1 at the near one
-        inverse = cv2.flip(self._depth, 0)
-        inverse *= np.float32(self._scale)
-        inverse += np.float32(self._offset)
-        return cv2.flip(self._color, 0), inverse  # type: ignore[return-value]  # cv2's stubs know no element types
+        inverse = np.asarray(self._depth[::-1] * np.float32(self._scale) + np.float32(self._offset))
+        return self._color[::-1], inverse
+
+    def _in_view(self) -> NDArray[np.bool_]:
+        """Which shapes (ngeom,) may touch the view: their bounding spheres against its five planes."""
+        camera = self._view.fixedcamid
+        centers = (self._data.geom_xpos - self._data.cam_xpos[camera]) @ self._data.cam_xmat[camera].reshape(3, 3)
+        radius, ahead = self._model.geom_rbound, -centers[:, 2]
+        seen = ahead > -radius
+        for axis, slope in enumerate(self._slopes):
+            seen &= np.abs(centers[:, axis]) - slope * ahead < radius * math.hypot(1.0, slope)
+        return np.asarray(seen | (radius == 0))  # planes are endless and have no bounding sphere
 
     def close(self) -> None:
         """Release the OpenGL context."""
@@ -145,7 +161,7 @@ class CameraThread:
             while (snapshot := self._next()) is not None:
                 self._draw(camera, snapshot)
             camera.close()
-        except BaseException as failure:  # handed to the control loop, which ends the process with it
+        except BaseException as failure:  # noqa: BLE001  # handed to the control loop, which ends the process with it
             self.failure = failure
             self._ready.set()
             self._wake()

@@ -182,11 +182,12 @@ def _sofa(o: Order) -> list[Part]:
         Part("box", (0, width / 2 - 0.1, height / 2 + 0.1), (length, 0.2, height - 0.2), o.material),
     ]
     for x in (-1, 1):
-        parts.append(Part("box", (x * (length / 2 - 0.08), 0, 0.3), (0.16, width, 0.5), o.material))
+        parts += [Part("box", (x * (length / 2 - 0.08), 0, 0.3), (0.16, width, 0.5), o.material)]
     seats = max(1, round(length / 0.75))
+    cushion = (length - 0.36) / seats
     for seat in range(seats):
-        x = -length / 2 + 0.18 + (seat + 0.5) * (length - 0.36) / seats
-        parts.append(Part("box", (x, -0.05, 0.39), ((length - 0.36) / seats - 0.02, width - 0.3, 0.12), o.material))
+        middle = -length / 2 + 0.18 + (seat + 0.5) * cushion
+        parts += [Part("box", (middle, -0.05, 0.39), (cushion - 0.02, width - 0.3, 0.12), o.material)]
     return parts
 
 
@@ -198,7 +199,7 @@ def _crate(o: Order) -> list[Part]:
     length, width, height = o.size
     parts = [Part("box", (0, 0, height / 2), (length - 0.03, width - 0.03, height - 0.01), o.material)]
     for z in (0.05, height - 0.04):
-        parts.append(Part("box", (0, 0, z), (length, width, 0.05), (0.45, 0.32, 0.18)))
+        parts += [Part("box", (0, 0, z), (length, width, 0.05), (0.45, 0.32, 0.18))]
     return parts
 
 

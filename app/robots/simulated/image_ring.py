@@ -1,8 +1,8 @@
 """Pictures through memory that two processes share: a small ring of slots, each guarded by its sequence number.
 
-The memory has no name, only a file descriptor that the link's process inherits: it vanishes with its last user, however
-that ends. The writer marks a slot with an odd number while it writes and an even one when done; a reader copies and then
-checks that the number is still the one it was told.
+The memory has no name, only a file descriptor that the link's process inherits: it vanishes with its last user,
+however that ends. The writer marks a slot with an odd number while it writes and an even one when done; a reader
+copies and then checks that the number is still the one it was told.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def create_memory(size: int) -> int:
 
 
 class ImageRing:
-    """Colour (H, W, 3) uint8 and depth (H, W) uint16 pictures in shared memory; ``memory`` as of :func:`create_memory`."""
+    """Colour (H, W, 3) uint8 and depth (H, W) uint16 pictures in the ``memory`` of :func:`create_memory`."""
 
     def __init__(self, memory: int, width: int, height: int) -> None:
         self._map = mmap.mmap(memory, ring_bytes(width, height))

@@ -27,7 +27,7 @@ _SPARE = 96
 
 
 def camera_model(config: KinectConfig) -> CameraModel:
-    """The pinhole camera of the configured fields of view (pixels a few percent from square, as 57 x 43 degrees asks)."""
+    """The pinhole camera of the configured fields of view (57 x 43 degrees: pixels 3 % from square)."""
     horizontal, vertical = (math.radians(angle) for angle in config.fov_deg)
     fx = 0.5 * config.width / math.tan(0.5 * horizontal)
     fy = 0.5 * config.height / math.tan(0.5 * vertical)
@@ -43,7 +43,7 @@ class KinectNoise:
         shape = (config.height + _SPARE, config.width + _SPARE)
         # Drawing fresh noise for every picture would cost more than drawing the picture: windows of a bank instead
         bank = cv2.GaussianBlur(rng.standard_normal(shape).astype(np.float32), (3, 3), 0.6)
-        self._depth_bank = bank / float(bank.std())
+        self._depth_bank = np.asarray(bank / bank.std(), dtype=np.float32)
         color = config.color_noise * rng.standard_normal((*shape, 3)).astype(np.float32)
         self._brighter = np.clip(np.rint(color), 0, 255).astype(np.uint8)
         self._darker = np.clip(np.rint(-color), 0, 255).astype(np.uint8)
@@ -68,8 +68,9 @@ class KinectNoise:
         sigma *= noise
         sigma += u
         sigma *= np.float32(1.0 / c.quantum_m)
-        steps = cv2.min(cv2.max(sigma, 0.0), _LEVELS - 1.0)
-        np.take(self._millimetres, np.rint(steps).astype(np.int32), out=out, mode="clip")
+        np.rint(sigma, out=sigma)
+        np.clip(sigma, 0, _LEVELS - 1, out=sigma)
+        np.take(self._millimetres, sigma.astype(np.int16), out=out, mode="clip")
         jump = cv2.morphologyEx(u, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))
         edge = (jump > _EDGE_JUMP * u) & (noise > -_EDGE_KEEP)
         out[edge] = 0

@@ -1,7 +1,7 @@
 """The laser: rays cast from where the robot is when each ray leaves, with the Hokuyo's noise.
 
-A sweep takes time. Its rays are cast in the time steps in which they really leave, so a scan taken while turning is as
-skewed as the real one's. Intensities are 1000 at 1 m face-on, falling with distance and with the angle of incidence.
+A sweep takes time. Its rays are cast in a few fans, each in the middle of the time in which its rays really leave, so
+a scan taken while turning is as skewed as the real one's. Intensities are 1000 at 1 m face-on, falling with distance and angle of incidence.
 """
 
 from __future__ import annotations
@@ -17,7 +17,12 @@ from app.geometry import Pose3
 from app.messages import LaserScan
 from app.robots.config import HokuyoConfig
 from app.robots.simulated.body import PREFIX, Simulation
-from app.robots.simulated.world import WORLD_GROUP
+from app.robots.simulated.world import OUT_OF_REACH_GROUP, WORLD_GROUP
+
+FAN_S = 0.0035
+"""The longest time one fan of rays stands for: at 1 rad/s the base turns less than one ray's step in it."""
+REACH_M = 0.25
+"""How far above and below its plane the laser may look, for all the base's nodding: what is beyond is left out."""
 
 
 class Laser:
@@ -35,31 +40,33 @@ class Laser:
         angles = self._angle_min + self._increment * np.arange(config.rays)
         self._directions_L = np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)], axis=-1)
         self._groups = np.array([group == WORLD_GROUP for group in range(6)], dtype=np.uint8)
+        _leave_out_of_reach(simulation, float(X_BL.translation[2]))
+        fans = max(1, math.ceil(config.sweep_s / FAN_S))
+        self._fans = np.linspace(0, config.rays, fans + 1).astype(int)
         self._distances = np.zeros(config.rays)
         self._normals = np.zeros((config.rays, 3))
         self._directions_W = np.zeros((config.rays, 3))
         self._geoms = np.zeros(config.rays, dtype=np.int32)
-        self._done = config.rays
+        self._cast_fans = fans
         self._stamp = 0.0
 
     @property
     def sweeping(self) -> bool:
         """Whether a scan is begun and not yet whole."""
-        return self._done < self._config.rays
+        return self._cast_fans < len(self._fans) - 1
 
     def begin(self, stamp: float) -> None:
         """Start a sweep whose first ray leaves at ``stamp``."""
-        self._done = 0
+        self._cast_fans = 0
         self._stamp = stamp
 
-    def advance(self, stamp: float, horizon_s: float) -> LaserScan | None:
-        """Cast the rays that leave before ``stamp + horizon_s``; return the scan when it is whole."""
-        sweep = self._config.sweep_s
-        share = 1.0 if sweep <= 0 else (stamp + horizon_s - self._stamp) / sweep
-        until = min(self._config.rays, math.ceil(share * self._config.rays))
-        if until > self._done:
-            self._cast(self._done, until)
-            self._done = until
+    def advance(self, stamp: float) -> LaserScan | None:
+        """Cast the fans whose middle has come at ``stamp``; return the scan when it is whole."""
+        fans = len(self._fans) - 1
+        due = math.floor((stamp - self._stamp) / self._config.sweep_s * fans + 0.5) if self._config.sweep_s else fans
+        for fan in range(self._cast_fans, min(due, fans)):
+            self._cast(int(self._fans[fan]), int(self._fans[fan + 1]))
+            self._cast_fans = fan + 1
         return None if self.sweeping else self._scan()
 
     def _cast(self, first: int, last: int) -> None:
@@ -92,3 +99,16 @@ class Laser:
             duration_s=c.sweep_s,
             X_BL=self._X_BL,
         )
+
+
+def _leave_out_of_reach(simulation: Simulation, height_m: float) -> None:
+    """Move the world's shapes that the laser's plane cannot meet to another group: casting asks every shape in turn."""
+    model, data = simulation.model, simulation.data
+    for geom in range(model.ngeom):
+        if model.geom_group[geom] != WORLD_GROUP or model.geom_rbound[geom] == 0:
+            continue
+        center, half = model.geom_aabb[geom][:3], model.geom_aabb[geom][3:]
+        up = data.geom_xmat[geom].reshape(3, 3)[2]
+        middle = float(data.geom_xpos[geom][2] + up @ center)
+        if abs(middle - height_m) > REACH_M + float(np.abs(up) @ half):
+            model.geom_group[geom] = OUT_OF_REACH_GROUP

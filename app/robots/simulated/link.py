@@ -116,7 +116,7 @@ class SimulatedLink:
             self._session.send(wire.Demand(stream, wanted))
 
     def command(self, twist: Twist) -> None:
-        """Give the base a velocity. While a frozen link does not read, commands are dropped: they would come too late."""
+        """Give the base a velocity; dropped while a frozen link does not read, for it would come too late."""
         if self._session is None or self._session.unsent_bytes > _UNSENT_BYTES:
             self.commands_dropped += 1
             return
@@ -166,7 +166,7 @@ class SimulatedLink:
         for receive in tuple(self._receivers[stream]):
             try:
                 receive(message)
-            except Exception as failure:  # one receiver's fault must not cut the others off, nor pass in silence
+            except Exception as failure:  # noqa: BLE001  # one receiver's fault must not cut the others off, nor pass in silence
                 asyncio.get_running_loop().call_exception_handler(
                     {"message": f"a receiver of {stream} raised", "exception": failure}
                 )

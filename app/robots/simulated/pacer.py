@@ -10,8 +10,8 @@ RATE_WINDOW_S = 1.0
 class Pacer:
     """Pure bookkeeping on the monotonic clock (s), stepped by its caller.
 
-    Up to ``backlog_s`` of lost time is made up for; what is lost beyond is given up, so an overloaded computer slows the
-    world down instead of making it jump. ``stamp`` names the real instant that simulated time stands for.
+    Up to ``backlog_s`` of lost time is made up for; what is lost beyond is given up, so an overloaded computer slows
+    the world down instead of making it jump. ``stamp`` names the real instant that simulated time stands for.
     """
 
     def __init__(self, now: float, step_s: float, backlog_s: float = 0.1, burst: int = 12) -> None:
@@ -35,8 +35,7 @@ class Pacer:
             self._anchor = now - self._backlog_s
             self._since_anchor = 0
             lag = self._backlog_s
-        steps = max(0, min(self._burst, int(lag / self._step_s)))
-        return steps
+        return max(0, min(self._burst, int(lag / self._step_s)))
 
     def advance(self) -> None:
         """One step was taken."""

@@ -18,6 +18,7 @@ from app.robots.simulated.world_config import CODE_RISE_M, CODE_SIDE_M, LETTER_H
 
 Texture = NDArray[np.uint8]
 Plane = NDArray[np.float32]
+_Pattern = Callable[[Generator, NDArray[np.float32], NDArray[np.float32]], Texture]
 SIZE = 256
 
 
@@ -72,8 +73,12 @@ def _shade(color: NDArray[np.float32], amount: Plane) -> NDArray[np.float32]:
     return np.asarray(color[None, None, :] * (1.0 + amount[:, :, None]), dtype=np.float32)
 
 
+def _flat(color: NDArray[np.float32]) -> NDArray[np.float32]:
+    return np.broadcast_to(color, (SIZE, SIZE, 3))
+
+
 def _bytes(image: NDArray[Any]) -> Texture:
-    return np.clip(image, 0, 255).astype(np.uint8)
+    return np.asarray(np.clip(image, 0, 255), dtype=np.uint8)
 
 
 def _mix(a: NDArray[np.float32], b: NDArray[np.float32], weight: Plane) -> NDArray[np.float32]:
@@ -86,7 +91,7 @@ def _plain(rng: Generator, first: NDArray[np.float32], second: NDArray[np.float3
 
 
 def _plaster(rng: Generator, first: NDArray[np.float32], second: NDArray[np.float32]) -> Texture:
-    blotches = _mix(_shade(first, 0.0 * noise(rng, (2, 2))), _shade(second, 0.0 * noise(rng, (2, 2))),
+    blotches = _mix(_flat(first), _flat(second),
                     0.35 + 0.5 * noise(rng, (3, 3), octaves=5))  # fmt: skip
     return _bytes(blotches + 6.0 * noise(rng, (64, 64), octaves=2)[:, :, None])
 
@@ -106,8 +111,10 @@ def _brick(rng: Generator, first: NDArray[np.float32], second: NDArray[np.float3
     return _bytes(image)
 
 
-def _grain(rng: Generator, first: NDArray[np.float32], second: NDArray[np.float32], shape: tuple[int, int]) -> Any:
-    rings = np.sin(14.0 * noise(rng, (6, 1), shape, 3) + 3.0 * noise(rng, (24, 2), shape, 2))
+def _grain(
+    rng: Generator, first: NDArray[np.float32], second: NDArray[np.float32], shape: tuple[int, int]
+) -> NDArray[np.float32]:
+    rings: Plane = np.sin(14.0 * noise(rng, (6, 1), shape, 3) + 3.0 * noise(rng, (24, 2), shape, 2))
     fine = noise(rng, (64, 2), shape, 2)
     return _mix(_shade(first, 0.06 * fine), _shade(second, 0.06 * fine), 0.5 + 0.4 * rings)
 
@@ -131,7 +138,9 @@ def _planks(rng: Generator, first: NDArray[np.float32], second: NDArray[np.float
 def _carpet(rng: Generator, first: NDArray[np.float32], second: NDArray[np.float32]) -> Texture:
     speckle = rng.uniform(0, 1, (SIZE, SIZE)).astype(np.float32)
     cloud = noise(rng, (4, 4), octaves=3)
-    return _bytes(_mix(_shade(first, 0.06 * cloud), _shade(second, 0.06 * cloud), 1.3 * speckle - 0.4))
+    return _bytes(
+        _mix(_shade(first, 0.06 * cloud), _shade(second, 0.06 * cloud), np.float32(1.3) * speckle - np.float32(0.4))
+    )
 
 
 def _tiles(rng: Generator, first: NDArray[np.float32], second: NDArray[np.float32]) -> Texture:
@@ -163,7 +172,7 @@ def _terrazzo(rng: Generator, first: NDArray[np.float32], second: NDArray[np.flo
 
 
 def _concrete(rng: Generator, first: NDArray[np.float32], second: NDArray[np.float32]) -> Texture:
-    image = _mix(_shade(first, 0.0 * noise(rng, (2, 2))), _shade(second, 0.0 * noise(rng, (2, 2))),
+    image = _mix(_flat(first), _flat(second),
                  0.5 + 0.8 * noise(rng, (3, 3), octaves=5))  # fmt: skip
     image += 7.0 * rng.standard_normal((SIZE, SIZE, 1)).astype(np.float32)
     for y, x in ((64, 48), (64, 208), (192, 48), (192, 208)):
@@ -212,8 +221,8 @@ def _leaves(rng: Generator, first: NDArray[np.float32], second: NDArray[np.float
 
 
 def _picture(rng: Generator, first: NDArray[np.float32], second: NDArray[np.float32]) -> Texture:
-    image = _bytes(_mix(_shade(first, 0.1 * noise(rng, (2, 2))), _shade(second, 0.1 * noise(rng, (2, 2))),
-                        np.linspace(-0.2, 1.2, SIZE, dtype=np.float32)[:, None] + 0.5 * noise(rng, (2, 2))))  # fmt: skip
+    cloud, down = noise(rng, (2, 2)), np.linspace(-0.2, 1.2, SIZE, dtype=np.float32)[:, None]
+    image = _bytes(_mix(_shade(first, 0.1 * cloud), _shade(second, -0.1 * cloud), down + 0.5 * noise(rng, (2, 2))))
     for _ in range(9):
         color = rng.integers(20, 245, 3).tolist()
         center = rng.integers(20, SIZE - 20, 2).tolist()
@@ -234,8 +243,8 @@ def _whiteboard(rng: Generator, first: NDArray[np.float32], second: NDArray[np.f
         x = np.arange(30, 30 + length, 4)
         points = np.stack([x, y + 6 * rng.standard_normal(x.size)], axis=-1).astype(np.int32)
         cv2.polylines(image, [points[:, None]], False, inks[line % 4], 2, cv2.LINE_AA)
-    for x, y in ((320, 70), (420, 70), (370, 160)):
-        cv2.rectangle(image, (x - 34, y - 20), (x + 34, y + 20), inks[0], 2, cv2.LINE_AA)
+    for left, top in ((286, 50), (386, 50), (336, 140)):
+        cv2.rectangle(image, (left, top), (left + 68, top + 40), inks[0], 2, cv2.LINE_AA)
     cv2.arrowedLine(image, (354, 70), (386, 70), inks[1], 2, cv2.LINE_AA)
     cv2.arrowedLine(image, (420, 90), (380, 140), inks[1], 2, cv2.LINE_AA)
     cv2.rectangle(image, (0, 0), (2 * SIZE - 1, SIZE - 1), (120, 124, 130), 10)
@@ -281,7 +290,7 @@ def _cardboard(rng: Generator, first: NDArray[np.float32], second: NDArray[np.fl
     return _bytes(image)
 
 
-_PATTERNS: dict[str, Callable[[Generator, NDArray[np.float32], NDArray[np.float32]], Texture]] = {
+_PATTERNS: dict[str, _Pattern] = {
     "plain": _plain, "plaster": _plaster, "brick": _brick, "wood": _wood, "planks": _planks, "carpet": _carpet,
     "tiles": _tiles, "terrazzo": _terrazzo, "concrete": _concrete, "ceiling": _ceiling, "books": _books,
     "leaves": _leaves, "picture": _picture, "whiteboard": _whiteboard, "window": _window, "screen": _screen,

@@ -24,7 +24,7 @@ _READ_BYTES = 65536
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """Program to link, first: everything the link needs. ``clock_offset`` makes the robot's clock of ``monotonic()``."""
+    """Program to link, first: all the link needs. ``clock_offset`` makes the robot's clock of ``monotonic()``."""
 
     robot: RobotConfig
     world: WorldConfig

@@ -6,6 +6,7 @@ guard's decision comes first in every turn, from the real clock, so it holds wha
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import select
@@ -168,7 +169,7 @@ class WorldLoop:
         if self._laser is not None and "hokuyo" in self._wanted:
             if not self._laser.sweeping and self._schedules["hokuyo"].due(time_s):
                 self._laser.begin(stamp)
-            if self._laser.sweeping and (scan := self._laser.advance(stamp, TIMESTEP_S)) is not None:
+            if self._laser.sweeping and (scan := self._laser.advance(stamp)) is not None:
                 self._send("hokuyo", scan, mono)
         if self._camera is not None and "kinect" in self._wanted and self._schedules["kinect"].due(time_s):
             measured = dict(zip(self._simulation.joints, self._measured_joints(), strict=True))
@@ -211,15 +212,13 @@ class WorldLoop:
         self._socket.send(wire.Sample(stream, message))
 
     def _wake(self) -> None:
-        try:
+        with contextlib.suppress(BlockingIOError):  # full: the loop is being woken already
             os.write(self._wake_write, b"\0")
-        except BlockingIOError:
-            pass  # the loop is being woken already
 
     def _sleep(self) -> None:
         timeout = self._pacer.wait_s(time.monotonic(), STEPS_PER_TURN)
-        writers = [self._socket] if self._socket.has_unsent else []
-        ready, _, _ = select.select([self._socket, self._wake_read], writers, [], timeout)
+        link = self._socket.fileno()
+        ready, _, _ = select.select([link, self._wake_read], [link] if self._socket.has_unsent else [], [], timeout)
         if self._wake_read in ready:
             os.read(self._wake_read, 4096)
 
