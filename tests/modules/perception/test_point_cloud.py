@@ -138,7 +138,7 @@ def test_the_desire_says_how_many_points() -> None:
         async with bench() as b:
             clouds = b.listen("clouds")
             b.feed("odometry", odometry(b.clock.now()))
-            b.feed("odometry", odometry(b.clock.now() + 100))
+            b.feed("odometry", odometry(b.clock.now() + 5))
             counts = []
             for parameters in ({}, {"max_points": 1000, "jpeg_quality": 50}, {"max_points": 76_800}):
                 b.slot.configure(parameters)
