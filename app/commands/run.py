@@ -57,9 +57,9 @@ def run(args: argparse.Namespace) -> int:
     host = args.host or console.host
     token = args.token or console.token or (None if is_loopback(host) else new_token())
     check_token(token, host)
-    logs.configure(args.log_level, as_json=args.log_json)
     try:
         with listen(host, console.port if args.port is None else args.port) as listener:
+            logs.configure(args.log_level, as_json=args.log_json)
             return asyncio.run(_serve(configuration, listener, token, Stopping(), open_browser=args.open))
     except LinkFailed as failure:
         print(f"hbba run: {failure}", file=sys.stderr)
