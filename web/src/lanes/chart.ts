@@ -42,6 +42,14 @@ export class LaneChart {
     this.painter = new LanePainter(canvas.getContext("2d", { alpha: true })!);
   }
 
+  get history() {
+    return this.store.lanes;
+  }
+
+  get rows(): number {
+    return this.classes().length;
+  }
+
   now(): number {
     return this.store.clock.now(performance.now() / 1000) ?? this.store.lanes.newest ?? 0;
   }

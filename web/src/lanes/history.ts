@@ -44,6 +44,11 @@ export class LaneHistory {
     return this.count > 0 ? this.stamps[(this.count - 1) % CAPACITY]! : null;
   }
 
+  /** The stamp of the oldest sample kept; 0 while there is none. */
+  get oldest(): number {
+    return this.count > 0 ? this.stamps[this.first % CAPACITY]! : 0;
+  }
+
   push(message: { stamp: number; rows: LaneRow[] }): void {
     const newest = this.newest;
     if (newest !== null && message.stamp <= newest) {

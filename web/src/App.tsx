@@ -1,0 +1,78 @@
+/** The page: bar, view, side, lanes; stacked on a phone. */
+
+import { DesireForm } from "./desires/DesireForm";
+import { DesireList } from "./desires/DesireList";
+import { DrivePad } from "./drive/DrivePad";
+import { Lanes } from "./lanes/Lanes";
+import { Events } from "./panels/Events";
+import { Found } from "./panels/Found";
+import { Intention } from "./panels/Intention";
+import { Load } from "./panels/Load";
+import { useApp } from "./state/context";
+import { Banner } from "./ui/Banner";
+import { EStop } from "./ui/EStop";
+import { Help } from "./ui/Help";
+import { Login } from "./ui/Login";
+import { narrow } from "./ui/media";
+import { Notices } from "./ui/Notices";
+import { type TabItem, Tabs } from "./ui/Tabs";
+import { TopBar } from "./ui/TopBar";
+import { Camera } from "./view/Camera";
+import { SceneView } from "./view/SceneView";
+
+export function App() {
+  const { store } = useApp();
+  const phase = store.link.value.phase;
+  if (phase === "login") return <Login />;
+  const phone = narrow.value;
+  const stopped = store.status.value?.guard.e_stopped === true;
+  return (
+    <div class={`page ${phone ? "narrow" : "wide"} ${phase === "live" ? "" : "not-live"} ${stopped ? "stopped" : ""}`} data-testid="page" data-phase={phase}>
+      <TopBar narrow={phone} />
+      <main class="view" aria-label="View">
+        <SceneView />
+        <Camera />
+        <Banner />
+        {!phone && <DrivePad />}
+      </main>
+      <Side phone={phone} />
+      {!phone && <Lanes />}
+      {phone && (
+        <footer class="dock">
+          <DrivePad />
+          <EStop />
+        </footer>
+      )}
+      <Notices />
+      <Help />
+    </div>
+  );
+}
+
+function Side({ phone }: { phone: boolean }) {
+  const { store } = useApp();
+  const trouble = store.load.value?.modules.filter((module) => module.state === "failed" || module.state === "hung").length ?? 0;
+  const items: TabItem[] = [
+    {
+      id: "attention",
+      title: "Attention",
+      content: () => (
+        <>
+          <Intention />
+          <section class="card" aria-label="Desires">
+            <h2>
+              Desires <span class="count">{store.desires.value?.length ?? 0}</span>
+            </h2>
+            <DesireList />
+            <DesireForm />
+          </section>
+        </>
+      ),
+    },
+    { id: "found", title: "Found", badge: store.landmarks.value?.length ?? 0, content: () => <Found /> },
+    { id: "load", title: "Load", ...(trouble > 0 ? { badge: "!", alarm: true } : {}), content: () => <Load /> },
+    { id: "events", title: "Events", content: () => <Events /> },
+  ];
+  if (phone) items.splice(1, 0, { id: "lanes", title: "Lanes", content: () => <Lanes /> });
+  return <Tabs items={items} />;
+}

@@ -1,0 +1,152 @@
+/** Adds a desire: the form is made from the class's own parameter schema, refusals are shown at their field. */
+
+import { useSignal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import type { DesireClass } from "../protocol/types";
+import { idempotencyKey, Problem } from "../protocol/rest";
+import { useApp } from "../state/context";
+import { spaced } from "../ui/format";
+import { LockIcon, PlusIcon } from "../ui/icons";
+import { FieldInput, Labelled } from "./FieldInput";
+import { type Errors, fieldsOf, initialValues, paramsOf, placeErrors, type Values } from "./schema";
+
+const OWN = { intensity: "4", utility: "4", ttl: "" };
+
+export function DesireForm() {
+  const open = useSignal(false);
+  const { store } = useApp();
+  const classes = store.hello.value?.classes ?? [];
+  if (!open.value) {
+    return (
+      <button type="button" class="button wide" data-testid="desire-add" disabled={classes.length === 0} onClick={() => (open.value = true)}>
+        <PlusIcon /> Add a desire
+      </button>
+    );
+  }
+  return <Form classes={classes} onClose={() => (open.value = false)} />;
+}
+
+function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => void }) {
+  const { session, store } = useApp();
+  const chosen = useSignal(classes[0]?.name ?? "");
+  const own = useSignal<Values>(OWN);
+  const security = useSignal(false);
+  const typed = useSignal<Values>({});
+  const errors = useSignal<Errors>({});
+  const problem = useSignal<{ title: string; lines: string[] } | null>(null);
+  const busy = useSignal(false);
+  const key = useRef({ body: "", key: "" });
+  const form = useRef<HTMLFormElement>(null);
+  const kind = classes.find((candidate) => candidate.name === chosen.value);
+  const fields = kind ? fieldsOf(kind.schema) : [];
+  const scale = store.hello.value?.scale ?? { intensity: 8, utility: 8 };
+
+  useEffect(() => {
+    typed.value = initialValues(fields);
+    errors.value = {};
+    problem.value = null;
+  }, [chosen.value]);
+
+  const fail = (found: Errors) => {
+    errors.value = found;
+    requestAnimationFrame(() => form.current?.querySelector<HTMLElement>("[aria-invalid=true]")?.focus());
+  };
+
+  const submit = async (event: Event) => {
+    event.preventDefault();
+    problem.value = null;
+    const { params, errors: wrong } = paramsOf(fields, typed.value);
+    const found: Errors = Object.fromEntries(Object.entries(wrong).map(([name, message]) => [`params.${name}`, message]));
+    const number = (name: keyof typeof OWN, limit: number, needed: boolean) => {
+      const text = (own.value[name] ?? "").replace(",", ".").trim();
+      if (text === "" && !needed) return null;
+      const value = Number(text);
+      if (text === "" || !Number.isFinite(value) || value < 0 || value > limit) found[name] = limit === Infinity ? "Seconds, more than 0." : `A number from 0 to ${limit}.`;
+      return value;
+    };
+    const intensity = number("intensity", scale.intensity, true);
+    const utility = number("utility", scale.utility, true);
+    const ttl = number("ttl", Infinity, false);
+    if (Object.keys(found).length > 0) return fail(found);
+
+    const desire = { class: chosen.value, intensity, utility, security: security.value, params, ...(ttl === null ? {} : { ttl }) };
+    // The same desire sent again after a lost answer keeps its key, so that it is not added twice.
+    const body = JSON.stringify(desire);
+    if (key.current.body !== body) key.current = { body, key: idempotencyKey() };
+    busy.value = true;
+    try {
+      await session.rest.addDesire(desire, key.current.key);
+      key.current = { body: "", key: "" };
+      store.notify("info", `${spaced(desire.class)} is desired.`);
+      onClose();
+    } catch (error) {
+      const refused = error instanceof Problem ? error : new Problem(0, "The desire could not be added", String(error));
+      const { byField, rest } = placeErrors(refused.errors, fields);
+      problem.value = { title: refused.title, lines: [refused.detail, ...rest].filter(Boolean) };
+      fail(byField);
+    } finally {
+      busy.value = false;
+    }
+  };
+
+  return (
+    <form class="desire-form" ref={form} noValidate onSubmit={(event) => void submit(event)} data-testid="desire-form">
+      <h3>Add a desire</h3>
+      <Labelled name="class" title="What" hint={kind?.description ?? ""} error={errors.value["class"]}>
+        {(props) => (
+          <select {...props} data-testid="field-class" value={chosen.value} onChange={(event) => (chosen.value = event.currentTarget.value)}>
+            {classes.map((candidate) => (
+              <option key={candidate.name} value={candidate.name}>
+                {candidate.title || spaced(candidate.name)}
+              </option>
+            ))}
+          </select>
+        )}
+      </Labelled>
+      {fields.map((field) => (
+        <FieldInput
+          key={`${chosen.value}.${field.name}`}
+          field={field}
+          value={typed.value[field.name] ?? field.initial}
+          error={errors.value[`params.${field.name}`]}
+          onInput={(text) => (typed.value = { ...typed.value, [field.name]: text })}
+        />
+      ))}
+      <div class="form-row">
+        {(
+          [
+            ["intensity", "Intensity", `0 to ${scale.intensity}`],
+            ["utility", "Utility", `0 to ${scale.utility}; 0 inhibits`],
+            ["ttl", "Lasts", "seconds; empty: until removed"],
+          ] as const
+        ).map(([name, title, hint]) => (
+          <Labelled key={name} name={name} title={title} hint={hint} error={errors.value[name]}>
+            {(props) => (
+              <input {...props} data-testid={`field-${name}`} inputMode="decimal" autocomplete="off" value={own.value[name]} onInput={(event) => (own.value = { ...own.value, [name]: event.currentTarget.value })} />
+            )}
+          </Labelled>
+        ))}
+      </div>
+      <label class="check">
+        <input type="checkbox" data-testid="field-security" checked={security.value} onChange={(event) => (security.value = event.currentTarget.checked)} />
+        <LockIcon /> Security: must be fulfilled, whatever else gives way
+      </label>
+      {problem.value && (
+        <div class="inline-note error" role="alert" data-testid="form-problem">
+          <b>{problem.value.title}</b>
+          {problem.value.lines.map((line) => (
+            <span key={line}>{line}</span>
+          ))}
+        </div>
+      )}
+      <div class="form-actions">
+        <button type="submit" class="button accent" data-testid="desire-submit" disabled={busy.value}>
+          {busy.value ? "Adding…" : "Add the desire"}
+        </button>
+        <button type="button" class="button quiet" onClick={onClose}>
+          Cancel
+        </button>
+      </div>
+    </form>
+  );
+}

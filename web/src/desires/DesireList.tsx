@@ -1,0 +1,77 @@
+/** The desires there are: changed in place, removed, with who asked and how long they last. */
+
+import { useSignal } from "@preact/signals";
+import type { Desire } from "../protocol/types";
+import { Problem } from "../protocol/rest";
+import { useApp } from "../state/context";
+import { left, number, spaced } from "../ui/format";
+import { LockIcon, TrashIcon } from "../ui/icons";
+import { Stepper } from "../ui/Stepper";
+
+export function DesireList() {
+  const { store } = useApp();
+  const desires = store.desires.value;
+  if (desires === null) return <p class="empty">Waiting for the robot's desires…</p>;
+  if (desires.length === 0) return <p class="empty">Nobody desires anything. Add a desire to give the robot something to attend to.</p>;
+  return (
+    <ul class="desires">
+      {desires.map((desire) => (
+        <Row key={desire.id} desire={desire} />
+      ))}
+    </ul>
+  );
+}
+
+function Row({ desire }: { desire: Desire }) {
+  const { store, session } = useApp();
+  const problem = useSignal("");
+  const scale = store.hello.value?.scale ?? { intensity: 8, utility: 8 };
+  const attempt = async (work: Promise<void>) => {
+    problem.value = "";
+    try {
+      await work;
+    } catch (error) {
+      problem.value = error instanceof Problem ? [error.title, error.detail, ...error.errors.map((e) => e.message)].filter(Boolean).join(". ") : String(error);
+    }
+  };
+  const change = (what: Partial<Pick<Desire, "intensity" | "utility">>) => void attempt(session.rest.changeDesire(desire.id, what));
+  const name = spaced(desire.class);
+  const params = Object.entries(desire.params ?? {});
+  return (
+    <li class="desire" data-testid="desire-row" data-id={desire.id} data-class={desire.class} data-intensity={desire.intensity} data-utility={desire.utility}>
+      <div class="desire-head">
+        <b>{name}</b>
+        {desire.security && (
+          <span class="tag security" title="Security: must be fulfilled">
+            <LockIcon />
+            security
+          </span>
+        )}
+        <span class="desire-by">{sourceWords(desire.source)}</span>
+        <TimeLeft expires={desire.expires} />
+        <button type="button" class="icon-button" data-testid="desire-remove" aria-label={`Remove the desire ${name} of ${desire.source.name}`} onClick={() => void attempt(session.rest.removeDesire(desire.id))}>
+          <TrashIcon />
+        </button>
+      </div>
+      {params.length > 0 && <p class="desire-params">{params.map(([key, value]) => `${key} ${typeof value === "number" ? number(value, 2) : JSON.stringify(value)}`).join(" · ")}</p>}
+      <div class="desire-values">
+        <Stepper label="Intensity" tone="intensity" value={desire.intensity} limit={scale.intensity} onChange={(intensity) => change({ intensity })} />
+        <Stepper label="Utility" tone="utility" value={desire.utility} limit={scale.utility} zero="inhibits" onChange={(utility) => change({ utility })} />
+      </div>
+      {problem.value && <p class="inline-note error" role="alert">{problem.value}</p>}
+    </li>
+  );
+}
+
+function TimeLeft({ expires }: { expires: number | null }) {
+  const { store } = useApp();
+  const now = store.now.value;
+  if (expires === null || now === null) return null;
+  return <span class="desire-left">{left(expires - now)}</span>;
+}
+
+function sourceWords(source: Desire["source"]): string {
+  if (source.kind === "motivation") return `by ${spaced(source.name)}`;
+  if (source.kind === "rest") return `by ${source.name} over REST`;
+  return `by ${source.name}`;
+}

@@ -1,0 +1,96 @@
+/** The operator's hands on screen: stick, speed, who drives, and what the wheels are given. */
+
+import { useApp } from "../state/context";
+import { number } from "../ui/format";
+import { KeyboardIcon, WheelIcon } from "../ui/icons";
+import { PRESETS } from "./controller";
+import { Stick } from "./Stick";
+
+export function DrivePad() {
+  const { drive, session, store } = useApp();
+  const { factor, source } = drive.state.value;
+  const status = store.status.value;
+  const applied = status?.guard.applied;
+  const words = applied ? speedWords(applied.linear_mps, applied.angular_radps) : "no figures";
+  const driver = status?.driver ?? null;
+  const live = store.live.value;
+
+  return (
+    <section class="drive-pad" data-testid="drive-pad" data-source={source ?? ""} aria-label="Drive">
+      <Stick drive={drive} words={words} />
+      <div class="drive-side">
+        <p class="drive-speed" aria-label={`Wheels: ${words}`}>
+          <span>
+            <b>{number(live ? applied?.linear_mps : null, 2)}</b> m/s
+          </span>
+          <span>
+            <b>{number(live && applied ? (applied.angular_radps * 180) / Math.PI : null, 0)}</b> °/s
+          </span>
+        </p>
+        <div class="segmented" role="radiogroup" aria-label="Speed">
+          {PRESETS.map((preset) => (
+            <button
+              key={preset.name}
+              type="button"
+              role="radio"
+              aria-checked={factor === preset.factor}
+              data-testid={`speed-${preset.name.toLowerCase()}`}
+              onClick={() => drive.preset(preset.factor)}
+            >
+              {preset.name}
+            </button>
+          ))}
+        </div>
+        {driver && !driver.mine && live ? (
+          <button type="button" class="button accent" data-testid="take-control" onClick={() => session.send({ type: "take_control" })}>
+            <WheelIcon /> Take the wheel
+          </button>
+        ) : driver?.mine && live && !source ? (
+          <button type="button" class="button quiet" data-testid="release-control" onClick={() => session.send({ type: "release_control" })}>
+            Give the wheel back
+          </button>
+        ) : (
+          <Hint />
+        )}
+      </div>
+    </section>
+  );
+}
+
+function Hint() {
+  const { drive } = useApp();
+  const refusal = drive.refusal.value;
+  const { source, keys } = drive.state.value;
+  if (refusal) return <p class="drive-hint warn">{refusal}</p>;
+  if (source) {
+    const slow = keys.has("ShiftLeft") || keys.has("ShiftRight") ? ", slowly" : "";
+    return <p class="drive-hint active">{`Driving by ${source}${slow}. Let go to stop.`}</p>;
+  }
+  if (drive.keyboard.value !== "page") {
+    return (
+      <button
+        type="button"
+        class="drive-hint link"
+        data-testid="focus-hint"
+        onClick={() => (document.querySelector<HTMLElement>("[data-testid=stick]")?.focus(), window.focus())}
+      >
+        <KeyboardIcon /> Click here to drive with the keyboard
+      </button>
+    );
+  }
+  return (
+    <p class="drive-hint">
+      <span class="only-wide">
+        Hold <kbd>W</kbd> <kbd>A</kbd> <kbd>S</kbd> <kbd>D</kbd> or arrows
+      </span>
+      <span class="only-narrow">Hold and push the stick</span>
+    </p>
+  );
+}
+
+function speedWords(linear: number, angular: number): string {
+  if (Math.abs(linear) < 0.005 && Math.abs(angular) < 0.005) return "standing";
+  const along = `${linear < 0 ? "backward" : "forward"} ${number(Math.abs(linear), 2)} metres per second`;
+  const turn = Math.abs(angular) < 0.005 ? "" : `, turning ${angular > 0 ? "left" : "right"} ${number(Math.abs(angular), 2)} radians per second`;
+  return along + turn;
+}

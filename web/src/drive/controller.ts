@@ -1,0 +1,182 @@
+/** Joins the browser's hands (keys, stick, gamepads, focus) to the state machine, and its commands to the socket. */
+
+import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
+import type { Session } from "../state/session";
+import type { Store } from "../state/store";
+import { type PadReading, readPads } from "./gamepad";
+import { DRIVE_KEYS, SLOW_KEYS } from "./keys";
+import { type Axes, type DriveState, flush, initialDrive, type Input, step, TICK_MS } from "./machine";
+
+export const PRESETS = [
+  { name: "Slow", factor: 0.35 },
+  { name: "Normal", factor: 0.65 },
+  { name: "Full", factor: 1 },
+] as const;
+const PRESET_KEY = "hbba.preset";
+
+/** Where the keyboard is when it cannot drive. */
+export type KeyboardPlace = "page" | "field" | "away";
+
+export class DriveController {
+  readonly state = signal<DriveState>(initialDrive(readPreset()));
+  readonly keyboard = signal<KeyboardPlace>("page");
+  /** Why driving is refused now, in words; null: it is not. */
+  readonly refusal: ReadonlySignal<string | null>;
+  private chosenPad: PadReading["chosen"] = null;
+  private padStop = false;
+  private polling = false;
+
+  constructor(
+    private readonly store: Store,
+    private readonly session: Session,
+  ) {
+    this.refusal = computed(() => whyNot(store));
+  }
+
+  start(): void {
+    effect(() => this.input({ type: "allow", allowed: this.refusal.value === null }));
+    window.setInterval(() => this.input({ type: "tick" }), TICK_MS);
+    this.listen(window);
+    window.addEventListener("blur", () => this.release());
+    window.addEventListener("pagehide", () => this.release(true));
+    document.addEventListener("visibilitychange", () => this.release(document.hidden));
+    document.addEventListener("focusin", (event) => {
+      if (typesText(event.target)) this.release();
+    });
+    for (const kind of ["focusin", "focusout"]) document.addEventListener(kind, () => this.look());
+    for (const kind of ["focus", "blur"]) window.addEventListener(kind, () => this.look());
+    window.addEventListener("gamepadconnected", () => this.poll());
+    window.addEventListener("gamepaddisconnected", () => this.release());
+  }
+
+  /** Keys pressed in `frame`'s page drive too; its losing the focus is a release like ours. */
+  listenIn(frame: Window): void {
+    this.listen(frame);
+    frame.addEventListener("blur", () => this.release());
+    frame.addEventListener("focus", () => this.look());
+  }
+
+  input(input: Input): void {
+    const { state, send } = step(this.state.peek(), input);
+    if (state !== this.state.peek()) this.state.value = state;
+    for (const command of send) this.session.send({ type: "drive", ...command });
+  }
+
+  /** Lets go of everything; `now`: without waiting for the next ticks to repeat it. */
+  release(now = false): void {
+    this.input({ type: "release" });
+    if (!now) return;
+    const { state, send } = flush(this.state.peek());
+    this.state.value = state;
+    for (const command of send) this.session.send({ type: "drive", ...command });
+  }
+
+  grasp(axes: Axes): void {
+    if (this.refusal.peek()) this.explain();
+    else this.input({ type: "stick-start", axes });
+  }
+
+  preset(factor: number): void {
+    localStorage.setItem(PRESET_KEY, String(factor));
+    this.input({ type: "preset", factor });
+  }
+
+  private listen(target: Window): void {
+    target.addEventListener("keydown", (event) => this.keyDown(event), { capture: true });
+    target.addEventListener("keyup", (event) => this.keyUp(event), { capture: true });
+  }
+
+  private keyDown(event: KeyboardEvent): void {
+    if (event.code === "Escape" && !event.repeat) {
+      this.release();
+      this.session.eStop();
+      return;
+    }
+    if (event.ctrlKey || event.altKey || event.metaKey) {
+      this.release(); // the browser may swallow the key's release
+      return;
+    }
+    if (typesText(event.target)) return;
+    if (event.code === "Space") {
+      this.release();
+      if (!isControl(event.target)) event.preventDefault();
+    } else if (event.key === "?") this.store.help.value = !this.store.help.value;
+    else if (DRIVE_KEYS.has(event.code) && !(event.code.startsWith("Arrow") && ownsArrows(event.target))) {
+      event.preventDefault();
+      event.stopPropagation();
+      if (!event.repeat && this.refusal.peek()) this.explain();
+      this.input({ type: "key", code: event.code, down: true, repeat: event.repeat });
+    } else if (SLOW_KEYS.has(event.code)) this.input({ type: "key", code: event.code, down: true, repeat: event.repeat });
+  }
+
+  private keyUp(event: KeyboardEvent): void {
+    this.input({ type: "key", code: event.code, down: false });
+  }
+
+  private explain(): void {
+    const reason = this.refusal.peek();
+    if (reason) this.store.notify("warning", reason);
+  }
+
+  /** Finds out where the keyboard is, once the browser has moved it. */
+  private look(): void {
+    queueMicrotask(() => {
+      const active = document.activeElement;
+      if (!document.hasFocus()) this.keyboard.value = "away";
+      else this.keyboard.value = typesText(active) ? "field" : "page";
+    });
+  }
+
+  private poll(): void {
+    if (this.polling) return;
+    this.polling = true;
+    const frame = () => {
+      const pads = navigator.getGamepads();
+      const { chosen, axes, stop } = readPads(pads, this.chosenPad);
+      if (this.chosenPad && !chosen) this.release();
+      this.chosenPad = chosen;
+      this.input({ type: "pad", axes: document.hasFocus() ? axes : null });
+      if (stop && !this.padStop) this.session.eStop();
+      this.padStop = stop;
+      this.polling = pads.some((pad) => pad !== null);
+      if (this.polling) requestAnimationFrame(frame);
+    };
+    requestAnimationFrame(frame);
+  }
+}
+
+function whyNot(store: Store): string | null {
+  const phase = store.link.value.phase;
+  if (phase === "stale") return "What you see is old. Driving waits until the robot is heard again.";
+  if (phase !== "live") return "Not connected to the robot.";
+  const status = store.status.value;
+  if (status?.guard.e_stopped) return "The emergency stop is latched. Release it to drive.";
+  if (status?.driver && !status.driver.mine) return `${status.driver.operator} drives. Take the wheel to drive yourself.`;
+  return null;
+}
+
+function readPreset(): number {
+  const kept = Number(localStorage.getItem(PRESET_KEY));
+  return PRESETS.find(({ factor }) => factor === kept)?.factor ?? PRESETS[1].factor;
+}
+
+// Elements of the 3D view's page are of another realm: `instanceof` would not know them.
+
+function closest(target: EventTarget | Element | null, selector: string): Element | null {
+  const element = target as Element | null;
+  return element && typeof element.closest === "function" ? element.closest(selector) : null;
+}
+
+function typesText(target: EventTarget | Element | null): boolean {
+  const field = closest(target, "input, textarea, select, [contenteditable=''], [contenteditable='true']");
+  const type = (field as HTMLInputElement | null)?.type;
+  return !!field && !(type === "range" || type === "checkbox" || type === "radio" || type === "button");
+}
+
+function ownsArrows(target: EventTarget | null): boolean {
+  return !!closest(target, "input, [data-own-arrows]");
+}
+
+function isControl(target: EventTarget | null): boolean {
+  return !!closest(target, "button, a, input, summary, [role=button], [role=tab]");
+}

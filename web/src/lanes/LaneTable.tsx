@@ -1,0 +1,59 @@
+/** The lanes' present values as a table: for screen readers and tests always, for eyes on demand. Four times a second. */
+
+import { useSignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import type { LaneRow } from "../protocol/types";
+import { useApp } from "../state/context";
+import { divisor, number, percent, spaced } from "../ui/format";
+import { StateMark } from "../ui/icons";
+
+const EVERY_MS = 250;
+
+export function LaneTable({ visible }: { visible: boolean }) {
+  const { store } = useApp();
+  const rows = useSignal<LaneRow[]>(store.rows.peek());
+  useEffect(() => {
+    const timer = window.setInterval(() => (rows.value = store.rows.peek()), EVERY_MS);
+    return () => clearInterval(timer);
+  }, []);
+  return (
+    <div class={visible ? "lane-table" : "visually-hidden"}>
+      <table>
+        <caption class="visually-hidden">Desire classes now</caption>
+        <thead>
+          <tr>
+            <th scope="col">Class</th>
+            <th scope="col">Intensity</th>
+            <th scope="col">Utility</th>
+            <th scope="col">Rate</th>
+            <th scope="col">φ</th>
+            <th scope="col">State and reason</th>
+          </tr>
+        </thead>
+        <tbody>
+          {rows.value.map((row) => (
+            <tr
+              key={row.class}
+              data-testid={`lane-${row.class}`}
+              data-class={row.class}
+              data-intensity={row.intensity ?? ""}
+              data-utility={row.utility ?? ""}
+              data-rate={row.rate ?? ""}
+              data-divisor={row.divisor ?? ""}
+              data-state={row.state}
+            >
+              <th scope="row">{spaced(row.class)}</th>
+              <td>{number(row.intensity)}</td>
+              <td>{number(row.utility)}</td>
+              <td>{percent(row.rate)}</td>
+              <td>{divisor(row.divisor)}</td>
+              <td>
+                <StateMark state={row.state} /> <b class="state-word">{row.state}</b> {row.text}
+              </td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}

@@ -1,0 +1,45 @@
+/** What a lane showed at the time under the cursor, and why. */
+
+import { useApp } from "../state/context";
+import { clockTime, divisor, number, percent, spaced } from "../ui/format";
+import { StateMark } from "../ui/icons";
+import type { Hit } from "./chart";
+
+const WIDTH = 300;
+
+export function Tooltip({ hit, width, now }: { hit: Hit; width: number; now: number }) {
+  const { store } = useApp();
+  const { sample, events } = hit;
+  const title = store.hello.value?.classes.find((c) => c.name === hit.name)?.title || spaced(hit.name);
+  const wide = Math.min(WIDTH, width);
+  const x = Math.max(0, Math.min(width - wide, hit.x + (hit.x > width - wide - 20 ? -wide - 14 : 14)));
+  return (
+    <div class="tooltip" role="status" data-testid="lane-tooltip" style={{ left: `${x}px`, bottom: `calc(100% - ${hit.y - 6}px)`, width: `${wide}px` }}>
+      <p class="tooltip-head">
+        <b>{title}</b>
+        <span>
+          {clockTime(hit.stamp)} · {number(hit.stamp - now, 1)} s
+        </span>
+      </p>
+      {sample ? (
+        <>
+          <dl>
+            <div><dt><i class="key-intensity" />Intensity</dt><dd>{number(sample.intensity)}</dd></div>
+            <div><dt><i class="key-utility" />Utility</dt><dd>{number(sample.utility)}</dd></div>
+            <div><dt><i class="key-rate" />Rate</dt><dd>{percent(sample.rate)}</dd></div>
+            <div><dt>φ</dt><dd>{divisor(sample.divisor)}</dd></div>
+          </dl>
+          <p class="tooltip-why">
+            <StateMark state={sample.state} />
+            <span><b class="state-word">{sample.state}</b> {sample.text}</span>
+          </p>
+        </>
+      ) : (
+        <p class="muted">Nothing was heard here.</p>
+      )}
+      {events.slice(-3).map((event) => (
+        <p key={event.id} class="tooltip-event"><i class="key-mark" />{event.text}</p>
+      ))}
+    </div>
+  );
+}

@@ -1,0 +1,60 @@
+/** The process's CPU over the last minutes, and the budget as a line. */
+
+import { useEffect, useRef } from "preact/hooks";
+import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import { useApp } from "../state/context";
+
+const HEIGHT = 110;
+const AXIS = { stroke: "#a3b1c2", grid: { stroke: "#222b37", width: 1 }, ticks: { show: false }, font: "11px system-ui, sans-serif" };
+
+export function CpuPlot() {
+  const { store } = useApp();
+  const place = useRef<HTMLDivElement>(null);
+  const history = store.loadHistory.value;
+  const plot = useRef<uPlot | null>(null);
+
+  useEffect(() => {
+    const host = place.current!;
+    const made = new uPlot(
+      {
+        width: Math.max(200, host.clientWidth),
+        height: HEIGHT,
+        legend: { show: false },
+        cursor: { show: false },
+        scales: { x: { time: true }, y: { range: (_, __, max) => [0, Math.max(20, max * 1.15)] } },
+        axes: [
+          { ...AXIS, size: 22, values: (_, at) => at.map((stamp) => new Date(stamp * 1000).toLocaleTimeString([], { hour12: false, minute: "2-digit", second: "2-digit" })), space: 70 },
+          { ...AXIS, size: 40, values: (_, at) => at.map((v) => `${v} %`), space: 28 },
+        ],
+        series: [
+          {},
+          { stroke: "#6aa5ff", fill: "rgba(61,127,230,.28)", width: 1.5, points: { show: false } },
+          { stroke: "#f0b44c", width: 1.5, dash: [5, 4], points: { show: false } },
+        ],
+      },
+      [[], [], []],
+      host,
+    );
+    plot.current = made;
+    const observer = new ResizeObserver(() => made.setSize({ width: Math.max(200, host.clientWidth), height: HEIGHT }));
+    observer.observe(host);
+    return () => {
+      observer.disconnect();
+      made.destroy();
+      plot.current = null;
+    };
+  }, []);
+  useEffect(() => {
+    plot.current?.setData([history.map((p) => p.stamp), history.map((p) => p.cpu), history.map((p) => p.budget)]);
+  }, [history]);
+
+  return (
+    <figure class="cpu-plot">
+      <div ref={place} role="img" aria-label="CPU of the process over the last minutes" />
+      <figcaption class="muted small">
+        <i class="key-cpu" /> process <i class="key-budget" /> budget of the attention
+      </figcaption>
+    </figure>
+  );
+}

@@ -1,0 +1,61 @@
+/** The QR codes found so far: what they say, where they are from here, how sure and how fresh. */
+
+import type { Landmark, Status } from "../protocol/types";
+import { useApp } from "../state/context";
+import { ago, number } from "../ui/format";
+import { QrIcon } from "../ui/icons";
+
+export function Found() {
+  const { store } = useApp();
+  const landmarks = store.landmarks.value ?? [];
+  return (
+    <section class="card" aria-label="Found QR codes" data-testid="found">
+      <h2>
+        QR codes found <span class="count">{landmarks.length}</span>
+      </h2>
+      {landmarks.length === 0 ? (
+        <p class="empty">None yet. Drive up to a poster, under 2 m, while the robot desires to find QR codes.</p>
+      ) : (
+        <ul class="landmarks">
+          {landmarks.map((landmark) => (
+            <Row key={`${landmark.text}@${landmark.first_seen}`} landmark={landmark} />
+          ))}
+        </ul>
+      )}
+    </section>
+  );
+}
+
+function Row({ landmark }: { landmark: Landmark }) {
+  const { store } = useApp();
+  const now = store.now.value;
+  const { text, x, y, z, sigma_m, sightings, last_seen } = landmark;
+  return (
+    <li class="landmark" data-testid="landmark" data-text={text} data-x={x} data-y={y} data-z={z} data-sightings={sightings}>
+      <QrIcon />
+      <div>
+        <p class="landmark-text">{text}</p>
+        <p class="muted small">
+          {bearing(landmark, store.status.value?.odometry ?? null)}
+          {`at (${number(x, 2)}, ${number(y, 2)}, ${number(z, 2)}) m ± ${number(sigma_m * 100, 0)} cm`}
+        </p>
+        <p class="muted small">
+          {sightings === 1 ? "seen once" : `seen ${sightings} times`}
+          {now !== null && `, last ${ago(now - last_seen)}`}
+        </p>
+      </div>
+    </li>
+  );
+}
+
+/** "2.4 m away, ahead on the left, " from where the robot stands. */
+function bearing(landmark: Landmark, odometry: Status["odometry"]): string {
+  if (!odometry) return "";
+  const [dx, dy] = [landmark.x - odometry.x, landmark.y - odometry.y];
+  const turn = Math.atan2(dy, dx) - odometry.theta;
+  const angle = Math.atan2(Math.sin(turn), Math.cos(turn));
+  const side = angle > 0 ? "left" : "right";
+  const size = Math.abs(angle);
+  const where = size < 0.26 ? "ahead" : size < 1.05 ? `ahead on the ${side}` : size < 2.1 ? `on the ${side}` : "behind";
+  return `${number(Math.hypot(dx, dy), 1)} m away, ${where}, `;
+}

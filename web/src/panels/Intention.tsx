@@ -1,0 +1,104 @@
+/** What the robot attends to and why: the intention, class by class, its filters and what it costs. */
+
+import type { Intention as IntentionMessage, SelectedStrategy } from "../protocol/types";
+import { useApp } from "../state/context";
+import { divisor, number, spaced } from "../ui/format";
+import { StateMark, WarnIcon } from "../ui/icons";
+import { Meter } from "../ui/Meter";
+
+export function Intention() {
+  const { store } = useApp();
+  const intention = store.intention.value;
+  return (
+    <section class="card" aria-label="Intention" data-testid="intention">
+      <h2>What the robot attends to, and why</h2>
+      {intention ? <Body intention={intention} /> : <p class="empty">No intention yet: nothing was selected since this page connected.</p>}
+    </section>
+  );
+}
+
+function Body({ intention }: { intention: IntentionMessage }) {
+  const reasons = Object.entries(intention.reasons);
+  const serving = (name: string) => intention.strategies.filter((strategy) => strategy.class === name);
+  const reasoned = new Set(reasons.map(([name]) => name));
+  const others = intention.strategies.filter((strategy) => !reasoned.has(strategy.class));
+  return (
+    <>
+      <div class="resources">
+        {Object.entries(intention.use).map(([name, use]) => (
+          <Meter
+            key={name}
+            label={name === "cpu" ? "CPU promised" : spaced(name)}
+            value={use.used}
+            limit={use.capacity}
+            text={`${number(use.used, 0)} of ${number(use.capacity, 0)} ${use.unit ?? ""}`}
+          />
+        ))}
+      </div>
+      {reasons.length === 0 && <p class="empty">Nobody desires anything, so nothing is let through.</p>}
+      <ul class="reasons">
+        {reasons.map(([name, reason]) => (
+          <li key={name} class={`reason ${reason.state}`} data-testid={`reason-${name}`} data-state={reason.state}>
+            <StateMark state={reason.state} />
+            <div>
+              <p class="reason-head">
+                <b>{spaced(name)}</b>
+                <span class="state-word">{reason.state}</span>
+                {reason.utility !== null && reason.wanted !== null && (
+                  <span class="muted">
+                    utility {number(reason.utility)} of {number(reason.wanted)} wanted
+                  </span>
+                )}
+              </p>
+              <p class="reason-text">{reason.text}</p>
+              {serving(name).map((strategy) => (
+                <Strategy key={strategy.name} strategy={strategy} />
+              ))}
+            </div>
+          </li>
+        ))}
+        {others.map((strategy) => (
+          <li key={strategy.name} class="reason needed">
+            <StateMark state="needed" />
+            <div>
+              <p class="reason-head">
+                <b>{spaced(strategy.class)}</b>
+                <span class="state-word">needed</span>
+              </p>
+              <Strategy strategy={strategy} />
+            </div>
+          </li>
+        ))}
+      </ul>
+      {intention.relaxed.length > 0 && (
+        <p class="inline-note warn">
+          <WarnIcon /> Could not all be met, though marked as security: {intention.relaxed.map(spaced).join(", ")}.
+        </p>
+      )}
+      <p class="muted small" data-testid="omega" data-omega={intention.omega}>
+        Ω = {number(intention.omega, 2)} · {intention.proven ? "proven optimal" : "best found, not proven"} in {number(intention.solve_ms, 1)} ms
+      </p>
+    </>
+  );
+}
+
+function Strategy({ strategy }: { strategy: SelectedStrategy }) {
+  const filters = Object.entries(strategy.filters);
+  return (
+    <p class="strategy" data-testid={`strategy-${strategy.name}`}>
+      <span class="strategy-name">{strategy.name}</span>
+      {filters.map(([port, phi]) => (
+        <span key={port} class="filter" data-filter={port} data-divisor={phi ?? ""} title={`φ of ${port}`}>
+          {port} <b>{divisor(phi)}</b>
+        </span>
+      ))}
+      {Object.entries(strategy.costs)
+        .filter(([, cost]) => cost > 0)
+        .map(([resource, cost]) => (
+          <span key={resource} class="cost">
+            {number(cost, 0)} {resource === "cpu" ? "% CPU" : resource}
+          </span>
+        ))}
+    </p>
+  );
+}

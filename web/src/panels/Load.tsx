@@ -1,0 +1,106 @@
+/** CPU by module against the budget, and how each module is. */
+
+import { useApp } from "../state/context";
+import type { Load as LoadMessage, ModuleLoad } from "../protocol/types";
+import { divisor, millis, number, spaced } from "../ui/format";
+import { ChevronIcon, WarnIcon } from "../ui/icons";
+import { Meter } from "../ui/Meter";
+import { CpuPlot } from "./CpuPlot";
+
+export function Load() {
+  const { store } = useApp();
+  const load = store.load.value;
+  return (
+    <section class="card" aria-label="Load" data-testid="load">
+      <h2>Load</h2>
+      {load ? <Body load={load} /> : <p class="empty">Figures come once a second…</p>}
+    </section>
+  );
+}
+
+function Body({ load }: { load: LoadMessage }) {
+  const modules = [...load.modules].sort((a, b) => rank(a) - rank(b) || b.cpu - a.cpu || a.name.localeCompare(b.name));
+  const attention = modules.reduce((sum, module) => sum + module.cpu, 0);
+  const full = Math.max(load.budget, load.process_cpu, attention) * 1.05;
+  const most = Math.max(10, ...modules.map((module) => module.cpu));
+  return (
+    <>
+      <Meter label="Process" value={load.process_cpu} limit={load.budget} full={full} text={`${number(load.process_cpu, 0)} % of a core · budget ${number(load.budget, 0)} %`} />
+      <CpuPlot />
+      <ul class="modules">
+        {modules.map((module) => (
+          <Row key={module.name} module={module} full={most} />
+        ))}
+      </ul>
+    </>
+  );
+}
+
+/** What is wrong comes first. */
+function rank(module: ModuleLoad): number {
+  return { failed: 0, hung: 0, starting: 1, running: 1, stopped: 2 }[module.state];
+}
+
+function Row({ module, full }: { module: ModuleLoad; full: number }) {
+  return (
+    <li class={`module ${module.state}`} data-testid={`module-${module.name}`} data-state={module.state} data-cpu={module.cpu}>
+      <details>
+        <summary>
+          <span class="module-name">{module.title || spaced(module.name)}</span>
+          {module.state !== "running" && <span class={`tag ${module.state}`}>{module.state}</span>}
+          <span class="module-cpu">{number(module.cpu, 1)} %</span>
+          <ChevronIcon />
+          <span class="module-bar">
+            <span style={{ width: `${Math.min(100, (100 * module.cpu) / full)}%` }} />
+          </span>
+        </summary>
+        <Inputs module={module} />
+      </details>
+      {module.problem && (
+        <p class="inline-note error">
+          <WarnIcon /> {module.problem}
+        </p>
+      )}
+    </li>
+  );
+}
+
+function Inputs({ module }: { module: ModuleLoad }) {
+  return (
+    <div class="module-detail">
+      <p class="muted small">
+        {module.name}
+        {module.message_cpu_us !== null && ` · ${number(module.message_cpu_us / 1000, 2)} ms of CPU per message`}
+        {module.restarts > 0 && ` · restarted ${module.restarts === 1 ? "once" : `${module.restarts} times`}`}
+      </p>
+      {module.inputs.length === 0 ? (
+        <p class="muted small">No inputs: a source.</p>
+      ) : (
+        <table>
+          <thead>
+            <tr>
+              <th scope="col">Input</th>
+              <th scope="col">φ</th>
+              <th scope="col">Passed</th>
+              <th scope="col">Decimated</th>
+              <th scope="col">Dropped</th>
+              <th scope="col">Age ms</th>
+            </tr>
+          </thead>
+          <tbody>
+            {module.inputs.map((input) => (
+              <tr key={input.name}>
+                <th scope="row" title={input.channel}>{input.name}</th>
+                <td>{divisor(input.divisor)}</td>
+                <td>{input.passed}</td>
+                <td>{input.decimated}</td>
+                <td class={input.dropped > 0 ? "some" : ""}>{input.dropped}</td>
+                <td>{millis(input.age_ms)}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,39 @@
+/** Says over the view that what is shown is not the present, and what happens about it. */
+
+import { useApp } from "../state/context";
+import { number } from "./format";
+import { WarnIcon } from "./icons";
+
+export function Banner() {
+  const { store } = useApp();
+  const { phase, wasDriving, retryAt } = store.link.value;
+  void store.now.value; // counts down with the clock
+  void store.viewAgeMs.value;
+  if (phase === "live" || phase === "login") return null;
+  const wait = Math.max(0, (retryAt - performance.now()) / 1000);
+  const soon = wait > 0.5 ? `Next attempt in ${Math.ceil(wait)} s.` : "Trying now…";
+  const age = store.viewAgeMs.value;
+  return (
+    <div class={`banner ${phase}`} role="alert" data-testid="banner" data-phase={phase}>
+      {phase === "connecting" ? <span class="spinner" aria-hidden="true" /> : <WarnIcon />}
+      {phase === "connecting" && (
+        <p>
+          <b>Connecting to the robot…</b>
+          {retryAt > 0 && <span>It does not answer yet. {soon}</span>}
+        </p>
+      )}
+      {phase === "stale" && (
+        <p>
+          <b>The robot is not heard.</b>
+          <span>What you see is {age === null ? "old" : `${number(age / 1000, 1)} s old`}. Driving waits; without commands the robot stands still.</span>
+        </p>
+      )}
+      {phase === "lost" && (
+        <p>
+          <b>{wasDriving ? "Lost the robot. It has been told to stop. Reconnecting…" : "Lost the robot. Reconnecting…"}</b>
+          <span>{soon}</span>
+        </p>
+      )}
+    </div>
+  );
+}

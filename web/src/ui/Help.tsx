@@ -1,0 +1,68 @@
+/** The shortcuts sheet. */
+
+import { useEffect, useRef } from "preact/hooks";
+import { useApp } from "../state/context";
+import { CloseIcon } from "./icons";
+
+const KEYS: [string[], string][] = [
+  [["W", "A", "S", "D"], "Drive while held; so do the arrow keys"],
+  [["Shift"], "Held: slowly"],
+  [["Space"], "Stop driving: every key must be pressed anew"],
+  [["Esc"], "Emergency stop, from anywhere on the page. It stays latched until it is released"],
+  [["?"], "This sheet"],
+];
+const PAD: [string[], string][] = [
+  [["L1", "R1"], "Hold one of them to drive (the dead-man)"],
+  [["Left stick"], "Forward, backward, turn; the right stick turns too"],
+  [["B", "○"], "Emergency stop"],
+];
+const LANES: [string[], string][] = [
+  [["← →", "↑ ↓"], "With the lanes in focus: move the cursor that tells why"],
+  [["+", "−", "P"], "Zoom, pause. Wheel, pinch and drag do the same"],
+];
+
+export function Help() {
+  const { store } = useApp();
+  const close = useRef<HTMLButtonElement>(null);
+  const open = store.help.value;
+  useEffect(() => {
+    if (open) close.current?.focus();
+  }, [open]);
+  if (!open) return null;
+  return (
+    <div class="sheet" role="dialog" aria-label="Shortcuts" data-testid="help-sheet">
+      <header>
+        <h2>Hands on the robot</h2>
+        <button type="button" ref={close} class="icon-button" aria-label="Close" onClick={() => (store.help.value = false)}>
+          <CloseIcon />
+        </button>
+      </header>
+      <Keys title="Keyboard" keys={KEYS} />
+      <Keys title="Gamepad" keys={PAD} />
+      <Keys title="Lanes" keys={LANES} />
+      <p class="muted small">
+        Letting go stops the robot; so do another window, a hidden tab, a lost pointer, an unplugged gamepad and a cut link. Keys typed in a field never drive.
+      </p>
+    </div>
+  );
+}
+
+function Keys({ title, keys }: { title: string; keys: [string[], string][] }) {
+  return (
+    <section>
+      <h3>{title}</h3>
+      <dl>
+        {keys.map(([names, words]) => (
+          <div key={words}>
+            <dt>
+              {names.map((name) => (
+                <kbd key={name}>{name}</kbd>
+              ))}
+            </dt>
+            <dd>{words}</dd>
+          </div>
+        ))}
+      </dl>
+    </section>
+  );
+}

@@ -1,0 +1,53 @@
+/** Asks for the token where the console wants one. */
+
+import { useSignal } from "@preact/signals";
+import { Problem } from "../protocol/rest";
+import { useApp } from "../state/context";
+
+export function Login() {
+  const { session } = useApp();
+  const token = useSignal("");
+  const problem = useSignal("");
+  const busy = useSignal(false);
+  const submit = async (event: Event) => {
+    event.preventDefault();
+    if (token.value.trim() === "") {
+      problem.value = "The token is needed.";
+      return;
+    }
+    busy.value = true;
+    problem.value = "";
+    try {
+      await session.logIn(token.value.trim());
+    } catch (error) {
+      problem.value = error instanceof Problem ? error.detail || error.title : String(error);
+    } finally {
+      busy.value = false;
+    }
+  };
+  return (
+    <main class="login">
+      <form class="panel" noValidate onSubmit={(event) => void submit(event)} data-testid="login">
+        <h1>HBBA console</h1>
+        <p class="muted">This robot lets in those who have its token. It was printed when the console started.</p>
+        <div class={`field ${problem.value ? "wrong" : ""}`}>
+          <label for="token">Token</label>
+          <input
+            id="token"
+            type="password"
+            autocomplete="current-password"
+            data-testid="login-token"
+            aria-invalid={!!problem.value}
+            aria-describedby="token-problem"
+            value={token.value}
+            onInput={(event) => (token.value = event.currentTarget.value)}
+          />
+          <p id="token-problem" class="field-error" role="alert" data-testid="login-problem">{problem.value}</p>
+        </div>
+        <button type="submit" class="button accent wide" data-testid="login-submit" disabled={busy.value}>
+          {busy.value ? "Logging in…" : "Log in"}
+        </button>
+      </form>
+    </main>
+  );
+}

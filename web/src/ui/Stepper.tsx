@@ -1,0 +1,43 @@
+/** A slider with its figure: follows the robot's value unless a hand is on it, and reports when the hand settles. */
+
+import { useSignal } from "@preact/signals";
+import { useEffect, useId, useRef } from "preact/hooks";
+import { number } from "./format";
+
+const SETTLE_MS = 250;
+
+interface Props {
+  label: string;
+  value: number;
+  limit: number;
+  tone: "intensity" | "utility";
+  /** What a value of zero means, if it means something of its own. */
+  zero?: string;
+  onChange(value: number): void;
+}
+
+export function Stepper({ label, value, limit, tone, zero, onChange }: Props) {
+  const id = useId();
+  const shown = useSignal(value);
+  const timer = useRef(0);
+  useEffect(() => {
+    if (!timer.current) shown.value = value;
+  }, [value]);
+  useEffect(() => () => clearTimeout(timer.current), []);
+
+  const settle = (next: number) => {
+    shown.value = next;
+    clearTimeout(timer.current);
+    timer.current = window.setTimeout(() => {
+      timer.current = 0;
+      onChange(next);
+    }, SETTLE_MS);
+  };
+  return (
+    <div class={`stepper ${tone}`}>
+      <label for={id}>{label}</label>
+      <input id={id} type="range" min={0} max={limit} step={0.5} value={shown.value} style={{ "--fill": `${(100 * shown.value) / limit}%` }} onInput={(event) => settle(Number(event.currentTarget.value))} />
+      <output for={id}>{shown.value === 0 && zero ? zero : number(shown.value)}</output>
+    </div>
+  );
+}

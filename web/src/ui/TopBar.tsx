@@ -1,0 +1,104 @@
+/** Always visible: who, what, how fresh, and the stop. */
+
+import type { ComponentChildren } from "preact";
+import { useApp } from "../state/context";
+import { EStop } from "./EStop";
+import { millis } from "./format";
+import { LinkIcon, WarnIcon } from "./icons";
+import { Operator } from "./Operator";
+
+const PHASES = { connecting: "Connecting…", live: "Connected", stale: "Not heard", lost: "Lost", login: "Log in" } as const;
+const GUARDS: Record<string, string> = {
+  idle: "Standing",
+  driving: "Driving",
+  stale_command: "Stopped: no fresh command",
+  e_stopped: "Emergency stop",
+  sensor_failure: "Stopped: sensor failure",
+};
+
+export function TopBar({ narrow }: { narrow: boolean }) {
+  const { store } = useApp();
+  const phase = store.link.value.phase;
+  const status = store.status.value;
+  const live = phase === "live";
+  const guard = status?.guard;
+  const stopped = guard?.e_stopped === true;
+  const hello = store.hello.value;
+  const rate = status?.world_rate ?? 1;
+  const slow = live && rate < 0.99;
+  return (
+    <header class={`top-bar ${stopped ? "stopped" : ""} ${phase}`}>
+      <div class="brand">
+        <b>HBBA</b>
+        <span class="robot-name" data-testid="robot-name">
+          {hello ? hello.robot.name : "No robot yet"}
+          {hello?.robot.simulated && <i class="tag">simulated</i>}
+        </span>
+      </div>
+      <p class={`chip link-${phase}`} role="status" data-testid="connection" data-phase={phase}>
+        {phase === "stale" || phase === "lost" ? <WarnIcon /> : <LinkIcon />}
+        {PHASES[phase]}
+      </p>
+      <p class={`chip guard-${guard?.state ?? "none"}`} data-testid="guard-state" data-state={guard?.state ?? ""} title={guard?.reason}>
+        {guard ? (GUARDS[guard.state] ?? guard.state) : "–"}
+      </p>
+      <dl class="metrics">
+        <Metric id="rtt" label="Link" unit="ms" tone={tone(store.rttMs.value, 150, 400)} hint="Round trip between this page and the robot">
+          {millis(store.rttMs.value)}
+        </Metric>
+        <Metric id="command-age" label="Command" unit="ms" tone={live ? tone(commandAge(guard), 120, 200) : ""} hint="Age of the newest drive command at the robot">
+          {live ? millis(commandAge(guard)) : "–"}
+        </Metric>
+        <Metric id="view-age" label="View" unit="ms" tone={tone(store.viewAgeMs.value, 200, 500)} hint="Age of what you see">
+          {millis(store.viewAgeMs.value)}
+        </Metric>
+        <Metric id="driver" label="Drives" hint="Who has the wheel, and the behavior that commands the base">
+          {driverName(status)}
+        </Metric>
+      </dl>
+      {slow && (
+        <p class="chip warn world-rate" data-testid="world-rate">
+          <WarnIcon />
+          World runs at {rate.toFixed(2)}× real time
+        </p>
+      )}
+      <div class="bar-end">
+        <Operator />
+        <button type="button" class="icon-button" aria-label="Keyboard shortcuts" aria-expanded={store.help.value} data-testid="help" onClick={() => (store.help.value = !store.help.value)}>
+          ?
+        </button>
+        {!narrow && <EStop />}
+      </div>
+    </header>
+  );
+}
+
+function Metric(props: { id: string; label: string; unit?: string; tone?: string; hint: string; children: ComponentChildren }) {
+  return (
+    <div class={`metric ${props.tone ?? ""}`} title={props.hint}>
+      <dt>{props.label}</dt>
+      <dd data-testid={props.id}>
+        {props.children}
+        {props.unit && <span class="unit"> {props.unit}</span>}
+      </dd>
+    </div>
+  );
+}
+
+/** A command nobody renews only grows older: after a second it is no figure about the link any more. */
+function commandAge(guard: { command_age_ms: number | null; state: string } | undefined): number | null {
+  const age = guard?.command_age_ms ?? null;
+  return age !== null && age < 1000 ? age : null;
+}
+
+function driverName(status: { driver: { operator: string; mine: boolean } | null; exploited: string | null } | null): string {
+  if (!status) return "–";
+  if (status.driver) return status.driver.mine ? "You" : status.driver.operator;
+  return status.exploited ?? "Nobody";
+}
+
+function tone(value: number | null, fair: number, poor: number): string {
+  if (value === null) return "";
+  return value >= poor ? "poor" : value >= fair ? "fair" : "";
+}
+

@@ -1,0 +1,71 @@
+/** What the robot sees: the camera picture over the 3D view, its age when it is old, and why there is none. */
+
+import { useEffect, useRef } from "preact/hooks";
+import { useApp } from "../state/context";
+import { number } from "../ui/format";
+import { CameraIcon, CloseIcon, EnlargeIcon, ShrinkIcon } from "../ui/icons";
+
+const OLD_S = 1;
+/** The desire class whose filters let the camera through to people. */
+const CLASS = "Telepresence";
+
+export function Camera() {
+  const { store, camera } = useApp();
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const mode = store.camera.value;
+  useEffect(() => {
+    camera.canvas = canvas.current;
+    return () => {
+      camera.canvas = null;
+    };
+  }, [mode]);
+
+  if (mode === "hidden") {
+    return (
+      <button type="button" class="camera-show button" data-testid="camera-show" onClick={() => (store.camera.value = "inset")}>
+        <CameraIcon /> Camera
+      </button>
+    );
+  }
+  const { text, old, empty } = useCameraState();
+  const large = mode === "large";
+  return (
+    <figure class={`camera ${mode} ${old ? "old" : ""} ${empty ? "empty" : ""}`} data-testid="camera" data-stamp={camera.stamp.value ?? ""} aria-label="Camera picture">
+      <canvas ref={canvas} width={640} height={480} role="img" aria-label={empty ? text : "What the robot's camera sees"} />
+      {text && (
+        <figcaption class={empty ? "camera-empty" : "camera-age"} data-testid="camera-text">
+          {empty && <CameraIcon />}
+          <span>{text}</span>
+        </figcaption>
+      )}
+      <div class="camera-tools">
+        <button
+          type="button"
+          class="icon-button"
+          data-testid="camera-enlarge"
+          aria-label={large ? "Shrink the camera picture" : "Enlarge the camera picture"}
+          aria-pressed={large}
+          onClick={() => (store.camera.value = large ? "inset" : "large")}
+        >
+          {large ? <ShrinkIcon /> : <EnlargeIcon />}
+        </button>
+        <button type="button" class="icon-button" data-testid="camera-hide" aria-label="Hide the camera picture" onClick={() => (store.camera.value = "hidden")}>
+          <CloseIcon />
+        </button>
+      </div>
+    </figure>
+  );
+}
+
+function useCameraState(): { text: string; old: boolean; empty: boolean } {
+  const { store, camera } = useApp();
+  const stamp = camera.stamp.value;
+  const now = store.now.value;
+  const lane = store.rows.value.find((row) => row.class === CLASS);
+  const age = stamp !== null && now !== null ? now - stamp : null;
+  const old = age !== null && age > OLD_S;
+  if (store.hello.value && store.hello.value.channels.camera === false) return { text: "This robot has no camera.", old: false, empty: true };
+  if (lane && lane.divisor === null && (age === null || old)) return { text: `No picture: ${lane.text}`, old, empty: true };
+  if (age === null) return { text: store.live.value ? "Waiting for the first picture…" : "No picture yet.", old: false, empty: true };
+  return { text: old ? `${number(age, 1)} s old` : "", old, empty: false };
+}

@@ -1,0 +1,73 @@
+/** The 3D view: viser in a frame of our own origin. Its keys drive too, and it never keeps the keyboard for itself. */
+
+import { useEffect, useRef, useState } from "preact/hooks";
+import { useApp } from "../state/context";
+
+type Scene = "loading" | "shown" | "missing";
+
+export function SceneView() {
+  const { store, drive } = useApp();
+  const frame = useRef<HTMLIFrameElement>(null);
+  const [scene, setScene] = useState<Scene>("loading");
+  const live = store.live.value;
+
+  const loaded = () => {
+    const inner = pageOf(frame.current);
+    if (!inner || inner.document.contentType !== "text/html") {
+      setScene("missing");
+      return;
+    }
+    setScene("shown");
+    keepReconnecting(inner);
+    drive.listenIn(inner);
+  };
+  const reload = () => {
+    setScene("loading");
+    frame.current?.contentWindow?.location.reload();
+  };
+
+  useEffect(() => {
+    if (!live) return;
+    if (scene === "missing") frame.current!.src = "./viser/";
+    else pageOf(frame.current)?.dispatchEvent(new Event("focus"));
+  }, [live]);
+
+  return (
+    <div class="scene" data-testid="scene" data-state={scene} onPointerLeave={() => takeKeyboardBack(frame.current)}>
+      <iframe ref={frame} src="./viser/" title="3D view of the robot and what it perceives" onLoad={loaded} tabIndex={-1} />
+      {scene === "loading" && <p class="scene-note">Loading the 3D view…</p>}
+      {scene === "missing" && (
+        <div class="scene-note">
+          <p>The 3D view does not answer.</p>
+          <button type="button" class="button" onClick={reload}>
+            Try again
+          </button>
+        </div>
+      )}
+    </div>
+  );
+}
+
+function pageOf(frame: HTMLIFrameElement | null): (Window & typeof globalThis) | null {
+  try {
+    const inner = frame?.contentWindow as (Window & typeof globalThis) | null | undefined;
+    return inner?.document ? inner : null;
+  } catch {
+    return null; // the browser's own error page is of another origin
+  }
+}
+
+/** viser reconnects only while its document has the focus, which a frame beside ours seldom has. */
+function keepReconnecting(inner: Window): void {
+  inner.document.hasFocus = () => true;
+  inner.dispatchEvent(new Event("focus"));
+}
+
+/** When the pointer leaves the view, the keyboard comes back to the page, unless something is typed over there. */
+function takeKeyboardBack(frame: HTMLIFrameElement | null): void {
+  if (!frame || document.activeElement !== frame) return;
+  const typing = pageOf(frame)?.document.activeElement?.matches("input, textarea");
+  if (typing) return;
+  frame.blur();
+  document.querySelector<HTMLElement>("[data-testid=stick]")?.focus({ preventScroll: true });
+}
