@@ -89,9 +89,11 @@ class Document:
 
     def _explained(self, model: type[BaseModel], failure: ValidationError, at: KeyPath) -> ConfigError:
         details = failure.errors(include_url=False)
-        location = tuple(part for part in details[0]["loc"] if part != "[key]")
+        # A misspelt key is also a missing one: the misspelling says more.
+        first = next((detail for detail in details if detail["type"] == "extra_forbidden"), details[0])
+        location = tuple(part for part in first["loc"] if part != "[key]")
         path = (*at, *location)
-        message = validation_message(model, details[0])
+        message = validation_message(model, first)
         if len(details) > 1:
             message += f" (and {len(details) - 1} more)"
         return self.error(f"{dotted(path)}: {message}" if path else message, path)

@@ -83,7 +83,8 @@ def test_broken_text(text: str, line: int, words: str) -> None:
 @pytest.mark.parametrize(
     ("text", "line", "key", "words"),
     [
-        ("nme: x\n", 1, "name", "is missing"),
+        ("wheels: []\n", 1, "name", "is missing"),
+        ("nme: x\n", 1, "nme", "did you mean 'name'"),
         ("name: x\nwheels:\n  - radius: 0.1\n  - radius: -1\n", 4, "wheels[1].radius", "greater than 0, not -1"),
         ("name: x\nspare:\n  radus: 1\n  radius: 1\n", 3, "spare.radus", "did you mean 'radius'"),
         ("name: x\nby_side:\n  left:\n    radius: 1\n    color: red\n", 5, "by_side.left.color", "allowed: radius"),

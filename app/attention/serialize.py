@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 from typing import Any
 
@@ -98,7 +99,7 @@ def selection_to_json(
         ],
         "fulfilled": list(selection.fulfilled),
         "omega": selection.omega,
-        "bound": selection.bound,
+        "bound": selection.bound if math.isfinite(selection.bound) else None,
         "use": {
             name: {
                 "used": selection.use.get(name, 0.0),

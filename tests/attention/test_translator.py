@@ -1,0 +1,572 @@
+"""The Intention Translator: newest desires win, one step of the loop, and the last intention survives failures."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import random
+from collections.abc import AsyncIterator, Callable, Collection, Mapping
+from contextlib import asynccontextmanager
+from itertools import count
+from typing import Any
+
+import pytest
+from pydantic import BaseModel
+
+from app.attention.desires import DesireClass, DesireClasses, Source
+from app.attention.intention import Intention, divisors_of
+from app.attention.problem import Problem, Selection
+from app.attention.solver import CachedSolver, SolverFailed, solve
+from app.attention.strategies import Resource, Strategy, StrategyTable
+from app.attention.timeline import Timeline
+from app.attention.translator import Hysteresis, IntentionTranslator
+from app.attention.workspace import IntentionWorkspace
+from app.runtime.clock import VirtualClock, in_virtual_time
+from tests.attention.thesis import TABLE_4_4
+
+ME = Source("operator", "console")
+TABLE = StrategyTable(TABLE_4_4, {"cpu": Resource("cpu", 100, "% of one core")})
+
+
+class Goal(BaseModel):
+    x: float = 0.0
+
+
+CLASSES = DesireClasses(DesireClass(name, name, "", Goal) for name in TABLE.classes)
+
+
+class Bank:
+    """Filters as the runtime's bank keeps them, remembering every call."""
+
+    def __init__(self, names: Collection[str]) -> None:
+        self.phi = dict.fromkeys(names, math.inf)
+        self.calls: list[dict[str, float]] = []
+
+    def names(self) -> Collection[str]:
+        return self.phi.keys()
+
+    def apply(self, divisors: Mapping[str, float]) -> None:
+        self.calls.append(dict(divisors))
+        self.phi.update(divisors)
+
+
+class Sink:
+    def __init__(self) -> None:
+        self.calls: list[tuple[str, dict[str, Any]]] = []
+
+    def configure(self, module: str, parameters: Mapping[str, Any]) -> None:
+        self.calls.append((module, dict(parameters)))
+
+
+class Setting:
+    def __init__(self, table: StrategyTable = TABLE, **options: Any) -> None:
+        self.clock = VirtualClock()
+        self.workspace = IntentionWorkspace(CLASSES, self.clock.now)
+        self.bank = Bank(table.filters | {"Kinect.images"})
+        self.sink = Sink()
+        self.timeline = Timeline(1000, self.clock.now)
+        self.translator = IntentionTranslator(
+            self.workspace, table, self.bank, self.sink, self.timeline, self.clock, **options
+        )
+
+    def add(self, cls: str, intensity: float = 8, utility: float = 1, **more: Any) -> str:
+        return self.workspace.add(cls, intensity=intensity, utility=utility, source=ME, **more).id
+
+    @property
+    def selected(self) -> tuple[str, ...]:
+        assert self.translator.current is not None
+        return self.translator.current.selection.strategies
+
+    def events(self, kind: str) -> list[str]:
+        return [e.subject for e in self.timeline.query(kinds={kind})]
+
+    @asynccontextmanager
+    async def running(self) -> AsyncIterator[None]:
+        task = asyncio.create_task(self.translator.run())
+        try:
+            yield
+        finally:
+            task.cancel()
+            await asyncio.gather(task, return_exceptions=True)
+
+
+class HeldSolver(CachedSolver):
+    """Answers when told to; ``waiting`` holds what it was asked."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.waiting: list[tuple[Problem, asyncio.Future[None]]] = []
+        self.asked = asyncio.Event()
+
+    def recall(self, problem: Problem) -> Selection | None:
+        return None
+
+    async def offload(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        if function == self.solve:
+            future: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+            self.waiting.append((arguments[0], future))
+            self.asked.set()
+            await future
+        return function(*arguments)
+
+    async def next(self) -> tuple[Problem, asyncio.Future[None]]:
+        while not self.waiting:
+            self.asked.clear()
+            await self.asked.wait()
+        return self.waiting.pop(0)
+
+
+@in_virtual_time
+async def test_desires_become_filters_and_parameters() -> None:
+    s = Setting()
+    async with s.running():
+        s.add("GoTo", params={"x": 3})
+        s.add("LocateFaces")
+        await s.translator.settled()
+        assert s.selected == ("6", "11", "13")
+        open_ones = {name: phi for name, phi in s.bank.phi.items() if phi < math.inf}
+        assert open_ones == {
+            "FaceDetector.images": 2,
+            "SLAM2D.scans": 40,
+            "PlanAndFollowPath.scans": 1,
+            "PlanAndFollowPath.twist": 1,
+        }
+        assert dict(s.sink.calls) == {"PlanAndFollowPath": {"x": 3.0}, "FaceDetector": {"x": 0.0}}
+        assert s.events("desire") == ["GoTo", "LocateFaces"]
+        assert s.events("intention") == ["intention"]
+        assert set(s.events("filter")) == set(open_ones)
+
+
+@in_virtual_time
+async def test_only_what_changed_is_touched_and_opening_comes_first() -> None:
+    s = Setting()
+    async with s.running():
+        codes = s.add("FindQRCodes", utility=4)
+        s.add("DetectNoises")
+        await s.translator.settled()
+        s.bank.calls.clear()
+        s.add("LocateFaces", utility=8)
+        await s.translator.settled()
+        assert s.selected == ("2", "5", "9")
+        assert list(s.bank.calls[0].items()) == [("FaceDetector.images", 1), ("QRCodeDetector.images", 2)]
+        s.bank.calls.clear()
+        s.workspace.change(codes, intensity=7.5)
+        await s.translator.settled()
+        assert s.bank.calls == [], "the same strategies: no filter is touched"
+        s.workspace.remove(codes)
+        await s.translator.settled()
+        assert s.bank.calls == [{"QRCodeDetector.images": math.inf}]
+
+
+@in_virtual_time
+async def test_parameters_change_in_place_and_go_with_the_strategy() -> None:
+    s = Setting()
+    async with s.running():
+        goal = s.add("GoTo", params={"x": 1})
+        await s.translator.settled()
+        s.workspace.change(goal, params={"x": 2})
+        await s.translator.settled()
+        s.workspace.remove(goal)
+        await s.translator.settled()
+        assert s.sink.calls == [
+            ("PlanAndFollowPath", {"x": 1.0}),
+            ("PlanAndFollowPath", {"x": 2.0}),
+            ("PlanAndFollowPath", {}),
+        ]
+        assert len(s.bank.calls) == 2
+
+
+@in_virtual_time
+async def test_the_more_intense_desire_has_the_last_word_on_a_shared_module_and_the_fastest_filter_wins() -> None:
+    shared = (
+        Strategy("a", "FindQRCodes", 8, filters={"Eye.images": 4}, parameters={"Eye": {"gain": 1, "only": "a"}}),
+        Strategy("b", "LocateFaces", 8, filters={"Eye.images": 2}, parameters={"Eye": {"gain": 2}}),
+    )
+    s = Setting(StrategyTable(shared, {}))
+    async with s.running():
+        s.add("FindQRCodes", 8, params={"x": 8})
+        s.add("LocateFaces", 4, params={"x": 4})
+        await s.translator.settled()
+        assert s.selected == ("a", "b"), "sharing a filter drops no desire"
+        assert s.bank.phi["Eye.images"] == 2
+        assert s.sink.calls[-1] == ("Eye", {"gain": 1, "only": "a", "x": 8.0})
+
+
+@in_virtual_time
+async def test_a_stale_result_is_discarded() -> None:
+    solver = HeldSolver()
+    s = Setting(solver=solver, offload=solver.offload)
+    async with s.running():
+        s.add("DetectNoises")
+        _, first = await solver.next()
+        s.add("LocateVoices")
+        first.set_result(None)
+        problem, second = await solver.next()
+        assert s.bank.calls == [], "what answered the older desires was not applied"
+        assert set(problem.desires) == {"DetectNoises", "LocateVoices"}
+        second.set_result(None)
+        await s.translator.settled()
+        assert s.selected == ("9", "10")
+        assert s.translator.statistics().discarded == 1
+
+
+@in_virtual_time
+async def test_desires_that_never_rest_do_not_starve_attention() -> None:
+    solver = HeldSolver()
+    s = Setting(solver=solver, offload=solver.offload)
+    async with s.running():
+        voices = s.add("LocateVoices", 8)
+        for n in range(4):
+            _, future = await solver.next()
+            s.workspace.change(voices, intensity=7 - n)
+            future.set_result(None)
+        _, future = await solver.next()
+        assert s.selected == ("10",), "late, but it breaks nothing"
+        s.workspace.change(voices, utility=0)
+        future.set_result(None)
+        _, future = await solver.next()
+        future.set_result(None)
+        await s.translator.settled()
+        assert s.selected == ()
+
+
+@in_virtual_time
+async def test_a_late_result_that_breaks_a_newer_constraint_is_never_applied() -> None:
+    solver = HeldSolver()
+    s = Setting(solver=solver, offload=solver.offload)
+    async with s.running():
+        voices = s.add("LocateVoices", 8)
+        for n in range(6):
+            _, future = await solver.next()
+            s.workspace.change(voices, utility=0, intensity=7 - n)
+            future.set_result(None)
+            if n == 0:
+                assert s.translator.current is None
+        await solver.next()
+        assert s.bank.phi["VoiceLocalizer.audio"] == math.inf
+        assert s.selected == ()
+
+
+class FailingSolver(CachedSolver):
+    def __init__(self) -> None:
+        super().__init__()
+        self.failure: Exception | None = None
+        self.silent = False
+
+    def recall(self, problem: Problem) -> Selection | None:
+        return None
+
+    def solve(self, problem: Problem) -> Selection:
+        if self.silent:
+            return None  # type: ignore[return-value]
+        if self.failure is not None:
+            raise self.failure
+        return super().solve(problem)
+
+
+@in_virtual_time
+async def test_a_solver_failure_keeps_the_last_intention() -> None:
+    solver = FailingSolver()
+    s = Setting(solver=solver)
+    async with s.running():
+        s.add("DetectNoises")
+        await s.translator.settled()
+        before = dict(s.bank.phi)
+        for failure in (SolverFailed("no time"), MemoryError()):
+            solver.failure = failure
+            s.add("LocateVoices")
+            await s.translator.settled()
+            assert s.bank.phi == before
+            assert s.selected == ("9",)
+        solver.silent = True
+        s.add("SLAM")
+        await s.translator.settled()
+        assert s.selected == ("9",)
+        assert s.translator.statistics().failures == 3
+        solver.failure, solver.silent = None, False
+        s.add("Teleoperation")
+        await s.translator.settled()
+        assert s.selected == ("9", "10", "11", "12")
+        assert [e.text for e in s.timeline.query(kinds={"solver"})][-1] == "the solver answers again"
+
+
+@in_virtual_time
+async def test_a_failure_before_any_intention_applies_the_safe_strategies() -> None:
+    solver = FailingSolver()
+    solver.failure = SolverFailed("no time")
+    s = Setting(solver=solver, safe=["12"])
+    async with s.running():
+        await s.translator.settled()
+        assert s.selected == ("12",)
+        assert s.bank.phi["Teleop.twist"] == 1
+
+
+def test_names_are_checked() -> None:
+    with pytest.raises(ValueError, match="safe strategies that do not exist: 99"):
+        Setting(safe=["99"])
+    workspace = IntentionWorkspace(CLASSES, lambda: 0.0)
+    with pytest.raises(ValueError, match=r"filters that do not exist: FaceDetector\.images"):
+        IntentionTranslator(workspace, TABLE, Bank(["QRCodeDetector.images"]), Sink(), Timeline(9), VirtualClock())
+
+
+@in_virtual_time
+async def test_an_intention_is_applied_in_one_step_of_the_loop() -> None:
+    """A task that runs at every step of the loop never sees half an intention."""
+    s = Setting()
+    seen: set[tuple[float, float]] = set()
+
+    async def watch() -> None:
+        while True:
+            seen.add((s.bank.phi["QRCodeDetector.images"], s.bank.phi["FaceDetector.images"]))
+            await asyncio.sleep(0)
+
+    watcher = asyncio.create_task(watch())
+    async with s.running():
+        with s.workspace.transaction():
+            s.add("FindQRCodes")
+            s.add("LocateFaces")
+        await s.translator.settled()
+        await asyncio.sleep(0)
+    watcher.cancel()
+    assert seen == {(math.inf, math.inf), (2, 1)}
+
+
+@in_virtual_time
+async def test_desires_expire_on_time() -> None:
+    s = Setting()
+    async with s.running():
+        s.add("DetectNoises")
+        s.add("LocateVoices", ttl=5)
+        await s.translator.settled()
+        assert s.selected == ("9", "10")
+        start = s.clock.now()
+        applied = asyncio.Event()
+        s.translator.observe(lambda intention: applied.set())
+        await applied.wait()
+        assert s.selected == ("9",)
+        assert s.clock.now() - start == pytest.approx(5, abs=0.01)
+        assert "expired" in [e.data["change"] for e in s.timeline.query(kinds={"desire"})]
+
+
+@in_virtual_time
+async def test_a_renewed_life_is_no_event_and_no_new_problem() -> None:
+    s = Setting()
+    async with s.running():
+        voices = s.add("LocateVoices", ttl=5)
+        await s.translator.settled()
+        solved = s.translator.statistics().solved
+        await s.clock.sleep(4)
+        s.workspace.change(voices, ttl=5)
+        await s.clock.sleep(4)
+        assert s.translator.statistics().solved == solved
+        assert s.selected == ("10",)
+        assert len(s.events("desire")) == 1
+        await s.clock.sleep(2)
+        await s.translator.settled()
+        assert s.selected == ()
+
+
+@in_virtual_time
+async def test_budgets_and_costs_move_filters() -> None:
+    s = Setting()
+    async with s.running():
+        s.add("FindQRCodes")
+        await s.translator.settled()
+        assert s.selected == ("1",)
+        s.translator.set_capacity("cpu", 50, "the computer is hot")
+        await s.translator.settled()
+        assert s.selected == ("2",)
+        s.translator.set_costs("2", {"cpu": 60.0004})
+        await s.translator.settled()
+        assert s.selected == ("3",)
+        s.translator.set_capacity("cpu", 60.001, "it cooled down")
+        await s.translator.settled()
+        assert s.selected == ("2",), "costs are rounded up to thousandths"
+        assert [e.data["reason"] for e in s.timeline.query(kinds={"capacity"})] == [
+            "the computer is hot",
+            "it cooled down",
+        ]
+        for resource, value in (("gpu", 1), ("cpu", -1), ("cpu", math.nan)):
+            with pytest.raises(ValueError, match=r"no resource|at least 0"):
+                s.translator.set_capacity(resource, value, "")
+        with pytest.raises(ValueError, match="no strategy"):
+            s.translator.set_costs("77", {})
+        with pytest.raises(ValueError, match="cost"):
+            s.translator.set_costs("1", {"cpu": -1})
+
+
+@in_virtual_time
+async def test_equal_problems_are_recalled() -> None:
+    s = Setting()
+    async with s.running():
+        for _ in range(3):
+            desire = s.add("LocateVoices")
+            await s.translator.settled()
+            s.workspace.remove(desire)
+            await s.translator.settled()
+        statistics = s.translator.statistics()
+        # The first two problems of each kind differ in what was selected before.
+        assert statistics.solved == 6
+        assert statistics.recalled >= 3
+
+
+@in_virtual_time
+async def test_reasons_come_with_the_intention_and_are_completed_after_it() -> None:
+    s = Setting(explain_limit_s=5.0)
+    told: list[Intention] = []
+    s.translator.observe(told.append)
+    async with s.running():
+        with s.workspace.transaction():
+            s.add("FindQRCodes", 1, 8)
+            s.add("LocateFaces", 1)
+        await s.translator.explained()
+        assert [i.reasons["LocateFaces"].state for i in told] == ["degraded", "degraded"]
+        assert told[0].reasons["LocateFaces"].alternatives == ()
+        offers = told[1].reasons["LocateFaces"].alternatives
+        assert [(a.kind, a.amount, a.without) for a in offers] == [("capacity", 40, ""), ("without", 0, "FindQRCodes")]
+        assert s.translator.current is told[1]
+
+
+@in_virtual_time
+async def test_observers_and_modules_that_fail_do_not_stop_attention(caplog: pytest.LogCaptureFixture) -> None:
+    s = Setting()
+
+    def broken(intention: Intention) -> None:
+        raise ZeroDivisionError
+
+    def refuse(module: str, parameters: Mapping[str, Any]) -> None:
+        raise ValueError("no such thing")
+
+    s.translator.observe(broken)
+    s.sink.configure = refuse  # type: ignore[method-assign]
+    async with s.running():
+        s.add("LocateVoices", params={"x": 1})
+        await s.translator.settled()
+        assert s.bank.phi["VoiceLocalizer.audio"] == 1
+        s.add("DetectNoises")
+        await s.translator.settled()
+        assert s.selected == ("9", "10")
+    assert "no longer told" in caplog.text
+    assert "refused its parameters" in caplog.text
+    assert s.events("module") == ["VoiceLocalizer", "LoudNoiseDetector"]
+
+
+@in_virtual_time
+async def test_refresh_sets_every_controlled_filter_again() -> None:
+    s = Setting()
+    async with s.running():
+        s.add("SLAM")
+        await s.translator.settled()
+        s.bank.phi["SLAM2D.scans"] = 1
+        s.translator.refresh()
+        assert s.bank.phi["SLAM2D.scans"] == 40
+        assert "Kinect.images" not in s.bank.calls[-1], "no strategy sets it: it is none of attention's"
+
+
+# --- Hysteresis -----------------------------------------------------------------------------------------------------
+
+RIVALS = StrategyTable(
+    tuple(
+        Strategy(name, cls, 4, filters={f"{name}.x": 1}, costs={"wheels": 1})
+        for name, cls in (("goto", "GoTo"), ("teleop", "Teleoperation"))
+    ),
+    {"wheels": Resource("wheels", 1)},
+)
+
+
+async def rivalry(hysteresis: Hysteresis | None, swings: int = 20, each_s: float = 1.0) -> tuple[int, Setting]:
+    """A rival's intensity goes 1 above and 1 below; how often the strategies switch after the first choice."""
+    s = Setting(RIVALS, hysteresis=hysteresis)
+    async with s.running():
+        s.add("GoTo", 4)
+        rival = s.add("Teleoperation", 3)
+        await s.translator.settled()
+        first = len(s.events("intention"))
+        for n in range(swings):
+            s.workspace.change(rival, intensity=5 if n % 2 == 0 else 3)
+            await s.translator.settled()
+            await s.clock.sleep(each_s)
+    return len(s.events("intention")) - first, s
+
+
+@in_virtual_time
+async def test_hysteresis_by_gain() -> None:
+    assert (await rivalry(None))[0] == 20
+    switches, s = await rivalry(Hysteresis(gain=1.5))
+    assert switches == 0
+    assert s.selected == ("goto",)
+    assert s.translator.statistics().held == 10
+    assert (await rivalry(Hysteresis(gain=0.5)))[0] == 20
+
+
+@in_virtual_time
+async def test_hysteresis_by_time() -> None:
+    assert (await rivalry(Hysteresis(dwell_s=3)))[0] == 0
+    switches, s = await rivalry(Hysteresis(dwell_s=3), swings=1, each_s=2.9)
+    assert switches == 0
+    switches, s = await rivalry(Hysteresis(dwell_s=3), swings=1, each_s=3.5)
+    assert switches == 1
+    assert s.selected == ("teleop",), "the better one for long enough"
+
+
+@in_virtual_time
+async def test_hysteresis_holds_back_no_desire_that_takes_from_nobody() -> None:
+    s = Setting(hysteresis=Hysteresis(gain=8, dwell_s=100))
+    async with s.running():
+        noises = s.add("DetectNoises", 1)
+        await s.translator.settled()
+        s.add("SLAM", 1)
+        await s.translator.settled()
+        assert s.selected == ("9", "11")
+        s.workspace.remove(noises)
+        await s.translator.settled()
+        assert s.selected == ("11",), "nor does it keep on what serves nothing"
+
+
+@pytest.mark.slow
+@in_virtual_time
+async def test_a_thousand_random_edits_leave_the_filters_of_a_fresh_solve() -> None:
+    s = Setting(explain_limit_s=0)
+    rng = random.Random(4)
+    checked = 0
+    async with s.running():
+        for n in count():
+            desires = s.workspace.desires()
+            action = rng.random()
+            if len(desires) < 3 or (action < 0.4 and len(desires) < 14):
+                s.add(
+                    rng.choice(list(CLASSES)),
+                    rng.choice([1, 2.5, 4, 8]),
+                    rng.choice([0, 1, 1, 2, 4, 8]),
+                    security=rng.random() < 0.1,
+                    ttl=rng.choice([None, None, 0.5]),
+                    params={"x": n},
+                )
+            elif action < 0.7:
+                s.workspace.change(
+                    rng.choice(desires).id, intensity=rng.choice([1, 3, 8]), utility=rng.choice([0, 1, 4])
+                )
+            elif action < 0.75:
+                s.translator.set_capacity("cpu", rng.choice([60, 80, 100, 120]), "for the test")
+            else:
+                s.workspace.remove(rng.choice(desires).id)
+            if rng.random() < 0.3:
+                await s.clock.sleep(rng.random() * 0.2)
+            if n == 1000:
+                break
+            if rng.random() < 0.1:
+                checked += 1
+                await s.translator.settled()
+                assert_as_solved_afresh(s)
+        await s.translator.settled()
+        assert_as_solved_afresh(s)
+        assert checked > 50
+
+
+def assert_as_solved_afresh(s: Setting) -> None:
+    """The filters are those of a fresh solve of the desires as they are; nothing would move."""
+    selection = solve(s.translator.problem(), time_limit_s=5.0)
+    strategies = [TABLE[name] for name in selection.strategies]
+    assert s.bank.phi == {"Kinect.images": math.inf, **divisors_of(strategies, TABLE.filters)}
+    assert s.translator.current is not None
+    assert s.translator.current.selection.omega == selection.omega
