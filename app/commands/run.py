@@ -99,12 +99,16 @@ async def _live(
 
     cv2.setNumThreads(1)  # modules have their own threads; OpenCV's pool would only fight them for the cores
 
+    host, port = address_of(listener)
+
     def announce(url: str) -> None:
         print(f"HBBA is up: {login_url(url, token)}  (Ctrl-C stops it)", flush=True)
+        if host in ("0.0.0.0", "::"):
+            print(f"From other computers: {login_url(f'http://{socket.gethostname()}:{port}', token)}", flush=True)
         if open_browser:
             asyncio.get_running_loop().run_in_executor(None, webbrowser.open, login_url(url, token))
 
-    host, port = address_of(listener)
+    log.info("starting", extra={"configuration": configuration.program_document.file})
     async with System(configuration) as system:
         app = create_app(system, token=token)
         console = asyncio.create_task(serve(app, host, port, listener=listener, started=announce), name="console")
@@ -127,7 +131,7 @@ def login_url(url: str, token: str | None) -> str:
 
 
 class Stopping:
-    """The way down: the first signal asks for it; a second one, or the time allowed being over, ends everything at once."""
+    """The way down: the first signal asks for it; a second one, or the end of the time allowed, forces it."""
 
     def __init__(self, force: Callable[[int], object] | None = None, within_s: float = STOP_WITHIN_S) -> None:
         """``force`` (exit code) ends the process and its children; replaced in tests."""

@@ -1,0 +1,35 @@
+"""The set-up scripts as modules; they are no package, as they run before anything is installed."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+SCRIPTS = Path(__file__).resolve().parent.parent.parent / "scripts"
+
+
+def _load(name: str) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(name, SCRIPTS / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # dataclasses look their module up, and dev imports page
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="session")
+def page() -> Iterator[ModuleType]:
+    yield _load("page")
+    del sys.modules["page"]
+
+
+@pytest.fixture(scope="session")
+def dev(page: ModuleType) -> Iterator[ModuleType]:
+    yield _load("dev")
+    del sys.modules["dev"]

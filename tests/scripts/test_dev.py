@@ -1,0 +1,148 @@
+"""Set-up behind the Makefile: what is done once, and what a person reads when it cannot be done."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import pytest
+
+
+class Programs:
+    """Stands where subprocess.run stands: notes the commands and answers for them."""
+
+    def __init__(self, status: int = 0, output: str = "") -> None:
+        self.commands: list[list[str]] = []
+        self.status = status
+        self.output = output
+
+    def __call__(self, command: list[object], **_: Any) -> SimpleNamespace:
+        self.commands.append([str(word) for word in command])
+        return SimpleNamespace(returncode=self.status, stdout=self.output, stderr="")
+
+
+@pytest.fixture
+def checkout(dev: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A checkout with an environment that holds nothing yet."""
+    venv = tmp_path / ".venv"
+    (venv / "bin").mkdir(parents=True)
+    (venv / "bin" / "python").write_text("")
+    for name in ("pyproject.toml", "hatch_build.py"):
+        (tmp_path / name).write_text(name)
+    for name, value in {
+        "ROOT": tmp_path,
+        "VENV": venv,
+        "STAMP": venv / "installed.json",
+        "PYTHON": venv / "bin" / "python",
+    }.items():
+        monkeypatch.setattr(dev, name, value)
+    return tmp_path
+
+
+def use(dev: ModuleType, monkeypatch: pytest.MonkeyPatch, programs: Programs) -> Programs:
+    monkeypatch.setattr(dev.subprocess, "run", programs)
+    return programs
+
+
+def test_packages_are_installed_once_and_again_when_the_project_asks_for_others(
+    dev: ModuleType, checkout: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pip = use(dev, monkeypatch, Programs())
+    dev.install(set())
+    dev.install(set())
+    assert [command[-1] for command in pip.commands] == ["."]
+    dev.install({"test"})
+    dev.install(set())
+    assert [command[-1] for command in pip.commands] == [".", ".[test]"]
+    (checkout / "pyproject.toml").write_text("changed")
+    dev.install(set())
+    assert [command[-1] for command in pip.commands] == [".", ".[test]", ".[test]"]
+
+
+def test_a_failed_installation_is_tried_again(dev: ModuleType, checkout: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    use(dev, monkeypatch, Programs(1, "ERROR: conflicting dependencies"))
+    with pytest.raises(dev.SetupFailed, match="conflicting dependencies"):
+        dev.install(set())
+    pip = use(dev, monkeypatch, Programs())
+    dev.install(set())
+    assert len(pip.commands) == 1
+
+
+def test_no_package_index_is_one_sentence(dev: ModuleType, checkout: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    use(dev, monkeypatch, Programs(1, "NewConnectionError: Failed to establish a new connection"))
+    with pytest.raises(dev.SetupFailed, match="cannot be reached: connect this computer"):
+        dev.install(set())
+
+
+def test_no_venv_module_is_one_sentence(dev: ModuleType, checkout: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    dev.PYTHON.unlink()
+    use(dev, monkeypatch, Programs(1, "ensurepip is not available"))
+    with pytest.raises(dev.SetupFailed, match="apt-get install python3-venv"):
+        dev.make_environment()
+
+
+def test_an_environment_made_elsewhere_is_made_anew(
+    dev: ModuleType, checkout: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    programs = use(dev, monkeypatch, Programs())
+    dev.install(set())
+    programs.commands.clear()
+    dev.make_environment()
+    assert programs.commands == []
+    monkeypatch.setattr(dev, "ROOT", checkout / "moved")
+    dev.make_environment()
+    assert programs.commands == [[sys.executable, "-m", "venv", "--clear", str(dev.VENV)]]
+
+
+def on_a_bare_debian(dev: ModuleType, monkeypatch: pytest.MonkeyPatch, uid: int) -> Programs:
+    monkeypatch.delenv("HBBA_CHROMIUM", raising=False)
+    monkeypatch.setattr(dev.shutil, "which", lambda name: "/usr/bin/apt-get" if name == "apt-get" else None)
+    monkeypatch.setattr(dev.ctypes.util, "find_library", lambda name: None)
+    monkeypatch.setattr(dev.os, "geteuid", lambda: uid)
+    return use(dev, monkeypatch, Programs())
+
+
+def test_root_gets_the_missing_debian_packages(dev: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    apt = on_a_bare_debian(dev, monkeypatch, uid=0)
+    dev.install_debian_packages()
+    assert apt.commands[0][-1] == "update"
+    assert {"chromium", "libegl1"} <= set(apt.commands[1])
+
+
+def test_others_are_told_what_to_install(
+    dev: ModuleType, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    apt = on_a_bare_debian(dev, monkeypatch, uid=1000)
+    dev.install_debian_packages()
+    assert apt.commands == []
+    assert "as root, apt-get install chromium libegl1" in capsys.readouterr().err
+
+
+def test_an_unbuilt_page_does_not_stop_the_robot(
+    dev: ModuleType,
+    page: ModuleType,
+    checkout: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    use(dev, monkeypatch, Programs())
+
+    def no_registry() -> None:
+        raise page.PageFailed("The npm registry cannot be reached: connect this computer to the network.")
+
+    monkeypatch.setattr(dev, "build_page", no_registry)
+    dev.set_up(set())
+    assert "npm registry cannot be reached" in capsys.readouterr().err
+
+
+def test_a_failing_step_fails_the_whole_though_the_others_run(
+    dev: ModuleType, checkout: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    programs = use(dev, monkeypatch, Programs())
+    assert dev.lint() == 0
+    assert len(programs.commands) == 4
+    programs.status = 3
+    assert dev.lint() == 3
+    assert len(programs.commands) == 8
