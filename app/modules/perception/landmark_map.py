@@ -1,0 +1,86 @@
+"""Repeated sightings of QR codes merged into landmarks: a recursive weighted mean, without any event loop.
+
+A sighting at range r has the variance R = (σ₀ + k r²)² (the depth's error grows with the square of the range). With the
+landmark's variance P, each sighting moves it by the share P / (P + R), which is the mean of all sightings weighted by
+1 / R. P never falls below a floor: sightings share the drift of the odometry, so a thousand of them are not a thousand
+independent ones, and a landmark must stay able to follow.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from app.messages import Landmark
+
+Point = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class SightingModel:
+    """σ = ``floor_m`` + ``per_m2`` · r² of one sighting; a landmark's own σ never falls below ``floor_m``."""
+
+    floor_m: float = 0.02
+    per_m2: float = 0.01
+
+    def sigma_m(self, range_m: float) -> float:
+        """Standard deviation of a sighting at ``range_m``."""
+        return self.floor_m + self.per_m2 * range_m**2
+
+
+class LandmarkMap:
+    """The landmarks known so far, in the order of first sight.
+
+    The same text may hang in several places: a sighting further than ``gate_m`` from every landmark of its text
+    (or than three standard deviations, if that is more) is a new one.
+    """
+
+    def __init__(
+        self, model: SightingModel | None = None, gate_m: float = 1.0, landmarks: Iterable[Landmark] = ()
+    ) -> None:
+        self._model = model or SightingModel()
+        self._gate_m = gate_m
+        self._landmarks = list(landmarks)
+
+    @property
+    def landmarks(self) -> tuple[Landmark, ...]:
+        """All of them."""
+        return tuple(self._landmarks)
+
+    def see(self, stamp: float, text: str, p_OQ: Point, range_m: float) -> Landmark:
+        """Take one sighting at ``p_OQ`` (m, in odom) from ``range_m`` away; returns the landmark it made or moved."""
+        sigma_m = self._model.sigma_m(range_m)
+        index = self._nearest(text, p_OQ, sigma_m)
+        if index is None:
+            landmark = Landmark(text, p_OQ, sigma_m, 1, stamp, stamp)
+            self._landmarks.append(landmark)
+        else:
+            landmark = merged(self._landmarks[index], stamp, p_OQ, sigma_m, self._model.floor_m)
+            self._landmarks[index] = landmark
+        return landmark
+
+    def _nearest(self, text: str, p_OQ: Point, sigma_m: float) -> int | None:
+        best: tuple[float, int] | None = None
+        for index, landmark in enumerate(self._landmarks):
+            if landmark.text != text:
+                continue
+            distance = math.dist(landmark.p_OQ, p_OQ)
+            if distance <= max(self._gate_m, 3.0 * (sigma_m + landmark.sigma_m)):
+                best = min(best, (distance, index)) if best is not None else (distance, index)
+        return None if best is None else best[1]
+
+
+def merged(landmark: Landmark, stamp: float, p_OQ: Point, sigma_m: float, floor_m: float) -> Landmark:
+    """``landmark`` after one more sighting at ``p_OQ`` with standard deviation ``sigma_m`` (> 0)."""
+    P, R = landmark.sigma_m**2, sigma_m**2
+    share = P / (P + R)
+    x, y, z = (a + share * (b - a) for a, b in zip(landmark.p_OQ, p_OQ, strict=True))
+    return replace(
+        landmark,
+        p_OQ=(x, y, z),
+        sigma_m=max(floor_m, math.sqrt((1.0 - share) * P)),
+        sightings=landmark.sightings + 1,
+        first_seen=min(landmark.first_seen, stamp),
+        last_seen=max(landmark.last_seen, stamp),
+    )

@@ -1,0 +1,135 @@
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.geometry import Pose2
+from app.modules.perception.qr_codes import decode, detect, diagonal_crossing, locate
+
+from .rendering import CODE_M, KINECT, X_BC, facing, kinect_image
+
+HERE = Pose2()
+#: A text that takes 25 x 25 modules: harder to read from afar than a short one.
+LONG = "hbba:tour/stop-2/robot-lab"
+
+
+@pytest.mark.parametrize("distance", [0.8, 1.5, 2.0, 2.5])
+@pytest.mark.parametrize("turn_deg", [-30, 0, 30])
+def test_a_poster_is_read_and_placed(distance: float, turn_deg: float) -> None:
+    X_OQ = facing(0.1 + distance, 0.15, 1.4, math.radians(turn_deg))
+    (code,) = detect(kinect_image(0.0, HERE, {"hbba:stop-1": X_OQ}))
+    assert code.text == "hbba:stop-1"
+    assert code.p_BQ is not None
+    assert math.dist(code.p_BQ, tuple(X_OQ.translation)) < 0.01 + 0.005 * distance**2
+    half = CODE_M / 2
+    square = np.array([(-half, -half, 0), (half, -half, 0), (half, half, 0), (-half, half, 0)])
+    expected = KINECT.project((X_BC.inverse() @ X_OQ).transform(square))
+    np.testing.assert_allclose(code.corners, expected, atol=3.0)
+    assert not code.corners.flags.writeable
+
+
+def test_enlarging_reads_what_is_too_far_otherwise() -> None:
+    images = [kinect_image(0.0, HERE, {LONG: facing(2.6, 0.013 * i, 1.3 + 0.017 * i)}, seed=i) for i in range(4)]
+    assert sum(len(detect(image, upscale=False)) for image in images) < 4
+    for image in images:
+        (code,) = detect(image, upscale=True)
+        assert code.text == LONG
+        assert code.p_BQ is not None
+        assert code.p_BQ[0] == pytest.approx(2.6, abs=0.02)
+
+
+def test_several_codes_in_one_image() -> None:
+    posters = {"left": facing(1.5, 0.4, 1.3), "right": facing(1.8, -0.4, 1.2)}
+    codes = {code.text: code for code in detect(kinect_image(0.0, HERE, posters))}
+    assert codes.keys() == posters.keys()
+    for text, code in codes.items():
+        assert code.p_BQ is not None
+        assert math.dist(code.p_BQ, tuple(posters[text].translation)) < 0.03
+
+
+def test_no_code_no_result() -> None:
+    assert detect(kinect_image(0.0, HERE, {})) == ()
+
+
+def test_a_hole_in_the_depth_does_not_move_the_code_and_no_depth_gives_no_place() -> None:
+    X_OQ = facing(1.5, 0.0, 1.3, math.radians(40))
+    image = kinect_image(0.0, HERE, {"hole": X_OQ})
+    (whole,) = detect(image)
+    assert image.depth is not None
+    u = round(float(whole.corners[:, 0].mean()))
+    image.depth[:, u:] = 0
+    (half,) = detect(image)
+    assert half.p_BQ is not None
+    assert math.dist(half.p_BQ, tuple(X_OQ.translation)) < 0.03
+    image.depth[:] = 0
+    (none,) = detect(image)
+    assert (none.text, none.p_BQ) == ("hole", None)
+
+
+def test_a_few_wild_depths_do_not_move_the_code() -> None:
+    X_OQ = facing(1.5, 0.0, 1.3)
+    image = kinect_image(0.0, HERE, {"wild": X_OQ})
+    assert image.depth is not None
+    wild = np.random.default_rng(3).random(image.depth.shape) < 0.1
+    image.depth[wild] = 4800
+    (code,) = detect(image)
+    assert code.p_BQ is not None
+    assert math.dist(code.p_BQ, tuple(X_OQ.translation)) < 0.03
+
+
+@given(st.floats(0.6, 4.5), st.floats(-0.3, 0.3), st.floats(-0.2, 0.2), st.floats(-60, 60), st.integers(0, 2**32 - 1))
+def test_locate_finds_the_centre_of_any_plane_quad(z: float, x: float, y: float, turn_deg: float, seed: int) -> None:
+    """Exact depth of a tilted square: the centre comes out to the depth's own grain (1 mm) over the fit."""
+    turn = math.radians(turn_deg)
+    right = np.array([math.cos(turn), 0.0, math.sin(turn)]) * CODE_M / 2
+    down = np.array([0.0, CODE_M / 2, 0.0])
+    centre = np.array([x * z, y * z, z])
+    corners = KINECT.project(
+        np.stack((centre - right - down, centre + right - down, centre + right + down, centre - right + down))
+    )
+    normal = np.cross(right, down)
+    v, u = np.mgrid[: KINECT.height, : KINECT.width]
+    rays = KINECT.back_project(np.stack((u, v), -1).astype(float), np.ones(u.shape))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        depth = (normal @ centre) / (rays @ normal)
+    depth = np.where((depth > 0.4) & (depth < 6), depth, 0)
+    found = locate(corners.astype(np.float32), np.round(depth * 1000).astype(np.uint16), KINECT)
+    assert found is not None
+    assert math.dist(found, centre) < 0.004
+
+
+def test_diagonals_cross_where_perspective_puts_the_centre() -> None:
+    square = np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)])
+    np.testing.assert_allclose(diagonal_crossing(square), (1.0, 1.0))
+    trapeze = np.array([(0.0, 0.0), (4.0, 1.0), (4.0, 3.0), (0.0, 4.0)])
+    np.testing.assert_allclose(diagonal_crossing(trapeze)[1], 2.0)
+    assert diagonal_crossing(trapeze)[0] > 2.0, "nearer to the far, short side"
+    np.testing.assert_allclose(diagonal_crossing(np.zeros((4, 2))), (0.0, 0.0))
+
+
+REFERENCE = Path(os.environ.get("HBBA_REFERENCE_DATA") or Path(__file__).parents[4] / "shared" / "data") / "zxing_qr"
+
+
+@pytest.mark.parametrize(("name", "least"), [("qrcode-1", 20), ("qrcode-2", 32), ("qrcode-3", 42)])
+def test_real_photographs(name: str, least: int) -> None:
+    """ZXing's black-box photographs: the published bar of its own decoder is 17 of 20, 32 of 35, 38 of 42."""
+    folder = REFERENCE / name
+    if not folder.is_dir():
+        pytest.skip(f"reference photographs are not there: {folder} (set HBBA_REFERENCE_DATA)")
+    right = total = 0
+    for photo in sorted(p for p in folder.iterdir() if p.suffix in {".png", ".jpg", ".jpeg", ".gif"}):
+        truth = photo.with_suffix(".txt")
+        grey = cv2.imread(str(photo), cv2.IMREAD_GRAYSCALE)
+        assert grey is not None, photo
+        total += 1
+        texts = [text for text, _ in decode(np.asarray(grey, np.uint8))]
+        right += truth.exists() and truth.read_bytes().decode() in texts
+    assert total >= least
+    assert right >= least
