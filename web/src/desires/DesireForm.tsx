@@ -77,7 +77,7 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
     try {
       await session.rest.addDesire(desire, key.current.key);
       key.current = { body: "", key: "" };
-      store.notify("info", `${spaced(desire.class)} is desired.`);
+      store.notify("info", `Added a desire: ${spaced(desire.class)}.`);
       onClose();
     } catch (error) {
       const refused = error instanceof Problem ? error : new Problem(0, "The desire could not be added", String(error));
@@ -129,10 +129,11 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
       </div>
       <label class="check">
         <input type="checkbox" data-testid="field-security" checked={security.value} onChange={(event) => (security.value = event.currentTarget.checked)} />
-        <LockIcon /> Security: must be fulfilled, whatever else gives way
+        <LockIcon />
+        <span>Security: must be fulfilled, whatever else gives way</span>
       </label>
       {problem.value && (
-        <div class="inline-note error" role="alert" data-testid="form-problem">
+        <div class="inline-note error stacked" role="alert" data-testid="form-problem">
           <b>{problem.value.title}</b>
           {problem.value.lines.map((line) => (
             <span key={line}>{line}</span>

@@ -45,8 +45,10 @@ export function FieldInput({ field, value, error, onInput }: FieldProps) {
     return (
       <label class="check">
         <input type="checkbox" data-testid={testid} checked={value === "true"} onChange={(event) => onInput(event.currentTarget.checked ? "true" : "false")} />
-        {field.title}
-        {field.description && <span class="field-hint">{field.description}</span>}
+        <span>
+          {field.title}
+          {field.description && <span class="field-hint">{field.description}</span>}
+        </span>
       </label>
     );
   }

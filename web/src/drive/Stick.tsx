@@ -33,7 +33,9 @@ export function Stick({ drive, words }: { drive: DriveController; words: string 
     drive.release();
   };
 
-  const reach = factor > 0 && command.held ? 36 / Math.max(factor, 0.01) : 0;
+  // Where the hand is: the command without the speed preset, kept on the disc when two keys point to its corner.
+  const size = Math.max(factor, Math.hypot(command.linear, command.angular), 0.01);
+  const reach = command.held ? 36 / size : 0;
   const knob = `translate(${-command.angular * reach}%, ${-command.linear * reach}%)`;
   return (
     <div

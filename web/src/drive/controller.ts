@@ -115,7 +115,8 @@ export class DriveController {
 
   private explain(): void {
     const reason = this.refusal.peek();
-    if (reason) this.store.notify("warning", reason);
+    // While nothing is heard, the banner over the view says it already.
+    if (reason && this.store.live.peek()) this.store.notify("warning", reason);
   }
 
   /** Finds out where the keyboard is, once the browser has moved it. */

@@ -37,9 +37,10 @@ export function Lanes() {
     made.view = view.peek();
     chart.current = made;
     const measure = () => {
-      const room = (body.current!.clientHeight - AXIS_PX) / Math.max(1, classesNow.current.length);
+      if (!body.current || !area.current) return;
+      const room = (body.current.clientHeight - AXIS_PX) / Math.max(1, classesNow.current.length);
       rowHeight.value = Math.max(ROW_MIN, Math.min(ROW_MAX, Math.floor(room)));
-      made.resize(area.current!.clientWidth, rowHeight.value);
+      made.resize(area.current.clientWidth, rowHeight.value);
     };
     const observer = new ResizeObserver(measure);
     observer.observe(body.current!);
@@ -59,6 +60,7 @@ export function Lanes() {
       observer.disconnect();
       stop();
       chart.current = null;
+      hit.value = null;
     };
   }, [empty, asTable.value, classes.length]);
 
@@ -105,7 +107,7 @@ export function Lanes() {
                 <StateMark state={row.state} />
                 <span class="lane-title">{spaced(row.class)}</span>
                 <span class="lane-figures">
-                  {row.intensity === null ? "–" : `${number(row.intensity)} · ${number(row.utility)}`}
+                  {row.intensity === null ? "–" : <><b>{number(row.intensity)}</b><em>{number(row.utility)}</em></>}
                   <i>{divisor(row.divisor)}</i>
                 </span>
               </li>
@@ -113,10 +115,10 @@ export function Lanes() {
           </ol>
           <div class="lane-area" ref={area} tabIndex={0} data-own-arrows role="group" aria-label="Lanes over time. Arrow keys move a cursor that tells values and reasons, plus and minus zoom, P pauses.">
             <canvas ref={canvas} />
-            {hit.value && <Tooltip hit={hit.value} width={area.current?.clientWidth ?? 600} now={chart.current?.now() ?? 0} />}
           </div>
         </div>
       )}
+      {hit.value && !asTable.value && <Tooltip hit={hit.value} area={area.current!.getBoundingClientRect()} now={chart.current?.now() ?? 0} />}
       <LaneTable visible={asTable.value} />
     </section>
   );

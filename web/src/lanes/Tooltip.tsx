@@ -7,14 +7,15 @@ import type { Hit } from "./chart";
 
 const WIDTH = 300;
 
-export function Tooltip({ hit, width, now }: { hit: Hit; width: number; now: number }) {
+export function Tooltip({ hit, area, now }: { hit: Hit; area: DOMRect; now: number }) {
   const { store } = useApp();
   const { sample, events } = hit;
   const title = store.hello.value?.classes.find((c) => c.name === hit.name)?.title || spaced(hit.name);
-  const wide = Math.min(WIDTH, width);
-  const x = Math.max(0, Math.min(width - wide, hit.x + (hit.x > width - wide - 20 ? -wide - 14 : 14)));
+  const wide = Math.min(WIDTH, window.innerWidth - 16);
+  const at = area.left + hit.x;
+  const x = Math.max(8, Math.min(window.innerWidth - wide - 8, at + (at > area.right - wide ? -wide - 14 : 14)));
   return (
-    <div class="tooltip" role="status" data-testid="lane-tooltip" style={{ left: `${x}px`, bottom: `calc(100% - ${hit.y - 6}px)`, width: `${wide}px` }}>
+    <div class="tooltip" role="status" data-testid="lane-tooltip" style={{ left: `${x}px`, bottom: `${window.innerHeight - area.top - hit.y + 4}px`, width: `${wide}px` }}>
       <p class="tooltip-head">
         <b>{title}</b>
         <span>

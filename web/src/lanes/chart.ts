@@ -107,7 +107,7 @@ export class LaneChart {
       return Math.abs(event.stamp - stamp) <= near && (place < 0 || place === row);
     });
     const sample = this.store.lanes.sample(name, stamp);
-    return { row, name, stamp, sample, events, x: this.cursor.share * this.width, y: (row + 1) * this.rowHeight };
+    return { row, name, stamp, sample, events, x: this.cursor.share * this.width, y: row * this.rowHeight };
   }
 
   private fit(ratio: number, rows: number): void {

@@ -8,9 +8,8 @@ import { tickStep } from "./viewport";
 export const COLORS = {
   intensity: "#f1f5fb",
   utility: "#ff6464",
-  rate: "#3d7fe6",
-  rateEdge: "#7fb0ff",
-  band: "#131922",
+  rate: "#2f62b3", // opaque: overlapping columns must not show
+  band: "#1d2530",
   grid: "#27303d",
   axis: "#a3b1c2",
   mark: "#e5c07b",
@@ -99,7 +98,6 @@ export class LanePainter {
   private bars(columns: Columns, ratio: number, floor: number, reach: number): void {
     const { context: c } = this;
     c.fillStyle = COLORS.rate;
-    c.globalAlpha = 0.72;
     for (let i = 0; i < columns.length; ) {
       const mean = columns.mean[i]!;
       let j = i;
@@ -109,7 +107,6 @@ export class LanePainter {
       if (mean > 0) c.fillRect(left, floor - mean * reach, wide, mean * reach);
       i = j + 1;
     }
-    c.globalAlpha = 1;
   }
 
   private line(columns: Columns, ratio: number, floor: number, unit: number, color: string, wide: number): void {

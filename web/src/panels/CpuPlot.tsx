@@ -24,7 +24,7 @@ export function CpuPlot() {
         cursor: { show: false },
         scales: { x: { time: true }, y: { range: (_, __, max) => [0, Math.max(20, max * 1.15)] } },
         axes: [
-          { ...AXIS, size: 22, values: (_, at) => at.map((stamp) => new Date(stamp * 1000).toLocaleTimeString([], { hour12: false, minute: "2-digit", second: "2-digit" })), space: 70 },
+          { ...AXIS, size: 22, values: (_, at) => at.map((stamp) => new Date(stamp * 1000).toLocaleTimeString([], { hour12: false })), space: 70 },
           { ...AXIS, size: 40, values: (_, at) => at.map((v) => `${v} %`), space: 28 },
         ],
         series: [

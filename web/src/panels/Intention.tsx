@@ -72,7 +72,8 @@ function Body({ intention }: { intention: IntentionMessage }) {
       </ul>
       {intention.relaxed.length > 0 && (
         <p class="inline-note warn">
-          <WarnIcon /> Could not all be met, though marked as security: {intention.relaxed.map(spaced).join(", ")}.
+          <WarnIcon />
+          <span>Could not all be met, though marked as security: {intention.relaxed.map(spaced).join(", ")}.</span>
         </p>
       )}
       <p class="muted small" data-testid="omega" data-omega={intention.omega}>

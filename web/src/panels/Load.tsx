@@ -58,7 +58,8 @@ function Row({ module, full }: { module: ModuleLoad; full: number }) {
       </details>
       {module.problem && (
         <p class="inline-note error">
-          <WarnIcon /> {module.problem}
+          <WarnIcon />
+          <span>{module.problem}</span>
         </p>
       )}
     </li>
