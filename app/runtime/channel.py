@@ -13,6 +13,7 @@ For each subscription, at any time::
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -23,6 +24,8 @@ from app.runtime.errors import ChannelClosed, InboxOverflow, WouldBlock
 from app.runtime.filter import RateFilter
 
 M = TypeVar("M", bound=Message)
+
+log = logging.getLogger("hbba.channel")
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +63,9 @@ class Subscription(Generic[M]):
     """One consumer's end of a channel. Take messages with ``receive`` or ``async for``; one task at a time."""
 
     __slots__ = (
-        "_age_s", "_capacity", "_closed", "_discarded", "_dropped", "_inbox", "_lossless", "_now", "_on_filter",
-        "_overflowed", "_passed", "_received", "_room", "_taken", "_waiter", "busy_since", "filter", "name",
+        "_age_s", "_attended", "_capacity", "_closed", "_discarded", "_dropped", "_inbox", "_lossless", "_now",
+        "_on_close", "_on_filter", "_overflowed", "_passed", "_received", "_room", "_taken", "_waiter", "busy_since",
+        "filter", "name",
     )  # fmt: skip
 
     def __init__(
@@ -72,6 +76,7 @@ class Subscription(Generic[M]):
         lossless: bool,
         divisor: float,
         on_filter: Callable[[], None],
+        on_close: Callable[[Subscription[M]], None],
     ) -> None:
         if capacity < 1:
             raise ValueError(f"the inbox of {name} needs room for at least 1 message, not {capacity}")
@@ -83,10 +88,12 @@ class Subscription(Generic[M]):
         self._capacity = capacity
         self._lossless = lossless
         self._on_filter = on_filter
+        self._on_close = on_close
         self._inbox: deque[M] = deque()
         self._waiter: asyncio.Future[None] | None = None
         self._room: asyncio.Event | None = None
         self._closed = False
+        self._attended = True
         self._overflowed = 0
         self._received = self._passed = self._dropped = self._discarded = self._taken = 0
         self._age_s: float | None = None
@@ -114,10 +121,15 @@ class Subscription(Generic[M]):
             self.busy_since = self._now()
 
     async def receive(self) -> M:
-        """Wait for a message and take it. Raises ChannelClosed at the end, InboxOverflow after a loss."""
+        """Wait for a message and take it; a wait that is cancelled loses none.
+
+        Raises ChannelClosed at the end, InboxOverflow after a loss, RuntimeError if another task already waits here.
+        """
         while not self._inbox and not self._overflowed:
             if self._closed:
                 raise ChannelClosed(f"{self.name}: the channel is closed")
+            if self._waiter is not None and not self._waiter.done():
+                raise RuntimeError(f"{self.name}: two tasks wait for the same inbox")
             waiter = asyncio.get_running_loop().create_future()
             self._waiter = waiter
             await waiter
@@ -151,7 +163,7 @@ class Subscription(Generic[M]):
 
     def has_room(self) -> bool:
         """Whether a message that passes the filter now would be stored without loss (``send`` waits for this)."""
-        return not self._lossless or len(self._inbox) < self._capacity or self._closed
+        return not self._lossless or len(self._inbox) < self._capacity or self._closed or not self._attended
 
     async def wait_room(self) -> None:
         """Wait until :meth:`has_room`."""
@@ -162,12 +174,41 @@ class Subscription(Generic[M]):
             await self._room.wait()
 
     def close(self) -> None:
-        """Take nothing more; what waits can still be received, then ChannelClosed is raised."""
+        """Leave the channel; what waits can still be received, then ChannelClosed is raised. May be called twice."""
+        if not self._closed:
+            self.end()
+            self._on_close(self)
+
+    def end(self) -> None:
+        """Called by the channel: nothing more will come."""
         self._closed = True
         if self._waiter is not None and not self._waiter.done():
             self._waiter.set_result(None)
         if self._room is not None:
             self._room.set()
+
+    def leave(self) -> None:
+        """Say that nobody takes from here for now: the consumer is down.
+
+        The inbox goes on as before, but a lossless one that is full holds no sender up and what it loses is only
+        counted: a broken consumer is no fault of its producer.
+        """
+        self._attended = False
+        if self._room is not None:
+            self._room.set()
+
+    def adopt(self) -> int:
+        """Take over from a consumer that is gone, with what waits; returns how many messages a lossless inbox lost.
+
+        Whoever still waits here is cancelled, the loss counts as known, and the time that messages waited starts now.
+        """
+        self._attended = True
+        if self._waiter is not None:
+            self._waiter.cancel()
+            self._waiter = None
+        self.busy_since = self._now() if self._inbox else None
+        lost, self._overflowed = self._overflowed, 0
+        return lost
 
     def _filter_changed(self, _before: float, _after: float) -> None:
         if not self.filter.is_open:
@@ -225,16 +266,24 @@ class Channel(Generic[M]):
         """
         try:
             async with asyncio.timeout(deadline_s):
-                for subscription in self._subscriptions:
-                    await subscription.wait_room()
+                # From the start after each wait: meanwhile, another that had room may have been filled.
+                while full_one := next((s for s in self._subscriptions if not s.has_room()), None):
+                    await full_one.wait_room()
         except TimeoutError:
             full = ", ".join(s.name for s in self._subscriptions if not s.has_room())
             raise InboxOverflow(f"{self.name}: no room within {deadline_s} s at {full}") from None
         self.publish(message)
 
     def subscribe(self, name: str, *, capacity: int = 1, lossless: bool = False, divisor: float = 1) -> Subscription[M]:
-        """Add a consumer called ``name`` with an inbox of ``capacity`` messages behind a filter of ``divisor``."""
-        subscription: Subscription[M] = Subscription(name, self._now, capacity, lossless, divisor, self._update_wanted)
+        """Add a consumer called ``name`` with an inbox of ``capacity`` messages behind a filter of ``divisor``.
+
+        Raises ChannelClosed after :meth:`close`: nothing would ever come.
+        """
+        if self._closed:
+            raise ChannelClosed(f"{self.name}: {name} subscribed to a closed channel")
+        subscription: Subscription[M] = Subscription(
+            name, self._now, capacity, lossless, divisor, self._update_wanted, self.unsubscribe
+        )
         self._subscriptions = (*self._subscriptions, subscription)
         self._update_wanted()
         return subscription
@@ -242,14 +291,15 @@ class Channel(Generic[M]):
     def unsubscribe(self, subscription: Subscription[M]) -> None:
         """Remove and close a consumer; unknown ones are ignored, so that it may be called twice."""
         self._subscriptions = tuple(s for s in self._subscriptions if s is not subscription)
-        subscription.close()
+        subscription.end()
         self._update_wanted()
 
     def close(self) -> None:
         """End the stream: consumers drain what waits, then see ChannelClosed."""
         self._closed = True
+        # Not unsubscribed: the counters of a stream that has ended can still be read.
         for subscription in self._subscriptions:
-            subscription.close()
+            subscription.end()
 
     @property
     def wanted(self) -> bool:
@@ -257,7 +307,10 @@ class Channel(Generic[M]):
         return self._wanted
 
     def on_wanted(self, callback: Callable[[bool], None]) -> Callable[[], None]:
-        """Call ``callback(wanted)`` now and whenever :attr:`wanted` changes; returns what ends it (may be called twice)."""
+        """Call ``callback(wanted)`` now and whenever :attr:`wanted` changes.
+
+        Returns what ends it, which may be called twice.
+        """
         self._wanted_callbacks.append(callback)
         callback(self._wanted)
 
@@ -272,7 +325,11 @@ class Channel(Generic[M]):
         if wanted != self._wanted:
             self._wanted = wanted
             for callback in tuple(self._wanted_callbacks):
-                callback(wanted)
+                try:
+                    callback(wanted)
+                except Exception:  # logged with its traceback
+                    # It must not reach whoever happened to write the filter, half-way through an intention.
+                    log.exception("channel %s: a source could not be told whether it is wanted", self.name)
 
     def statistics(self) -> ChannelStatistics:
         """The counters now, by subscription."""

@@ -5,6 +5,7 @@ Staleness, counters, the console's columns, recording and tests all read it (``c
 
 from __future__ import annotations
 
+from dataclasses import fields, is_dataclass
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -32,9 +33,9 @@ class ChannelSpec(BaseModel):
     def message_type(self) -> type[Any]:
         """The message class. Raises KeyError for a name that ``app.messages`` does not have."""
         found = vars(messages).get(self.message)
-        if not isinstance(found, type) or not hasattr(found, "stamp"):
-            raise KeyError(self.message)
-        return found
+        if isinstance(found, type) and is_dataclass(found) and any(f.name == "stamp" for f in fields(found)):
+            return found
+        raise KeyError(self.message)
 
     def stale_after_s(self, divisor: float = 1) -> float | None:
         """Age (s) beyond which a message is stale when one in ``divisor`` is asked for; None for events.

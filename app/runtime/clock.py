@@ -7,13 +7,18 @@ computer's wall clock is set: the offset between the monotonic clock and the epo
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import functools
 import selectors
 import time
 from collections.abc import Callable, Coroutine
 from concurrent.futures import Executor
-from typing import Any, Protocol, TypeVar
+from typing import Any, ParamSpec, Protocol, TypeVar
 
+P = ParamSpec("P")
 T = TypeVar("T")
+
+_SHORTEST_SLEEP_S = 1e-6
 
 
 class Clock(Protocol):
@@ -52,7 +57,7 @@ class RealClock:
 
     async def sleep_until(self, stamp: float) -> None:
         """Wait until ``stamp``."""
-        await asyncio.sleep(stamp - self.now())
+        await _sleep_until(self, stamp)
 
 
 class VirtualClock:
@@ -60,10 +65,14 @@ class VirtualClock:
 
     def __init__(self, origin: float = 1_000_000.0) -> None:
         self.origin = origin
+        self._latest = origin
 
     def now(self) -> float:
-        """``origin`` plus the virtual seconds that have passed on the running loop."""
-        return self.origin + asyncio.get_running_loop().time()
+        """``origin`` plus the virtual seconds that have passed on the running loop; its last reading outside one."""
+        # Outside any loop time stands still.
+        with contextlib.suppress(RuntimeError):
+            self._latest = self.origin + asyncio.get_running_loop().time()
+        return self._latest
 
     async def sleep(self, seconds: float) -> None:
         """Let ``seconds`` of virtual time pass."""
@@ -71,7 +80,14 @@ class VirtualClock:
 
     async def sleep_until(self, stamp: float) -> None:
         """Let virtual time pass until ``stamp``."""
-        await asyncio.sleep(stamp - self.now())
+        await _sleep_until(self, stamp)
+
+
+async def _sleep_until(clock: Clock, stamp: float) -> None:
+    await asyncio.sleep(stamp - clock.now())
+    # asyncio may wake a timer early by its resolution, and a stamp has more digits before the point than a delay.
+    while clock.now() < stamp:  # noqa: ASYNC110  # time is the event
+        await asyncio.sleep(max(stamp - clock.now(), _SHORTEST_SLEEP_S))
 
 
 class _JumpingSelector(selectors.DefaultSelector):
@@ -83,7 +99,11 @@ class _JumpingSelector(selectors.DefaultSelector):
         if timeout is None or timeout <= 0:
             return super().select(timeout)
         if self.loop.outstanding_jobs:
-            return super().select(None)
+            ready = super().select(self.loop.patience_s)
+            if ready:
+                return ready
+            # A thread that never comes back must not hold time up for ever.
+            self.loop.outstanding_jobs.clear()
         ready = super().select(0)
         if not ready:
             self.loop.virtual_time += timeout
@@ -94,12 +114,14 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
     """An event loop whose time stands still while anything runs and jumps to the next timer when everything waits.
 
     Work in threads counts as running, as long as it was started with ``run_in_executor`` (so ``asyncio.to_thread``
-    and ``Module.compute`` too): a run is deterministic however slow the machine.
+    and ``Module.compute`` too): a run is deterministic however slow the machine. Only a thread that does not come back
+    within ``patience_s`` real seconds is given up, and time goes on without it.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, patience_s: float = 10.0) -> None:
         self.virtual_time = 0.0
-        self.outstanding_jobs = 0
+        self.patience_s = patience_s
+        self.outstanding_jobs: set[asyncio.Future[Any]] = set()
         selector = _JumpingSelector()
         super().__init__(selector)
         selector.loop = self
@@ -113,15 +135,22 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
     ) -> asyncio.Future[T]:
         """As in asyncio, remembering that a thread owes a result."""
         future: asyncio.Future[T] = super().run_in_executor(executor, func, *args)
-        self.outstanding_jobs += 1
-        future.add_done_callback(self._job_done)
+        self.outstanding_jobs.add(future)
+        future.add_done_callback(self.outstanding_jobs.discard)
         return future
 
-    def _job_done(self, _: asyncio.Future[Any]) -> None:
-        self.outstanding_jobs -= 1
 
-
-def run_virtual(main: Coroutine[Any, Any, T]) -> T:
-    """Run ``main`` to its end in virtual time and return its result."""
-    with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
+def run_virtual(main: Coroutine[Any, Any, T], *, patience_s: float = 10.0) -> T:
+    """Run ``main`` to its end in virtual time and return its result; see :class:`VirtualTimeLoop`."""
+    with asyncio.Runner(loop_factory=lambda: VirtualTimeLoop(patience_s)) as runner:
         return runner.run(main)
+
+
+def in_virtual_time(function: Callable[P, Coroutine[Any, Any, T]]) -> Callable[P, T]:
+    """Decorate an ``async`` test: each call of it runs to its end in virtual time."""
+
+    @functools.wraps(function)
+    def run(*args: P.args, **kwargs: P.kwargs) -> T:
+        return run_virtual(function(*args, **kwargs))
+
+    return run

@@ -14,7 +14,8 @@ CLOSED = math.inf
 
 def check_divisor(divisor: float) -> float:
     """Return ``divisor`` if it is an integer >= 1 or ``CLOSED``; raise ValueError saying what is allowed."""
-    if divisor != CLOSED and (divisor < 1 or divisor != int(divisor)):
+    # `not >=` rather than `<`: it refuses NaN too.
+    if not divisor >= 1 or (divisor != CLOSED and divisor != int(divisor)):
         raise ValueError(f"a divisor must be an integer of at least 1, or infinite (closed), not {divisor!r}")
     return divisor
 

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from app.runtime.channel import Channel
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import Clock
+from app.runtime.errors import ModuleFailed
 from app.runtime.filter import CLOSED, RateFilter, check_divisor
 from app.runtime.module import Module, ModuleContext, Settings
 
@@ -37,6 +38,7 @@ class ModuleSpec(BaseModel):
     outputs: dict[str, str] = Field(default_factory=dict, description="output port: channel")
     settings: dict[str, Any] = Field(default_factory=dict)
     hang_after_s: float = Field(1.0, gt=0, description="hung when it takes nothing for this long while messages wait")
+    start_within_s: float = Field(30.0, gt=0, description="hung when it has not started after this long")
     cpu_budget: float | None = Field(None, gt=0, description="per cent of one core it is expected to stay under")
 
 
@@ -50,6 +52,7 @@ class ModuleSlot:
         self.context = context
         #: The instance at work, or the last one.
         self.module: Module = module_class(context)
+        self._fresh = True
 
     @property
     def title(self) -> str:
@@ -59,13 +62,34 @@ class ModuleSlot:
     def renew(self) -> Module:
         """A fresh instance on the same ports, for a restart."""
         self.module = self.module_class(self.context)
+        self._fresh = True
         return self.module
 
+    def take(self) -> Module:
+        """An instance that has not run yet: the one at hand, or a new one. Raises what its constructor raises."""
+        module = self.module if self._fresh else self.renew()
+        self._fresh = False
+        return module
+
+    def adopt_inputs(self) -> dict[str, int]:
+        """Give the inboxes to a new instance; returns how many messages each lossless input lost meanwhile, if any."""
+        lost = {name: port.subscription.adopt() for name, port in self.context.inputs.items() if port.connected}
+        return {name: count for name, count in lost.items() if count}
+
+    def leave_inputs(self) -> None:
+        """Say that nobody takes from the inboxes until the next instance adopts them."""
+        for port in self.context.inputs.values():
+            if port.connected:
+                port.subscription.leave()
+
     def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Hand P' to the module, and remember it for its next restart; unchanged parameters are not handed again."""
+        """Hand P' to the module if it runs, and remember it for its next start; unchanged ones are not handed again.
+
+        Never raises: a module that cannot take its parameters fails, and is restarted, for itself.
+        """
         if dict(parameters) != self.context.parameters:
             self.context.parameters = dict(parameters)
-            self.module.configure(parameters)
+            self.module.reconfigure(self.context.parameters)
 
 
 class FilterBank:
@@ -93,6 +117,8 @@ class FilterBank:
         """
         changes: dict[str, tuple[float, float]] = {}
         for name, divisor in divisors.items():
+            if name not in self._filters:
+                raise KeyError(f"no filter {name!r}; there are: {', '.join(sorted(self._filters))}")
             before = self._filters[name].divisor
             if check_divisor(divisor) != before:
                 changes[name] = (before, divisor)
@@ -150,22 +176,40 @@ class Graph:
         Raises the graph's wiring error for an input that must stay open or whose channel may not be decimated.
         """
         for name in sorted(names):
+            self._check_attended(name)
+        for name in sorted(names):
             module, port_name = name.split(".", 1)
             slot = self.modules[module]
-            port = slot.context.inputs.get(port_name)
-            if port is not None:
-                key = ("modules", module, "inputs", port_name)
-                if port.always_open:
-                    raise self._error("this input must stay open, no strategy may filter it", key)
-                if port.channel is not None and not self.specs[port.channel.name].decimable:
-                    raise self._error(
-                        f"channel {port.channel.name} may not be decimated, yet a strategy filters it", key
-                    )
+            output = slot.context.outputs.get(port_name)
+            if output is not None and not slot.module.running:
+                output.close_quietly()
         self.filters.apply(dict.fromkeys(names, CLOSED))
 
+    def _check_attended(self, name: str) -> None:
+        module, _, port_name = name.partition(".")
+        slot = self.modules.get(module)
+        if slot is None:
+            raise self._error(_unknown("module", module, self.modules), ("modules", module))
+        if name not in self.filters.names():
+            raise self._error(_unknown("connected port", port_name, self.ports()[module]), ("modules", module))
+        port = slot.context.inputs.get(port_name)
+        if port is not None and port.channel is not None:
+            key = ("modules", module, "inputs", port_name)
+            if port.always_open:
+                raise self._error("this input must stay open, no strategy may filter it", key)
+            if not self.specs[port.channel.name].decimable:
+                raise self._error(f"channel {port.channel.name} may not be decimated, yet a strategy filters it", key)
+
     def ports(self) -> dict[str, set[str]]:
-        """The filtered ports of each module, inputs and outputs together."""
-        return {n: {*s.context.inputs, *s.context.outputs} for n, s in self.modules.items()}
+        """The filtered ports of each module: its outputs and its connected inputs."""
+        return {
+            name: {*slot.context.outputs, *(p.name for p in slot.context.inputs.values() if p.connected)}
+            for name, slot in self.modules.items()
+        }
+
+    def configure(self, module: str, parameters: Mapping[str, Any]) -> None:
+        """Hand the intention's parameters to ``module``. Raises KeyError for one that is not in the graph."""
+        self.modules[module].configure(parameters)
 
     def channel(self, name: str) -> Channel[Any]:
         """A channel by name. Raises KeyError naming those there are."""
@@ -183,7 +227,10 @@ class Graph:
             settings: Settings = module_class.Settings.model_validate(spec.settings)
         except ValueError as failure:
             raise self._error(_first_problem(failure), (*key, "settings")) from None
-        return ModuleSlot(name, module_class, spec, ModuleContext(name, self.clock, settings, services))
+        try:
+            return ModuleSlot(name, module_class, spec, ModuleContext(name, self.clock, settings, services))
+        except ModuleFailed as failure:
+            raise self._error(str(failure), key) from None
 
     def _wire_outputs(self, slot: ModuleSlot) -> None:
         for port_name, channel_name in slot.spec.outputs.items():
@@ -199,7 +246,7 @@ class Graph:
                 other = self.producers[channel_name]
                 raise self._error(f"channel {channel_name} already has a producer, {other}", key)
             self.producers[channel_name] = f"{slot.name}.{port_name}"
-            port.channel = channel
+            port.connect(channel)
         for port_name, port in slot.context.outputs.items():
             self.filters.add(f"{slot.name}.{port_name}", port.filter)
 
@@ -267,11 +314,13 @@ def find_cycle(followers: Mapping[str, Collection[str]]) -> list[str] | None:
 def load_class(path: str) -> type[Module] | None:
     """The module class at ``package.module:Class``, or None if there is none."""
     module_path, _, class_name = path.partition(":")
+    if not all(part.isidentifier() for part in (*module_path.split("."), class_name)):
+        return None
     try:
-        found = getattr(importlib.import_module(module_path), class_name, None) if class_name else None
+        found = getattr(importlib.import_module(module_path), class_name, None)
     except ModuleNotFoundError as failure:
         # Only the named file itself being absent is the configuration's fault; a broken import inside it is ours.
-        if failure.name is None or not module_path.startswith(failure.name):
+        if failure.name is None or not f"{module_path}.".startswith(f"{failure.name}."):
             raise
         return None
     return found if isinstance(found, type) and issubclass(found, Module) else None

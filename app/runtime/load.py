@@ -7,6 +7,7 @@ over windows of one second.
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable, Coroutine, Generator
 from dataclasses import dataclass
@@ -16,20 +17,44 @@ T = TypeVar("T")
 
 
 class CpuMeter:
-    """Accumulates the CPU time (ns) charged to one module; only ever grows."""
+    """Accumulates the CPU time charged to one module; only ever grows.
 
-    __slots__ = ("cpu_ns",)
+    ``stepping`` tells, from any thread, whether the event loop is inside a step of this module right now.
+    """
+
+    __slots__ = ("_lock", "_loop_ns", "_threads_ns", "stepping")
 
     def __init__(self) -> None:
-        self.cpu_ns = 0
+        self.stepping = False
+        # `+=` is not atomic: the loop and the threads each have a figure of their own.
+        self._loop_ns = 0
+        self._threads_ns = 0
+        self._lock = threading.Lock()
+
+    @property
+    def cpu_ns(self) -> int:
+        """CPU time (ns) spent so far: on the event loop and, once they ended, in calls in threads."""
+        return self._loop_ns + self._threads_ns
+
+    def step(self, advance: Callable[..., T], *args: Any) -> T:
+        """Call ``advance(*args)``, a step on the event loop, and charge its thread CPU time."""
+        begin = time.thread_time_ns()
+        self.stepping = True
+        try:
+            return advance(*args)
+        finally:
+            self.stepping = False
+            self._loop_ns += time.thread_time_ns() - begin
 
     def call(self, function: Callable[..., T], *args: Any) -> T:
-        """Call ``function(*args)`` in this thread and charge its thread CPU time."""
+        """Call ``function(*args)`` in a thread other than the event loop's and charge its thread CPU time."""
         begin = time.thread_time_ns()
         try:
             return function(*args)
         finally:
-            self.cpu_ns += time.thread_time_ns() - begin
+            spent = time.thread_time_ns() - begin
+            with self._lock:
+                self._threads_ns += spent
 
 
 class MeteredCoroutine(Coroutine[Any, Any, T]):
@@ -43,19 +68,11 @@ class MeteredCoroutine(Coroutine[Any, Any, T]):
 
     def send(self, value: Any) -> Any:
         """One step."""
-        begin = time.thread_time_ns()
-        try:
-            return self._coroutine.send(value)
-        finally:
-            self._meter.cpu_ns += time.thread_time_ns() - begin
+        return self._meter.step(self._coroutine.send, value)
 
     def throw(self, *args: Any) -> Any:
         """One step, entered by an exception."""
-        begin = time.thread_time_ns()
-        try:
-            return self._coroutine.throw(*args)
-        finally:
-            self._meter.cpu_ns += time.thread_time_ns() - begin
+        return self._meter.step(self._coroutine.throw, *args)
 
     def close(self) -> None:
         """End it without another step."""

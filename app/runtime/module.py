@@ -10,17 +10,18 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Coroutine, Mapping
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 from pydantic import BaseModel, ConfigDict
 
 from app.messages import Message
-from app.runtime.channel import Channel, Subscription
 from app.runtime.clock import Clock
 from app.runtime.errors import ModuleFailed
-from app.runtime.filter import CLOSED, RateFilter
 from app.runtime.load import CpuMeter, MeteredCoroutine
+from app.runtime.ports import Input, Output
 from app.runtime.worker import ModuleWorker
+
+__all__ = ["Input", "Module", "ModuleContext", "Output", "Settings"]
 
 M = TypeVar("M", bound=Message)
 T = TypeVar("T")
@@ -31,78 +32,6 @@ class Settings(BaseModel):
     """Base of a module's settings, as they stand in configuration: frozen, and unknown keys are refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class Input(Generic[M]):
-    """An input port. Once wired, ``subscription`` is the module's end of a channel.
-
-    ``always_open`` inputs are not attention's to decimate: safety and self-motion, where a gap is a fault.
-    """
-
-    def __init__(
-        self, module: str, name: str, message_type: type[M], capacity: int, lossless: bool, always_open: bool
-    ) -> None:
-        self.module = module
-        self.name = name
-        self.message_type = message_type
-        self.capacity = capacity
-        self.lossless = lossless
-        self.always_open = always_open
-        self.channel: Channel[M] | None = None
-        self._subscription: Subscription[M] | None = None
-
-    @property
-    def subscription(self) -> Subscription[M]:
-        """The module's end of the channel. Raises ModuleFailed while the port is not wired."""
-        if self._subscription is None:
-            raise ModuleFailed(f"{self.module}.{self.name} is not connected to any channel")
-        return self._subscription
-
-    @property
-    def connected(self) -> bool:
-        """Whether configuration wired this port."""
-        return self._subscription is not None
-
-    def connect(self, channel: Channel[M], divisor: float) -> None:
-        """Subscribe this port to ``channel`` (done once, by the graph)."""
-        self.channel = channel
-        self._subscription = channel.subscribe(
-            f"{self.module}.{self.name}", capacity=self.capacity, lossless=self.lossless, divisor=divisor
-        )
-
-
-class Output(Generic[M]):
-    """An output port: publishes on its channel what its own filter lets through.
-
-    When the filter closes, the module's last word for this port (a stop, say) is published once, unfiltered.
-    """
-
-    def __init__(self, module: str, name: str, message_type: type[M]) -> None:
-        self.module = module
-        self.name = name
-        self.message_type = message_type
-        self.channel: Channel[M] | None = None
-        self.filter = RateFilter(1, self._filter_changed)
-        #: Asked for a closing word when the filter closes.
-        self.last_word: Callable[[], M | None] | None = None
-        self.offered = 0
-
-    def publish(self, message: M) -> None:
-        """Publish ``message`` if the filter lets it pass; an unwired output swallows it."""
-        self.offered += 1
-        if self.filter.offer() and self.channel is not None:
-            self.channel.publish(message)
-
-    @property
-    def wanted(self) -> bool:
-        """Whether publishing would reach anyone: a module may save itself the work otherwise."""
-        return self.channel is not None and self.channel.wanted and self.filter.is_open
-
-    def _filter_changed(self, _before: float, after: float) -> None:
-        if after == CLOSED and self.channel is not None and self.last_word is not None:
-            message = self.last_word()
-            if message is not None:
-                self.channel.publish(message)
 
 
 class ModuleContext:
@@ -116,10 +45,10 @@ class ModuleContext:
         self.inputs: dict[str, Input[Any]] = {}
         self.outputs: dict[str, Output[Any]] = {}
         self.parameters: dict[str, Any] = {}
+        #: The latest instance made for this place.
+        self.instance: Module | None = None
         self.meter = CpuMeter()
         self.worker = ModuleWorker(name)
-        #: When a periodic handler last came round, by handler name, with its period: for telling a hung module.
-        self.ticks: dict[str, tuple[float, float]] = {}
 
 
 class Module:
@@ -134,9 +63,16 @@ class Module:
         self._context = context
         self.name = context.name
         self.clock = context.clock
+        #: As configuration gives them; a subclass with its own ``Settings`` annotates this with that class.
+        self.settings: Settings = context.settings
         self.log = logging.getLogger(f"hbba.{context.name}")
+        #: When each periodic handler last came round, and its period (s): how the supervisor tells a hung one.
+        self.ticks: dict[str, tuple[float, float]] = {}
         self._handlers: list[tuple[Input[Any], Callable[[Any], Awaitable[None]]]] = []
         self._timers: list[tuple[float, Callable[[], Awaitable[None]]]] = []
+        self._failure: asyncio.Future[None] | None = None
+
+        context.instance = self
 
     # --- declaring ---
 
@@ -158,11 +94,11 @@ class Module:
 
     def output(self, name: str, message_type: type[M]) -> Output[M]:
         """Declare an output port of ``message_type``."""
-        port = self._context.outputs.get(name)
-        if port is None:
-            port = Output(self.name, name, message_type)
-            self._context.outputs[name] = port
-        port.last_word = lambda: self.last_word(name)
+        port = Output(self.name, name, message_type)
+        if former := self._context.outputs.get(name):
+            port.succeed(former)
+        self._context.outputs[name] = port
+        port.last_word = lambda: self._closing_word(name)
         return port
 
     def on(self, port: Input[M], handler: Callable[[M], Awaitable[None]]) -> None:
@@ -199,19 +135,53 @@ class Module:
         """The message to publish once when attention closes output ``port``, or None."""
         return None
 
+    # --- for the runtime ---
+
+    @property
+    def running(self) -> bool:
+        """Whether it has started and not ended: only then are parameters handed to it."""
+        return self._failure is not None
+
+    def fail(self, error: Exception) -> None:
+        """End :meth:`run` with ``error``, which happened in a call from outside its own tasks."""
+        if self._failure is None:
+            self.log.error("%s, not running: %s: %s", self.name, type(error).__name__, error)
+        elif not self._failure.done():
+            self._failure.set_exception(error)
+
+    def reconfigure(self, parameters: Mapping[str, Any]) -> None:
+        """Call :meth:`configure` now if it runs; what it raises is this module's failure, not the caller's."""
+        if self.running:
+            try:
+                self.configure(parameters)
+            except Exception as error:  # noqa: BLE001  # raised by run()
+                self.fail(error)
+
+    def _closing_word(self, port: str) -> Any:
+        try:
+            return self.last_word(port)
+        except Exception as error:  # noqa: BLE001  # raised by run()
+            self.fail(error)
+            return None
+
     # --- working ---
 
     async def compute(self, function: Callable[..., T], *args: Any) -> T:
-        """Run CPU-bound ``function(*args)`` in this module's thread, charging its CPU time to this module."""
+        """Run CPU-bound ``function(*args)`` in this module's thread, charging its CPU time to this module.
+
+        One at a time, in the order asked. Raises what ``function`` raises.
+        """
         loop = asyncio.get_running_loop()
         return await loop.run_in_executor(self._context.worker, self._context.meter.call, function, *args)
 
-    async def run(self) -> None:
-        """Live: start, serve every input and timer until cancelled or until one of them raises, stop."""
+    async def run(self, started: Callable[[], None] = lambda: None) -> None:
+        """Live: start, call ``started``, serve every input and timer until cancelled or until one raises, stop."""
         try:
             # Inside the try: a start that fails half-way still has its stop.
             await self.start()
             self.configure(self._context.parameters)
+            self._failure = asyncio.get_running_loop().create_future()
+            started()
             async with asyncio.TaskGroup() as group:
                 for port, handler in self._handlers:
                     if port.connected:
@@ -219,10 +189,14 @@ class Module:
                 for number, (period_s, beat) in enumerate(self._timers):
                     key = f"{getattr(beat, '__name__', 'timer')}-{number}"
                     group.create_task(self._metered(self._repeat(key, period_s, beat)), name=f"{self.name}.{key}")
-                group.create_task(asyncio.Event().wait(), name=f"{self.name}.alive")
+                group.create_task(_outcome(self._failure), name=f"{self.name}.alive")
         finally:
-            self._context.ticks.clear()
+            self._failure = None
             await self.stop()
+
+    @property
+    def _superseded(self) -> bool:
+        return self._context.instance is not self
 
     def _metered(self, coroutine: Coroutine[Any, Any, T]) -> Coroutine[Any, Any, T]:
         return MeteredCoroutine(coroutine, self._context.meter)
@@ -230,11 +204,18 @@ class Module:
     async def _serve(self, port: Input[M], handler: Callable[[M], Awaitable[None]]) -> None:
         async for message in port.subscription:
             await handler(message)
+            if self._superseded:
+                # It outlived its cancellation; what comes now is for its successor.
+                return
 
     async def _repeat(self, key: str, period_s: float, handler: Callable[[], Awaitable[None]]) -> None:
         due = self.clock.now()
-        while True:
-            self._context.ticks[key] = (self.clock.now(), period_s)
+        while not self._superseded:
+            self.ticks[key] = (self.clock.now(), period_s)
             await handler()
             due = max(due + period_s, self.clock.now())
             await self.clock.sleep_until(due)
+
+
+async def _outcome(future: asyncio.Future[None]) -> None:
+    await future

@@ -1,21 +1,26 @@
 """Starts modules, watches them, restarts those that raise or hang; the others never notice.
 
 A module that raises is restarted after 0.5 s, 1 s, 2 s ... 30 s; the delay starts afresh once it has run for a
-minute. A module that takes nothing for ``hang_after_s`` though messages wait, or whose timer does not come round for
-ten periods (at least ``hang_after_s``), is *hung*: reported, abandoned and restarted.
+minute. A module that takes nothing for ``hang_after_s`` though messages wait, whose timer does not come round for
+ten periods (at least ``hang_after_s``), or that does not start within ``start_within_s``, is *hung*: reported,
+cancelled and restarted. While a module is down its outputs are stale, its inboxes keep what they can hold and count
+the rest, and nobody who sends to it waits for it.
 """
 
 from __future__ import annotations
 
 import asyncio
 import logging
+import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 from app.runtime.clock import Clock
+from app.runtime.errors import ModuleFailed
 from app.runtime.graph import ModuleSlot
 from app.runtime.load import MeteredCoroutine
+from app.runtime.progress import ProgressWatch
 from app.runtime.worker import ModuleWorker
 
 log = logging.getLogger("hbba.supervisor")
@@ -25,7 +30,7 @@ LONGEST_DELAY_S = 30.0
 #: A module that ran this long without failing is trusted again.
 TRUSTED_AFTER_S = 60.0
 WATCH_PERIOD_S = 0.1
-#: A cancelled module gets this long to end before its task is abandoned.
+#: A cancelled module gets this long to end before its task is left behind.
 CANCEL_GRACE_S = 0.5
 
 Status = Literal["starting", "running", "failed", "hung", "stopped"]
@@ -50,8 +55,31 @@ class ModuleState:
         return self.status != "running"
 
 
-class ModuleHung(Exception):
-    """A module makes no progress; the message says on what."""
+class _Run:
+    """One life of a module: its task, when it began to serve, and what it turns out to be stuck on."""
+
+    def __init__(self, slot: ModuleSlot, now: float, hung: asyncio.Future[str]) -> None:
+        self.slot = slot
+        self.began_at = now
+        self.serving_since: float | None = None
+        self.hung = hung
+        self._progress: ProgressWatch | None = None
+
+    def serve(self, now: float) -> None:
+        """Note that the module has started."""
+        self.serving_since = now
+        inputs = self.slot.context.inputs.values()
+        self._progress = ProgressWatch(inputs, self.slot.module.ticks, self.slot.spec.hang_after_s, now)
+
+    def look(self, now: float) -> None:
+        """Resolve ``hung`` if the module is."""
+        if self._progress is not None:
+            stuck = self._progress.look(now)
+        else:
+            limit_s = self.slot.spec.start_within_s
+            stuck = f"did not start within {limit_s:g} s" if now - self.began_at > limit_s else None
+        if stuck and not self.hung.done():
+            self.hung.set_result(stuck)
 
 
 class Supervisor:
@@ -62,97 +90,143 @@ class Supervisor:
         self._clock = clock
         self._observers: list[Callable[[ModuleState], None]] = []
         self._tasks: list[asyncio.Task[None]] = []
+        self._runs: dict[str, _Run] = {}
         self.states = {name: ModuleState(name, "stopped", 0.0) for name in slots}
 
-    def observe(self, callback: Callable[[ModuleState], None]) -> None:
-        """Call ``callback(state)`` at every change of a module's state."""
+    def observe(self, callback: Callable[[ModuleState], None]) -> Callable[[], None]:
+        """Call ``callback(state)`` at every change of a module's state; returns what ends it."""
         self._observers.append(callback)
+
+        def end() -> None:
+            if callback in self._observers:
+                self._observers.remove(callback)
+
+        return end
 
     async def __aenter__(self) -> Supervisor:
         self._tasks = [
             asyncio.create_task(self._supervise(slot), name=f"supervise {name}") for name, slot in self._slots.items()
         ]
+        self._tasks.append(asyncio.create_task(self._watch(), name="watch modules"))
         return self
 
     async def __aexit__(self, *_: object) -> None:
         for task in self._tasks:
             task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
+        for result in await asyncio.gather(*self._tasks, return_exceptions=True):
+            if isinstance(result, Exception):
+                log.error("the supervisor itself failed", exc_info=result)
         for slot in self._slots.values():
-            slot.context.worker.shutdown()
+            _replace_worker(slot)
+
+    async def _watch(self) -> None:
+        while True:
+            for run in tuple(self._runs.values()):
+                run.look(self._clock.now())
+            await self._clock.sleep(WATCH_PERIOD_S)
 
     async def _supervise(self, slot: ModuleSlot) -> None:
         delay = FIRST_DELAY_S
-        first = True
+        failed_before = False
         try:
             while True:
-                module = slot.module if first else slot.renew()
-                first = False
-                self._change(slot, status="running", problem=self.states[slot.name].problem)
-                began = self._clock.now()
-                task = asyncio.create_task(
-                    MeteredCoroutine(module.run(), slot.context.meter), name=f"module {slot.name}"
-                )
-                problem, status = await self._watch(slot, task)
-                if self._clock.now() - began >= TRUSTED_AFTER_S:
+                run = _Run(slot, self._clock.now(), asyncio.get_running_loop().create_future())
+                status, problem = await self._live(run, failed_before)
+                if run.serving_since is not None and self._clock.now() - run.serving_since >= TRUSTED_AFTER_S:
                     delay = FIRST_DELAY_S
                 log.error("%s %s: %s; restarting in %g s", slot.name, status, problem, delay)
                 self._change(slot, status=status, problem=problem)
                 await self._clock.sleep(delay)
                 delay = min(2 * delay, LONGEST_DELAY_S)
-                self._change(slot, restarts=self.states[slot.name].restarts + 1)
+                failed_before = True
         finally:
             self._change(slot, status="stopped")
 
-    async def _watch(self, slot: ModuleSlot, task: asyncio.Task[None]) -> tuple[str, Status]:
-        """Wait until ``task`` ends or hangs; leave nothing of it running. Returns the problem and what it means."""
+    async def _live(self, run: _Run, again: bool) -> tuple[Status, str]:
+        """Run a module until it ends or hangs and leave nothing of it running; returns how it ended, and why."""
+        slot = run.slot
+        restarts = self.states[slot.name].restarts + again
+        self._change(slot, status="starting", restarts=restarts)
         try:
-            while True:
-                done, _ = await asyncio.wait({task}, timeout=WATCH_PERIOD_S)
-                if done:
-                    return _why(task), "failed"
-                if stuck := stuck_on(slot, self._clock.now()):
-                    await _abandon(task)
-                    # Its thread may never come back: the next instance gets a new one.
-                    slot.context.worker.shutdown()
-                    slot.context.worker = ModuleWorker(slot.name)
-                    return stuck, "hung"
-        except asyncio.CancelledError:
-            await _abandon(task)
-            raise
+            module = slot.take()
+        except Exception as error:  # noqa: BLE001  # becomes the module's problem
+            return "failed", _in_words(error)
+        for port, lost in slot.adopt_inputs().items():
+            log.warning("%s.%s lost %d messages while the module was down", slot.name, port, lost)
 
-    def _change(self, slot: ModuleSlot, **changes: object) -> None:
+        def started() -> None:
+            run.serve(self._clock.now())
+            self._change(slot, status="running")
+            if again:
+                log.info("%s runs again", slot.name)
+
+        life = MeteredCoroutine(module.run(started), slot.context.meter)
+        task = asyncio.create_task(life, name=f"module {slot.name}")
+        ends: tuple[asyncio.Future[Any], ...] = (task, run.hung)
+        self._runs[slot.name] = run
+        try:
+            await asyncio.wait(ends, return_when=asyncio.FIRST_COMPLETED)
+            if task.done():
+                if task.cancelled():
+                    return "failed", "was cancelled"
+                log.debug("%s failed", slot.name, exc_info=task.exception())
+                return "failed", _in_words(task.exception())
+            # Before its task is cancelled, which takes time: from now on nothing it says is to be trusted.
+            self._change(slot, status="hung", problem=run.hung.result())
+            return "hung", run.hung.result()
+        finally:
+            del self._runs[slot.name]
+            slot.leave_inputs()
+            await _end(task, slot.name)
+            # A thread that is stuck may never come back: the next instance gets a new one.
+            _replace_worker(slot)
+
+    def _change(self, slot: ModuleSlot, *, status: Status, **changes: object) -> None:
         before = self.states[slot.name]
-        state = replace(before, since=self._clock.now(), **changes)  # type: ignore[arg-type]
-        if state == replace(before, since=state.since):
+        since = before.since if status == before.status else self._clock.now()
+        state = replace(before, status=status, since=since, **changes)  # type: ignore[arg-type]
+        if state == before:
             return
         self.states[slot.name] = state
-        for observer in self._observers:
-            observer(state)
+        for observer in tuple(self._observers):
+            try:
+                observer(state)
+            except Exception:  # logged with its traceback
+                # Who looks on must not decide whether a module is restarted.
+                log.exception("an observer of %s failed", slot.name)
 
 
-def stuck_on(slot: ModuleSlot, now: float) -> str | None:
-    """What a module makes no progress on, in words, or None: pure, on the slot's own progress stamps."""
-    limit = slot.spec.hang_after_s
-    for port in slot.context.inputs.values():
-        since = port.subscription.busy_since if port.connected else None
-        if since is not None and now - since > limit:
-            return f"takes nothing from {port.name} for {now - since:.1f} s though messages wait"
-    for name, (stamp, period_s) in slot.context.ticks.items():
-        if now - stamp > max(10 * period_s, limit):
-            return f"its {name} did not come round for {now - stamp:.1f} s"
-    return None
+def _replace_worker(slot: ModuleSlot) -> None:
+    slot.context.worker.shutdown(cancel_futures=True)
+    slot.context.worker = ModuleWorker(slot.name)
 
 
-async def _abandon(task: asyncio.Task[None]) -> None:
+async def _end(task: asyncio.Task[None], name: str) -> None:
+    """Cancel ``task`` if it still runs, and see that it ends; one that will not is reported and left behind."""
+    if task.done():
+        return
     task.cancel()
     await asyncio.wait({task}, timeout=CANCEL_GRACE_S)
+    if not task.done():
+        log.error("%s does not end %g s after it was cancelled; left behind", name, CANCEL_GRACE_S)
+        task.add_done_callback(lambda left: _report_end(left, name))
+    else:
+        _report_end(task, name)
 
 
-def _why(task: asyncio.Task[None]) -> str:
-    if task.cancelled():
-        return "was cancelled"
-    error = task.exception()
+def _report_end(task: asyncio.Task[None], name: str) -> None:
+    if not task.cancelled() and (error := task.exception()) is not None:
+        log.error("%s failed while it was stopped: %s", name, _in_words(error))
+
+
+def _in_words(error: BaseException | None) -> str:
+    """Name an error, its message and the line it came from; of several the first."""
     while isinstance(error, BaseExceptionGroup):
         error = error.exceptions[0]
-    return f"{type(error).__name__}: {error}" if error is not None else "ended by itself"
+    if error is None:
+        return "ended by itself"
+    if isinstance(error, ModuleFailed):
+        return str(error)  # written for people
+    frames = traceback.extract_tb(error.__traceback__)
+    where = f" ({frames[-1].filename.rsplit('/', 1)[-1]}:{frames[-1].lineno})" if frames else ""
+    return f"{type(error).__name__}: {error}{where}"

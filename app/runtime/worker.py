@@ -11,11 +11,17 @@ import queue
 import threading
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
+from contextlib import suppress
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 T = TypeVar("T")
 
-_Job = Callable[[], None]
+
+@dataclass(frozen=True, slots=True)
+class _Job:
+    run: Callable[[], None]
+    future: Future[Any]
 
 
 class ModuleWorker(Executor):
@@ -25,9 +31,12 @@ class ModuleWorker(Executor):
         self._name = name
         self._jobs: queue.SimpleQueue[_Job | None] = queue.SimpleQueue()
         self._thread: threading.Thread | None = None
+        self._shut_down = False
 
     def submit(self, function: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:
-        """Run ``function`` in the thread after the jobs before it."""
+        """Run ``function`` in the thread after the jobs before it. Raises RuntimeError after :meth:`shutdown`."""
+        if self._shut_down:
+            raise RuntimeError(f"the worker of {self._name} was shut down")
         future: Future[T] = Future()
 
         def job() -> None:
@@ -43,15 +52,22 @@ class ModuleWorker(Executor):
         if self._thread is None:
             self._thread = threading.Thread(target=self._run, name=f"module {self._name}", daemon=True)
             self._thread.start()
-        self._jobs.put(job)
+        self._jobs.put(_Job(job, future))
         return future
 
     def shutdown(self, wait: bool = False, *, cancel_futures: bool = False) -> None:
-        """Let the thread end after its last job; never waits for it unless told to."""
+        """Let the thread end after its last job, or after the one at work; never waits for it unless told to."""
+        self._shut_down = True
+        if cancel_futures:
+            with suppress(queue.Empty):
+                while (job := self._jobs.get_nowait()) is not None:
+                    job.future.cancel()
         self._jobs.put(None)
         if wait and self._thread is not None:
             self._thread.join()
 
     def _run(self) -> None:
         while (job := self._jobs.get()) is not None:
-            job()
+            job.run()
+            # Not kept until the next one comes: its result may be large.
+            del job

@@ -1,0 +1,53 @@
+"""Whether a running module gets anywhere, judged in time that the event loop really gave it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from typing import Any
+
+from app.runtime.ports import Input
+
+#: Between two looks no more than this counts. When one module blocks the loop, the others wait without fault.
+LONGEST_STEP_S = 0.2
+#: A periodic handler is hung after this many of its periods.
+HUNG_PERIODS = 10
+
+
+class ProgressWatch:
+    """Watches one run of a module; call :meth:`look` about every 0.1 s.
+
+    A module makes no progress when an input has messages waiting and none is taken for ``limit_s``, or when a
+    periodic handler does not come round for ten of its periods (at least ``limit_s``).
+    """
+
+    def __init__(
+        self, inputs: Collection[Input[Any]], ticks: Mapping[str, tuple[float, float]], limit_s: float, now: float
+    ) -> None:
+        self._inputs = inputs
+        self._ticks = ticks
+        self._limit_s = limit_s
+        self._looked_at = now
+        self._given_s = 0.0
+        #: By what may be stuck: the stamp of its last progress, and the time given when that stamp was first seen.
+        self._seen: dict[str, tuple[float, float]] = {}
+
+    def look(self, now: float) -> str | None:
+        """What the module is stuck on, in words, or None."""
+        self._given_s += min(now - self._looked_at, LONGEST_STEP_S)
+        self._looked_at = now
+        seen: dict[str, tuple[float, float]] = {}
+        stuck = None
+        for what, stamp, limit_s in self._marks():
+            before = self._seen.get(what)
+            seen[what] = before if before is not None and before[0] == stamp else (stamp, self._given_s)
+            if stuck is None and self._given_s - seen[what][1] > limit_s:
+                stuck = f"{what} for {now - stamp:.1f} s"
+        self._seen = seen
+        return stuck
+
+    def _marks(self) -> Iterator[tuple[str, float, float]]:
+        for port in self._inputs:
+            if port.connected and (since := port.subscription.busy_since) is not None:
+                yield f"messages wait at {port.name} and none was taken", since, self._limit_s
+        for name, (stamp, period_s) in self._ticks.items():
+            yield f"its periodic {name} did not come round", stamp, max(HUNG_PERIODS * period_s, self._limit_s)

@@ -1,0 +1,30 @@
+"""For every test: asyncio's debug mode, and an error wherever the program blocks the event loop."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+
+import pytest
+from blockbuster import blockbuster_ctx
+from hypothesis import settings
+
+# No deadline: on a shared computer a slow example says nothing about the program.
+settings.register_profile("house", deadline=None)
+settings.load_profile("house")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Turn asyncio's debug mode on for every loop made from here on, virtual ones included."""
+    os.environ["PYTHONASYNCIODEBUG"] = "1"
+    config.addinivalue_line("markers", "blocking(reason): this test may block the event loop, and says why")
+
+
+@pytest.fixture(autouse=True)
+def _nothing_blocks_the_loop(request: pytest.FixtureRequest) -> Iterator[None]:
+    """A call of ours that blocks the event loop (sleep, file, socket, lock) raises BlockingError."""
+    if request.node.get_closest_marker("blocking") is not None:
+        yield
+        return
+    with blockbuster_ctx(scanned_modules="app"):
+        yield

@@ -1,0 +1,343 @@
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+
+import pytest
+
+from app.messages import Twist
+from app.runtime.channel import Channel
+from app.runtime.clock import VirtualClock, in_virtual_time
+from app.runtime.errors import ChannelClosed, InboxOverflow, WouldBlock
+from app.runtime.filter import CLOSED
+
+Make = Callable[..., Twist]
+
+
+def channel() -> Channel[Twist]:
+    return Channel("numbers", Twist, VirtualClock().now)
+
+
+@in_virtual_time
+async def test_a_message_reaches_every_subscription_by_reference(make: Make) -> None:
+    numbers = channel()
+    first, second = numbers.subscribe("first"), numbers.subscribe("second")
+    message = make(1)
+    numbers.publish(message)
+    assert await first.receive() is message
+    assert second.receive_nowait() is message
+    assert numbers.latest is message
+
+
+@in_virtual_time
+async def test_a_full_latest_inbox_drops_the_oldest_and_counts_it(make: Make) -> None:
+    numbers = channel()
+    inbox = numbers.subscribe("inbox", capacity=2)
+    for value in range(5):
+        numbers.publish(make(value))
+    counters = inbox.statistics()
+    assert (counters.received, counters.passed, counters.dropped, counters.depth) == (5, 5, 3, 2)
+    assert [(await inbox.receive()).linear_mps for _ in range(2)] == [3, 4]
+    with pytest.raises(WouldBlock, match="inbox"):
+        inbox.receive_nowait()
+
+
+@in_virtual_time
+async def test_waiting_consumers_wake_when_a_message_comes(make: Make) -> None:
+    numbers = channel()
+    inbox = numbers.subscribe("inbox")
+    waiting = asyncio.create_task(inbox.receive())
+    await asyncio.sleep(1)
+    assert not waiting.done()
+    numbers.publish(make(7))
+    assert (await waiting).linear_mps == 7
+
+
+@in_virtual_time
+async def test_decimated_messages_neither_wake_nor_fill(make: Make) -> None:
+    numbers = channel()
+    inbox = numbers.subscribe("inbox", capacity=10, divisor=3)
+    for value in range(7):
+        numbers.publish(make(value))
+    assert [inbox.receive_nowait().linear_mps for _ in range(3)] == [0, 3, 6]
+    assert inbox.statistics().decimated == 4
+
+
+@in_virtual_time
+async def test_closing_the_filter_drops_the_inbox_and_counts_it_apart(make: Make) -> None:
+    numbers = channel()
+    inbox = numbers.subscribe("inbox", capacity=4)
+    for value in range(3):
+        numbers.publish(make(value))
+    inbox.filter.divisor = CLOSED
+    counters = inbox.statistics()
+    assert (counters.discarded, counters.dropped, counters.depth) == (3, 0, 0)
+    assert inbox.busy_since is None
+    numbers.publish(make(9))
+    inbox.filter.divisor = 2
+    numbers.publish(make(10))
+    assert inbox.receive_nowait().linear_mps == 10
+
+
+@in_virtual_time
+async def test_slowing_a_filter_down_keeps_what_already_waits(make: Make) -> None:
+    numbers = channel()
+    inbox = numbers.subscribe("inbox", capacity=4)
+    numbers.publish(make(1))
+    inbox.filter.divisor = 5
+    assert inbox.receive_nowait().linear_mps == 1
+
+
+@in_virtual_time
+async def test_age_is_measured_when_a_message_is_taken(make: Make) -> None:
+    clock = VirtualClock()
+    numbers = channel()
+    inbox = numbers.subscribe("inbox")
+    assert inbox.statistics().age_s is None
+    numbers.publish(make(1, clock.now()))
+    await clock.sleep(0.25)
+    inbox.receive_nowait()
+    assert inbox.statistics().age_s == pytest.approx(0.25)
+
+
+@in_virtual_time
+async def test_a_lossless_inbox_that_overflows_says_so_once_and_goes_on(make: Make) -> None:
+    numbers = channel()
+    inbox = numbers.subscribe("log", capacity=2, lossless=True)
+    for value in range(5):
+        numbers.publish(make(value))
+    with pytest.raises(InboxOverflow, match=r"log: 3 messages lost, the inbox holds 2"):
+        await inbox.receive()
+    assert [(await inbox.receive()).linear_mps for _ in range(2)] == [0, 1]
+    assert inbox.statistics().dropped == 3
+
+
+@in_virtual_time
+async def test_send_waits_for_room_and_loses_nothing(make: Make) -> None:
+    clock = VirtualClock()
+    numbers = channel()
+    inbox = numbers.subscribe("log", capacity=2, lossless=True)
+
+    async def produce() -> None:
+        for value in range(20):
+            await numbers.send(make(value), deadline_s=1.0)
+
+    producing = asyncio.create_task(produce())
+    taken = []
+    for _ in range(20):
+        await clock.sleep(0.5)
+        taken.append((await inbox.receive()).linear_mps)
+    await producing
+    assert taken == list(range(20))
+    assert inbox.statistics().dropped == 0
+
+
+@in_virtual_time
+async def test_send_gives_up_at_its_deadline_having_given_it_to_nobody(make: Make) -> None:
+    clock = VirtualClock()
+    numbers = channel()
+    numbers.subscribe("log", capacity=1, lossless=True)
+    free = numbers.subscribe("free", capacity=5)
+    numbers.publish(make(1))
+    began = clock.now()
+    with pytest.raises(InboxOverflow, match=r"no room within 0.3 s at log"):
+        await numbers.send(make(2), deadline_s=0.3)
+    assert clock.now() - began == pytest.approx(0.3)
+    assert free.statistics().received == 1
+
+
+@in_virtual_time
+async def test_two_senders_to_two_lossless_inboxes_never_overflow(make: Make) -> None:
+    # A sender that found room at the first and waited for the second must look at the first again.
+    numbers = channel()
+    first = numbers.subscribe("first", capacity=1, lossless=True)
+    second = numbers.subscribe("second", capacity=1, lossless=True)
+    numbers.publish(make(0))
+    first.receive_nowait()
+    senders = [asyncio.create_task(numbers.send(make(value), deadline_s=10)) for value in (1, 2)]
+    await asyncio.sleep(0)
+    second.receive_nowait()
+    numbers.publish(make(3))
+    second.receive_nowait()
+    await asyncio.sleep(1)
+    assert first.statistics().dropped == 0
+    first.receive_nowait()
+    for _ in range(2):
+        await asyncio.sleep(1)
+        first.receive_nowait()
+        second.receive_nowait()
+    await asyncio.gather(*senders)
+    assert first.statistics().dropped == second.statistics().dropped == 0
+
+
+@in_virtual_time
+async def test_closing_a_filter_frees_a_waiting_sender(make: Make) -> None:
+    numbers = channel()
+    inbox = numbers.subscribe("log", capacity=1, lossless=True)
+    numbers.publish(make(1))
+    sending = asyncio.create_task(numbers.send(make(2), deadline_s=10))
+    await asyncio.sleep(1)
+    inbox.filter.divisor = CLOSED
+    await sending
+    assert numbers.statistics().published == 2
+
+
+@in_virtual_time
+async def test_a_cancelled_receive_loses_no_message(make: Make) -> None:
+    numbers = channel()
+    inbox = numbers.subscribe("inbox", capacity=5)
+    waiting = asyncio.create_task(inbox.receive())
+    await asyncio.sleep(0)
+    # Woken and cancelled in the same turn of the loop: the message must stay.
+    numbers.publish(make(1))
+    waiting.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await waiting
+    assert (await inbox.receive()).linear_mps == 1
+
+
+@in_virtual_time
+async def test_a_receive_that_times_out_leaves_the_inbox_usable(make: Make) -> None:
+    numbers = channel()
+    inbox = numbers.subscribe("inbox")
+    with pytest.raises(TimeoutError):
+        async with asyncio.timeout(1):
+            await inbox.receive()
+    numbers.publish(make(1))
+    assert (await inbox.receive()).linear_mps == 1
+
+
+@in_virtual_time
+async def test_a_second_task_may_not_wait_at_the_same_inbox(make: Make) -> None:
+    numbers = channel()
+    inbox = numbers.subscribe("inbox")
+    first = asyncio.create_task(inbox.receive())
+    await asyncio.sleep(0)
+    with pytest.raises(RuntimeError, match="inbox: two tasks wait"):
+        await inbox.receive()
+    numbers.publish(make(1))
+    assert (await first).linear_mps == 1
+
+
+@in_virtual_time
+async def test_consumers_drain_a_closed_channel_and_then_see_its_end(make: Make) -> None:
+    numbers = channel()
+    inbox = numbers.subscribe("inbox", capacity=3)
+    numbers.publish(make(1))
+    numbers.publish(make(2))
+    numbers.close()
+    assert [m.linear_mps async for m in inbox] == [1, 2]
+    with pytest.raises(ChannelClosed, match="inbox"):
+        await inbox.receive()
+    with pytest.raises(ChannelClosed, match="published on a closed channel"):
+        numbers.publish(make(3))
+    with pytest.raises(ChannelClosed, match="late subscribed to a closed channel"):
+        numbers.subscribe("late")
+
+
+@in_virtual_time
+async def test_closing_wakes_who_waits() -> None:
+    numbers = channel()
+    inbox = numbers.subscribe("inbox")
+    waiting = asyncio.create_task(inbox.receive())
+    await asyncio.sleep(0)
+    numbers.close()
+    with pytest.raises(ChannelClosed):
+        await waiting
+
+
+@in_virtual_time
+async def test_a_consumer_that_closes_its_end_leaves_the_channel(make: Make) -> None:
+    numbers = channel()
+    inbox = numbers.subscribe("inbox", capacity=5)
+    numbers.publish(make(1))
+    inbox.close()
+    inbox.close()
+    numbers.publish(make(2))
+    assert [m.linear_mps async for m in inbox] == [1]
+    assert not numbers.wanted
+    assert numbers.statistics().subscriptions == {}
+    numbers.unsubscribe(inbox)
+
+
+def test_wanted_is_told_only_when_it_changes() -> None:
+    numbers = channel()
+    told: list[bool] = []
+    end = numbers.on_wanted(told.append)
+    first = numbers.subscribe("first")
+    second = numbers.subscribe("second", divisor=CLOSED)
+    second.filter.divisor = 4
+    first.filter.divisor = CLOSED
+    assert told == [False, True]
+    second.filter.divisor = CLOSED
+    assert told == [False, True, False]
+    second.filter.divisor = 9
+    numbers.unsubscribe(second)
+    assert told == [False, True, False, True, False]
+    end()
+    end()
+    first.filter.divisor = 1
+    assert numbers.wanted
+    assert len(told) == 5
+
+
+def test_a_source_that_cannot_be_told_is_logged_and_hurts_nobody(caplog: pytest.LogCaptureFixture) -> None:
+    numbers = channel()
+    told: list[bool] = []
+
+    def broken(wanted: bool) -> None:
+        if wanted:
+            raise OSError("the device is gone")
+
+    numbers.on_wanted(broken)
+    numbers.on_wanted(told.append)
+    numbers.subscribe("inbox")
+    assert told == [False, True]
+    assert "channel numbers" in caplog.text
+    assert "the device is gone" in caplog.text
+
+
+def test_an_inbox_needs_room() -> None:
+    with pytest.raises(ValueError, match=r"inbox of tiny needs room for at least 1 message, not 0"):
+        channel().subscribe("tiny", capacity=0)
+
+
+@in_virtual_time
+async def test_a_lossless_inbox_left_alone_holds_up_nobody_and_reports_its_loss_to_the_next(make: Make) -> None:
+    numbers = channel()
+    inbox = numbers.subscribe("log", capacity=2, lossless=True)
+    inbox.leave()
+    for value in range(5):
+        await numbers.send(make(value), deadline_s=0.1)
+    assert inbox.adopt() == 3
+    assert [(await inbox.receive()).linear_mps for _ in range(2)] == [0, 1]
+    assert inbox.adopt() == 0
+
+
+@in_virtual_time
+async def test_leaving_frees_a_sender_that_already_waits(make: Make) -> None:
+    numbers = channel()
+    inbox = numbers.subscribe("log", capacity=1, lossless=True)
+    numbers.publish(make(1))
+    sending = asyncio.create_task(numbers.send(make(2), deadline_s=10))
+    await asyncio.sleep(1)
+    inbox.leave()
+    await sending
+
+
+@in_virtual_time
+async def test_adopting_an_inbox_ends_the_former_owners_wait(make: Make) -> None:
+    clock = VirtualClock()
+    numbers = channel()
+    inbox = numbers.subscribe("inbox")
+    former = asyncio.create_task(inbox.receive())
+    await clock.sleep(5)
+    inbox.adopt()
+    numbers.publish(make(1))
+    assert (await inbox.receive()).linear_mps == 1
+    with pytest.raises(asyncio.CancelledError):
+        await former
+    numbers.publish(make(2))
+    await clock.sleep(5)
+    inbox.adopt()
+    assert inbox.busy_since == clock.now()

@@ -1,0 +1,273 @@
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import Field
+
+from app.messages import Odometry, Twist
+from app.runtime.filter import CLOSED, RateFilter
+from app.runtime.graph import FilterBank, Graph, WiringError, find_cycle, load_class
+from app.runtime.module import Module, ModuleContext, Settings
+
+Build = Callable[..., Graph]
+
+
+class SourceSettings(Settings):
+    period_s: float = Field(0.1, gt=0)
+
+
+class Source(Module):
+    Settings = SourceSettings
+    title = "Counts"
+    settings: SourceSettings
+
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.numbers = self.output("numbers", Twist)
+
+
+class Relay(Module):
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.numbers = self.input("numbers", Twist)
+        self.safety = self.input("safety", Twist, always_open=True)
+        self.relayed = self.output("relayed", Twist)
+
+
+class OdometryUser(Module):
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.odometry = self.input("odometry", Odometry)
+
+
+class NeedsDict(Module):
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.found = self.service(dict)
+
+
+NotAModule = dict
+
+
+def refused(build: Build, *args: Any, **kwargs: Any) -> str:
+    with pytest.raises(WiringError) as caught:
+        build(*args, **kwargs)
+    return str(caught.value)
+
+
+def test_a_wired_graph_delivers_from_output_to_input(build: Build, make: Callable[..., Twist]) -> None:
+    graph = build(
+        {"A": (Source, {}, {"numbers": "n"}), "B": (Relay, {"numbers": "n"}, {"relayed": "r"})}, {"n": {}, "r": {}}
+    )
+    graph.modules["A"].module.numbers.publish(make(1))  # type: ignore[attr-defined]
+    assert graph.modules["B"].module.numbers.subscription.receive_nowait() == make(1)  # type: ignore[attr-defined]
+    assert graph.producers == {"n": "A.numbers", "r": "B.relayed"}
+    assert set(graph.filters.names()) == {"A.numbers", "B.numbers", "B.relayed"}
+    assert graph.ports() == {"A": {"numbers"}, "B": {"numbers", "relayed"}}
+    assert graph.modules["A"].title == "Counts"
+    assert graph.modules["B"].title == "B"
+
+
+def test_an_unknown_port_is_named_with_those_there_are(build: Build) -> None:
+    said = refused(build, {"A": (Source, {}, {"sums": "n"})}, {"n": {}})
+    assert said == "modules.A.outputs.sums: no output 'sums'; there are: numbers"
+    said = refused(build, {"A": (Source, {"in": "n"}, {})}, {"n": {}})
+    assert said == "modules.A.inputs.in: no input 'in'; there are: none"
+
+
+def test_an_unknown_channel_is_named(build: Build) -> None:
+    assert "no channel 'm'; there are: n" in refused(build, {"A": (Source, {}, {"numbers": "m"})}, {"n": {}})
+    assert "no channel 'm'; there are: n" in refused(build, {"B": (Relay, {"numbers": "m"}, {})}, {"n": {}})
+
+
+def test_a_type_mismatch_names_both_types(build: Build) -> None:
+    modules: dict[str, Any] = {"A": (Source, {}, {"numbers": "n"}), "O": (OdometryUser, {"odometry": "n"}, {})}
+    assert refused(build, modules, {"n": {}}) == (
+        "modules.O.inputs.odometry: channel n carries Twist, the port wants Odometry"
+    )
+
+
+def test_two_producers_of_one_channel_are_refused(build: Build) -> None:
+    modules: dict[str, Any] = {"A": (Source, {}, {"numbers": "n"}), "B": (Source, {}, {"numbers": "n"})}
+    assert "channel n already has a producer, A.numbers" in refused(build, modules, {"n": {}})
+
+
+def test_a_channel_nobody_publishes_on_is_refused_unless_it_is_external(build: Build) -> None:
+    modules: dict[str, Any] = {"B": (Relay, {"numbers": "n"}, {})}
+    assert "no module publishes on channel n" in refused(build, modules, {"n": {}})
+    assert build(modules, {"n": {"external": True}}).producers == {}
+
+
+def test_a_cycle_is_refused_with_its_path_and_allowed_through_a_feedback_channel(build: Build) -> None:
+    modules: dict[str, Any] = {
+        "A": (Relay, {"numbers": "ba"}, {"relayed": "ab"}),
+        "B": (Relay, {"numbers": "ab"}, {"relayed": "ba"}),
+    }
+    said = refused(build, modules, {"ab": {}, "ba": {}})
+    assert "A -> B -> A" in said
+    assert "feedback: true" in said
+    assert build(modules, {"ab": {}, "ba": {"feedback": True}}).producers["ba"] == "B.relayed"
+
+
+def test_a_module_may_not_feed_itself(build: Build) -> None:
+    assert "A -> A" in refused(build, {"A": (Relay, {"numbers": "n"}, {"relayed": "n"})}, {"n": {}})
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ({"period_s": -1}, "period_s: Input should be greater than 0"),
+        ({"perod_s": 1}, "perod_s: Extra inputs are not permitted"),
+    ],
+)
+def test_bad_settings_name_the_key(build: Build, settings: dict[str, Any], said: str) -> None:
+    assert said in refused(build, {"A": (Source, {}, {"numbers": "n"}, {"settings": settings})}, {"n": {}})
+
+
+def test_a_module_finds_its_own_settings(build: Build) -> None:
+    graph = build({"A": (Source, {}, {"numbers": "n"}, {"settings": {"period_s": 2}})}, {"n": {}})
+    assert graph.modules["A"].module.settings == SourceSettings(period_s=2)
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["app.nowhere:Thing", "app.runtime.module:No", "app.runtime.module", ":Thing", ".x:Y", "", "a b:C", "json:loads"],
+)
+def test_a_path_that_is_no_module_class_is_refused(build: Build, path: str) -> None:
+    assert f"{path!r} is not a module class" in refused(build, {"A": (path, {}, {})}, {})
+
+
+def test_a_broken_import_inside_a_module_file_is_not_hidden(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "hbba_broken_module.py").write_text("import hbba_broken\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    with pytest.raises(ModuleNotFoundError, match="hbba_broken"):
+        load_class("hbba_broken_module:Thing")
+
+
+def test_a_class_that_is_no_module_is_refused(build: Build) -> None:
+    assert load_class(f"{__name__}:NotAModule") is None
+
+
+def test_a_missing_service_is_a_wiring_error(build: Build) -> None:
+    said = refused(build, {"N": (NeedsDict, {}, {})}, {})
+    assert said == "modules.N: N needs a dict, which this robot does not have"
+    assert build({"N": (NeedsDict, {}, {})}, {}, services={dict: {}}).modules["N"].module.found == {}  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("message_type", ["Nothing", "Pose2", "Message", "np", "read_only"])
+def test_a_channel_of_an_unknown_message_type_is_refused(build: Build, message_type: str) -> None:
+    said = refused(build, {}, {"n": {"type": message_type}})
+    assert said == f"channels.n.type: there is no message type {message_type!r} in app.messages"
+
+
+WIRED: tuple[dict[str, Any], dict[str, Any]] = (
+    {"A": (Source, {}, {"numbers": "n"}), "B": (Relay, {"numbers": "n", "safety": "n"}, {"relayed": "r"})},
+    {"n": {}, "r": {}},
+)
+
+
+def test_attended_filters_begin_closed_and_all_others_open(build: Build) -> None:
+    graph = build(*WIRED, attended=("A.numbers", "B.numbers"))
+    assert graph.filters.divisors() == {"A.numbers": CLOSED, "B.numbers": CLOSED, "B.safety": 1, "B.relayed": 1}
+
+
+def test_what_attention_may_not_touch_is_refused(build: Build) -> None:
+    assert "B.inputs.safety: this input must stay open" in refused(build, *WIRED, attended=("B.safety",))
+    modules, channels = WIRED
+    said = refused(build, modules, {**channels, "n": {"decimable": False}}, attended=("B.numbers",))
+    assert "channel n may not be decimated, yet a strategy filters it" in said
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("C.numbers", "no module 'C'; there are: A, B"),
+        ("B.nothing", "no connected port 'nothing'; there are: numbers, relayed, safety"),
+        ("B", "no connected port ''; there are: numbers, relayed, safety"),
+    ],
+)
+def test_attending_what_does_not_exist_is_refused(build: Build, name: str, said: str) -> None:
+    assert said in refused(build, *WIRED, attended=(name,))
+
+
+def test_attending_an_input_that_is_not_wired_is_refused(build: Build) -> None:
+    modules = {"A": (Source, {}, {"numbers": "n"}), "B": (Relay, {"safety": "n"}, {})}
+    assert "no connected port 'numbers'" in refused(build, modules, {"n": {}}, attended=("B.numbers",))
+
+
+def test_a_refused_attendance_changes_nothing(build: Build) -> None:
+    graph = build(*WIRED)
+    with pytest.raises(WiringError):
+        graph.attend(("A.numbers", "B.safety"))
+    assert set(graph.filters.divisors().values()) == {1}
+
+
+def test_channels_are_found_by_name(build: Build) -> None:
+    graph = build(*WIRED)
+    assert graph.channel("n") is graph.channels["n"]
+    with pytest.raises(KeyError, match="no channel 'm'; there are: n, r"):
+        graph.channel("m")
+
+
+# --- FilterBank ---
+
+divisors = st.one_of(st.integers(1, 5), st.just(CLOSED))
+names = st.sampled_from(["a", "b", "c", "d"])
+
+
+@given(st.fixed_dictionaries(dict.fromkeys("abcd", divisors)), st.dictionaries(names, divisors))
+def test_apply_changes_exactly_what_differs_and_opens_before_it_closes(
+    before: dict[str, float], wanted: dict[str, float]
+) -> None:
+    bank = FilterBank()
+    order: list[tuple[float, float]] = []
+    for name, divisor in before.items():
+        bank.add(name, RateFilter(divisor, lambda was, now: order.append((was, now))))
+    changed = bank.apply(wanted)
+    assert bank.divisors() == {**before, **wanted}
+    assert changed == {n: (before[n], d) for n, d in wanted.items() if d != before[n]}
+    closing = [now > was for was, now in order]
+    assert closing == sorted(closing)
+    assert len(order) == len(changed)
+
+
+@given(st.dictionaries(names, divisors), st.sampled_from([("x", 1.0, KeyError), ("a", 0.5, ValueError)]))
+def test_a_set_of_filters_with_one_mistake_changes_nothing(
+    wanted: dict[str, float], mistake: tuple[str, float, type[Exception]]
+) -> None:
+    bank = FilterBank()
+    for name in "abcd":
+        bank.add(name, RateFilter(2))
+    wrong_name, wrong_divisor, error = mistake
+    with pytest.raises(error):
+        bank.apply({**wanted, wrong_name: wrong_divisor})
+    assert set(bank.divisors().values()) == {2}
+
+
+def test_an_unknown_filter_is_named_with_those_there_are() -> None:
+    bank = FilterBank()
+    bank.add("A.numbers", RateFilter())
+    with pytest.raises(KeyError, match=r"no filter 'A\.sums'; there are: A\.numbers"):
+        bank.apply({"A.sums": 1})
+
+
+# --- find_cycle ---
+
+
+@given(st.dictionaries(st.integers(0, 6).map(str), st.sets(st.integers(0, 6).map(str))))
+def test_a_cycle_is_found_exactly_when_there_is_one(followers: dict[str, set[str]]) -> None:
+    cycle = find_cycle(followers)
+    if cycle is not None:
+        assert cycle[0] == cycle[-1]
+        assert all(after in followers.get(before, ()) for before, after in itertools.pairwise(cycle))
+        return
+    # No cycle: taking away the nodes that follow nothing, again and again, must leave none.
+    rest = {node: {f for f in after if f in followers} for node, after in followers.items()}
+    while leaves := {node for node, after in rest.items() if not after}:
+        rest = {node: after - leaves for node, after in rest.items() if node not in leaves}
+    assert rest == {}
