@@ -25,8 +25,8 @@ from app.robots.simulated.world_config import WorldConfig
 PREFIX = "robot/"
 VISUAL_GROUP, COLLISION_GROUP = 1, 3
 CAMERA = "kinect"
-_DRIVE_GAIN = 60.0
-_WHEEL_ARMATURE = 0.01
+_DRIVE_GAIN = 40.0
+_WHEEL_ARMATURE = 0.08
 _SERVO_ARMATURE = 0.05
 
 
@@ -172,7 +172,7 @@ def _limit_drives(model: mujoco.MjModel, wheels: tuple[str, str], robot: RobotCo
     mass = float(model.body_subtreemass[model.joint("base").bodyid[0]])
     for wheel, radius in zip(wheels, (base.left_radius_m, base.right_radius_m), strict=True):
         actuator = model.actuator(PREFIX + wheel).id
-        torque = mass * robot.limits.emergency_mps2 * radius / 2
+        torque = (mass / 2 + _WHEEL_ARMATURE / radius**2) * robot.limits.emergency_mps2 * radius
         model.actuator_forcelimited[actuator] = 1
         model.actuator_forcerange[actuator] = (-torque, torque)
 

@@ -50,7 +50,8 @@ def build_world(config: WorldConfig) -> mujoco.MjSpec:
     spec = mujoco.MjSpec()
     spec.modelname = config.name
     spec.option.timestep = TIMESTEP_S
-    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    # Not an implicit integrator: it damps the drives after the contacts are solved, so that the wheels would slip
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_EULER
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.visual.quality.offsamples = 0
     spec.visual.quality.shadowsize = 0

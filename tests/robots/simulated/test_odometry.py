@@ -1,0 +1,72 @@
+"""Wheel odometry: exact for perfect wheels, drifting as configured for real ones."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.robots.config import BaseConfig
+from app.robots.simulated.odometry import TrueBase, WheelOdometry, draw_true_base
+
+IDEAL = BaseConfig(radius_error=0, track_error=0, slip=0, encoder_ticks=10_000_000)
+
+
+def roll(config: BaseConfig, true: TrueBase, linear: float, angular: float, seconds: float, seed: int) -> WheelOdometry:
+    """Odometry of a base that truly moves at this twist."""
+    odometry = WheelOdometry(config, np.random.default_rng(seed))
+    dt = 0.01
+    for i in range(round(seconds / dt) + 1):
+        left = (linear - angular * true.track_m / 2) / true.left_radius_m * i * dt
+        right = (linear + angular * true.track_m / 2) / true.right_radius_m * i * dt
+        odometry.update(left, right, dt)
+    return odometry
+
+
+@given(st.floats(-0.4, 0.4), st.floats(-1, 1))
+def test_perfect_wheels_give_the_true_arc(linear: float, angular: float) -> None:
+    odometry = roll(IDEAL, TrueBase(0.10, 0.10, 0.44), linear, angular, 3.0, 0)
+    heading = 3.0 * angular
+    if abs(angular) > 1e-6:
+        x, y = linear / angular * math.sin(heading), linear / angular * (1 - math.cos(heading))
+    else:
+        x, y = 3.0 * linear, 0.0
+    assert (odometry.X_OB.x, odometry.X_OB.y) == pytest.approx((x, y), abs=1e-4)
+    assert math.remainder(odometry.X_OB.theta - heading, 2 * math.pi) == pytest.approx(0, abs=1e-4)
+    assert odometry.linear_mps == pytest.approx(linear, abs=1e-3)
+    assert odometry.angular_radps == pytest.approx(angular, abs=1e-3)
+
+
+def test_it_starts_at_zero_whatever_the_wheels_read() -> None:
+    odometry = WheelOdometry(BaseConfig(), np.random.default_rng(1))
+    odometry.update(12.3, -4.5, 0.01)
+    assert (odometry.X_OB.x, odometry.X_OB.y, odometry.X_OB.theta) == (0, 0, 0)
+
+
+def test_real_wheels_drift_but_not_by_more_than_a_few_percent() -> None:
+    errors = []
+    for seed in range(20):
+        true = draw_true_base(BaseConfig(), np.random.default_rng(100 + seed))
+        odometry = roll(BaseConfig(), true, 0.4, 0.0, 25.0, seed)
+        errors.append(math.hypot(odometry.X_OB.x - 10.0, odometry.X_OB.y) / 10.0)
+    assert 0.001 < np.median(errors)
+    assert max(errors) < 0.15  # ten metres without looking: wheels that differ by 0.4 % bend the path by 0.5 m
+    assert np.median(errors) < 0.06
+
+
+def test_slip_alone_grows_with_distance() -> None:
+    config = BaseConfig(radius_error=0, track_error=0)
+    true = TrueBase(0.10, 0.10, 0.44)
+
+    def spread(seconds: float) -> float:
+        return float(np.std([roll(config, true, 0.4, 0.0, seconds, s).X_OB.theta for s in range(30)]))
+
+    assert 0 < spread(2.5) < spread(25.0) < 0.2
+
+
+def test_standing_still_stays_exactly_still() -> None:
+    odometry = roll(BaseConfig(), TrueBase(0.10, 0.10, 0.44), 0.0, 0.0, 5.0, 3)
+    assert (odometry.X_OB.x, odometry.X_OB.theta, odometry.linear_mps) == (0, 0, 0)

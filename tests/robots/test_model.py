@@ -1,0 +1,79 @@
+"""The model reader against MuJoCo's own kinematics, and its complaints."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.errors import ConfigError
+from app.robots.model import load_model
+
+URDF = Path(__file__).parents[2] / "config" / "robots" / "irl1_tr.urdf"
+MODEL = load_model(URDF)
+PHYSICS = mujoco.MjSpec.from_file(str(URDF)).compile()
+
+
+@given(st.floats(-2.2, 2.2), st.floats(-0.29, 0.43), st.floats(-2.0, 0.0))
+def test_forward_kinematics_agrees_with_the_physics(pan: float, tilt: float, elbow: float) -> None:
+    positions = {"pan_joint": pan, "tilt_joint": tilt, "left_elbow_joint": elbow}
+    data = mujoco.MjData(PHYSICS)
+    for name, position in positions.items():
+        data.qpos[PHYSICS.joint(name).qposadr[0]] = position
+    mujoco.mj_kinematics(PHYSICS, data)
+    for link in ("kinect_optical_frame", "left_forearm_link", "right_wheel_link", "hokuyo_link"):
+        pose = MODEL.pose(link, positions)
+        np.testing.assert_allclose(pose.translation, data.body(link).xpos, atol=1e-9)
+        np.testing.assert_allclose(pose.rotation, data.body(link).xmat.reshape(3, 3), atol=1e-9)
+
+
+def test_the_frames_the_sensors_need_are_where_the_thesis_has_them() -> None:
+    laser = MODEL.pose("hokuyo_link")
+    assert laser.translation[2] == pytest.approx(0.40)
+    camera = MODEL.pose("kinect_optical_frame")
+    np.testing.assert_allclose(camera.rotation[:, 2], [1, 0, 0], atol=1e-12)  # it looks forward
+    np.testing.assert_allclose(camera.rotation[:, 1], [0, 0, -1], atol=1e-12)  # its y points down
+    assert 1.2 < camera.translation[2] < 1.4
+
+
+def test_the_head_moves_within_the_thesiss_limits_and_tilting_up_looks_up() -> None:
+    pan, tilt = MODEL.joints["pan_joint"], MODEL.joints["tilt_joint"]
+    assert np.rad2deg([pan.lower, pan.upper]) == pytest.approx([-128, 128], abs=0.01)
+    assert np.rad2deg([tilt.lower, tilt.upper]) == pytest.approx([-17, 25], abs=0.01)
+    assert MODEL.pose("kinect_optical_frame", {"tilt_joint": 0.3}).rotation[2, 2] == pytest.approx(math.sin(0.3))
+
+
+def test_two_arms_of_four_joints() -> None:
+    for side in ("left", "right"):
+        arm = [n for n in MODEL.joint_names if n.startswith(side) and "wheel" not in n]
+        assert len(arm) == 4
+
+
+def test_an_unknown_link_is_named_with_those_there_are() -> None:
+    with pytest.raises(KeyError, match="no link 'nose'.*base_link"):
+        MODEL.pose("nose")
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("<robot><link", "is no XML"),
+        ("<robot><joint name='j' type='fixed'><parent link='a'/></joint></robot>", "has no <child>"),
+        ("<robot><link name='a'/><link name='b'/></robot>", "one tree; these have no parent: a, b"),
+    ],
+)
+def test_a_file_that_is_no_robot_is_refused_in_words(tmp_path: Path, text: str, complaint: str) -> None:
+    path = tmp_path / "robot.urdf"
+    path.write_text(text)
+    with pytest.raises(ConfigError, match=complaint):
+        load_model(path)
+
+
+def test_a_missing_file_is_said_so(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="cannot be read"):
+        load_model(tmp_path / "nothing.urdf")
