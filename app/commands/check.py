@@ -16,7 +16,7 @@ def add_parser(subparsers: Any) -> None:
     parser = subparsers.add_parser(
         "check",
         help="validate configuration files",
-        description="Validate configuration: programs, robots, worlds, strategies and channels. "
+        description="Validate configuration: programs, robots, worlds, strategies, channels, problems to solve. "
         "Each mistake is said as FILE:LINE: what is wrong and what is allowed. Exit code 2 if there is any.",
     )
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="a file of config/")
@@ -93,6 +93,13 @@ def _world(path: Path) -> None:
     parse(path, WorldConfig)
 
 
+def _problem(path: Path) -> None:
+    from app.attention.problem_file import read_problem
+    from app.yaml_source import load_yaml
+
+    read_problem(load_yaml(path), path.resolve().parent)
+
+
 def _strategies(path: Path) -> None:
     """Check a table by itself, then every program in the folder above that uses it, for its modules and ports."""
     from app.attention.strategies import load_strategies
@@ -142,6 +149,7 @@ def _programs_naming(path: Path) -> list[Path]:
 _KINDS: tuple[tuple[str, frozenset[str], Callable[[Path], None]], ...] = (
     ("program", frozenset({"modules", "robot"}), _program),
     ("robot", frozenset({"model", "world", "base"}), _robot),
+    ("problem", frozenset({"desires"}), _problem),
     ("world", frozenset({"walls", "materials", "wall_height"}), _world),
     ("strategies", frozenset({"strategies", "resources"}), _strategies),
 )

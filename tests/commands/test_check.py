@@ -45,6 +45,15 @@ def test_kinds_are_told_by_their_keys(capsys: pytest.CaptureFixture[str]) -> Non
     ] == ["program", "channels", "robot", "robot model", "world"]
 
 
+def test_a_problem_to_solve_is_a_kind_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "problem.yaml"
+    file.write_text("desires: [{class: GoTo, intensity: 1}]\nstrategies: [{name: go, class: GoTo, utility: 8}]\n")
+    assert kind(file, capsys) == "problem"
+    file.write_text("desires: [{class: GoTo, intensity: much}]\n")
+    assert cli.main(["check", str(file)]) == 2
+    assert capsys.readouterr().err.startswith(f"{file}:1: ")
+
+
 @pytest.mark.parametrize(
     ("name", "old", "new", "sentence"),
     [
