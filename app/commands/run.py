@@ -144,7 +144,8 @@ class Stopping:
         """From now on, signals call ``ask``. Python's own handlers, as they run even where the event loop is stuck."""
         self._ask = ask
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            signal.signal(number, self.signalled)
+            if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # else: started by nohup
+                signal.signal(number, self.signalled)
 
     def signalled(self, number: int, _frame: FrameType | None = None) -> None:
         """A signal has come."""
