@@ -96,10 +96,17 @@ def diagonal_crossing(corners: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _inside(corners: NDArray[np.float32], shape: tuple[int, ...]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    mask = np.zeros(shape, np.uint8)
-    cv2.fillConvexPoly(mask, np.round(corners).astype(np.int32), 1)
+    """Rows and columns of the image's pixels inside the quadrilateral."""
+    height, width = shape
+    whole = np.round(corners).astype(np.int32)
+    u0, v0 = np.clip(whole.min(axis=0), 0, (width, height))
+    u1, v1 = np.clip(whole.max(axis=0) + 1, 0, (width, height))
+    # A mask of the code's own box: one of the whole image would cost more than all the rest.
+    mask = np.zeros((v1 - v0, u1 - u0), np.uint8)
+    if mask.size:
+        cv2.fillConvexPoly(mask, whole - (u0, v0), 1)
     v, u = np.nonzero(mask)
-    return v, u
+    return v + v0, u + u0
 
 
 def _plane_depth(u: NDArray[np.float64], v: NDArray[np.float64], z: NDArray[np.float64]) -> float | None:
@@ -108,8 +115,12 @@ def _plane_depth(u: NDArray[np.float64], v: NDArray[np.float64], z: NDArray[np.f
     inverse = 1.0 / z
     keep = np.ones(len(z), dtype=bool)
     for _ in range(2):
-        solution, _, rank, _ = np.linalg.lstsq(terms[keep], inverse[keep], rcond=None)
-        if rank < 3 or solution[2] <= 0:
+        kept = terms[keep]
+        normal = kept.T @ kept
+        if np.linalg.cond(normal) > 1e12:
+            return None
+        solution = np.linalg.solve(normal, kept.T @ inverse[keep])
+        if solution[2] <= 0:
             return None
         residual = np.abs(terms @ solution - inverse)
         keep = residual <= 3.0 * max(float(np.median(residual)), 1e-6)

@@ -105,6 +105,24 @@ def test_locate_finds_the_centre_of_any_plane_quad(z: float, x: float, y: float,
     assert math.dist(found, centre) < 0.004
 
 
+def test_a_code_half_out_of_the_picture_is_placed_by_what_is_in_it() -> None:
+    depth = np.full((480, 640), 2000, np.uint16)
+    corners = np.array([(-40, 200), (39, 200), (39, 280), (-40, 280)], np.float32)
+    found = locate(corners, depth, KINECT)
+    assert found is not None
+    assert found[2] == pytest.approx(2.0, abs=0.01)
+    assert locate(corners - np.array([100, 0], np.float32), depth, KINECT) is None
+
+
+def test_depths_on_one_line_give_their_median() -> None:
+    depth = np.zeros((480, 640), np.uint16)
+    depth[200:280, 320] = 1500
+    corners = np.array([(317, 200), (323, 200), (323, 280), (317, 280)], np.float32)
+    found = locate(corners, depth, KINECT)
+    assert found is not None
+    assert found[2] == pytest.approx(1.5)
+
+
 def test_diagonals_cross_where_perspective_puts_the_centre() -> None:
     square = np.array([(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)])
     np.testing.assert_allclose(diagonal_crossing(square), (1.0, 1.0))

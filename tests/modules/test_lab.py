@@ -1,0 +1,88 @@
+"""The lab's configuration against the modules it names: class paths, ports, types, strategies and parameters."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from app.attention.desires import DesireClass, DesireClasses
+from app.attention.strategies import Strategy, StrategyTable, load_strategies
+from app.attention.workspace import IntentionWorkspace
+from app.link import RobotLink
+from app.modules.desire_classes import desire_classes
+from app.runtime.channel_table import ChannelSpec
+from app.runtime.clock import VirtualClock, run_virtual
+from app.runtime.graph import Graph, ModuleSpec
+from app.yaml_source import load_yaml
+
+from .fakes import FakeLink
+
+CONFIG = Path(__file__).parents[2] / "config"
+
+
+def lab_graph() -> Graph:
+    lab = load_yaml(CONFIG / "lab.yaml").data
+    channels = load_yaml(CONFIG / "channels.yaml").data
+    clock = VirtualClock()
+    return Graph(
+        clock=clock,
+        channels={name: ChannelSpec.model_validate(spec) for name, spec in channels.items()},
+        modules={name: ModuleSpec.model_validate(spec) for name, spec in lab["modules"].items()},
+        services={
+            RobotLink: FakeLink(),
+            IntentionWorkspace: IntentionWorkspace(DesireClasses(desire_classes()), clock.now),
+        },
+    )
+
+
+@pytest.fixture(scope="module")
+def table() -> StrategyTable:
+    classes = [desire_class.name for desire_class in desire_classes()]
+    return load_strategies([CONFIG / "strategies" / "lab.yaml"], classes=classes, ports=lab_graph().ports())
+
+
+def test_every_class_has_strategies_and_every_strategy_can_be_attended(table: StrategyTable) -> None:
+    assert set(table.classes) == {desire_class.name for desire_class in desire_classes()}
+    graph = lab_graph()
+
+    async def main() -> None:
+        graph.attend(table.filters)
+
+    run_virtual(main())
+
+
+def of_class(table: StrategyTable, cls: str) -> list[Strategy]:
+    return [strategy for strategy in table.strategies if strategy.cls == cls]
+
+
+@pytest.mark.parametrize("cls", ["FindQRCodes", "Telepresence"])
+def test_half_the_rate_is_half_the_utility_and_half_the_cost(table: StrategyTable, cls: str) -> None:
+    full, *rest = of_class(table, cls)
+    assert set(full.filters.values()) == {1}
+    for strategy in rest:
+        (divisor,) = set(strategy.filters.values())
+        assert strategy.filters.keys() == full.filters.keys()
+        assert strategy.utility == full.utility / divisor
+        assert strategy.costs["cpu"] == pytest.approx(full.costs["cpu"] / divisor)
+        assert strategy.name == full.name.replace("-1", f"-{divisor:.0f}")
+
+
+def test_full_rate_for_all_does_not_fit_but_each_alone_does(table: StrategyTable) -> None:
+    full = [of_class(table, cls)[0].costs["cpu"] for cls in ("FindQRCodes", "Telepresence")]
+    capacity = table.capacities()["cpu"]
+    assert max(full) <= capacity < sum(full)
+
+
+def test_driving_by_hand_costs_nothing(table: StrategyTable) -> None:
+    assert not of_class(table, "Teleoperation")[0].costs
+
+
+@pytest.mark.parametrize("desire_class", desire_classes(), ids=lambda c: c.name)
+def test_every_class_has_words_and_every_parameter_a_default(desire_class: DesireClass) -> None:
+    assert desire_class.title
+    assert desire_class.description.endswith(".")
+    defaults = desire_class.validated(None)
+    for name, prop in desire_class.parameters.model_json_schema()["properties"].items():
+        assert prop["description"].endswith("."), name
+        assert name in defaults
