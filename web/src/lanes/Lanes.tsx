@@ -12,7 +12,7 @@ import { LaneTable } from "./LaneTable";
 import { Tooltip } from "./Tooltip";
 import { span, stepZoom, togglePause, type Viewport } from "./viewport";
 
-const ROW_MIN = 27;
+const ROW_MIN = 22;
 const ROW_MAX = 46;
 
 export function Lanes() {
@@ -114,7 +114,7 @@ export function Lanes() {
             ))}
           </ol>
           <div class="lane-area" ref={area} tabIndex={0} data-own-arrows role="group" aria-label="Lanes over time. Arrow keys move a cursor that tells values and reasons, plus and minus zoom, P pauses.">
-            <canvas ref={canvas} />
+            <canvas ref={canvas} data-testid="lane-canvas" />
           </div>
         </div>
       )}

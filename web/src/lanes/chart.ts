@@ -6,8 +6,8 @@ import { AXIS_PX, LanePainter, markRow } from "./draw";
 import type { LaneSample } from "./history";
 import { edges, INITIAL, type Viewport } from "./viewport";
 
-/** Kinds of events too frequent or too plain to be marked. */
-const UNMARKED = new Set(["filter", "load"]);
+/** Kinds of events that are marked: what changes the attention, and what disturbs it. */
+const MARKED = new Set(["desire", "intention", "overload", "module", "restart"]);
 const NEAR_PX = 7;
 
 export interface Hit {
@@ -31,8 +31,8 @@ export class LaneChart {
   private drawn = "";
   private marks: RobotEvent[] = [];
   private marksOf: RobotEvent[] | null = null;
-  /** Frames painted and milliseconds spent painting them, for measurements. */
-  readonly cost = { frames: 0, ms: 0 };
+  /** Since `since`: animation frames, frames painted, and milliseconds spent painting them. */
+  private cost = { since: performance.now(), frames: 0, painted: 0, ms: 0 };
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -62,6 +62,7 @@ export class LaneChart {
 
   /** Called each animation frame; paints only when half a device pixel or anything else has changed. */
   frame(): void {
+    this.tell();
     const classes = this.classes();
     const ratio = Math.min(2, window.devicePixelRatio || 1);
     if (this.width < 2 || classes.length === 0) return;
@@ -74,7 +75,7 @@ export class LaneChart {
     this.fit(ratio, classes.length);
     if (this.marksOf !== events) {
       this.marksOf = events;
-      this.marks = events.filter((event) => !UNMARKED.has(event.kind));
+      this.marks = events.filter((event) => MARKED.has(event.kind));
     }
     const began = performance.now();
     this.painter.paint({
@@ -89,8 +90,20 @@ export class LaneChart {
       ratio,
       cursor: this.cursor && { stamp: from + (to - from) * this.cursor.share, row: this.cursor.row },
     });
-    this.cost.frames += 1;
+    this.cost.painted += 1;
     this.cost.ms += performance.now() - began;
+  }
+
+  /** Once a second, tells on the canvas how it is doing: for measurements from outside. */
+  private tell(): void {
+    this.cost.frames += 1;
+    const { since, frames, painted, ms } = this.cost;
+    const seconds = (performance.now() - since) / 1000;
+    if (seconds < 1) return;
+    this.canvas.dataset["fps"] = (frames / seconds).toFixed(1);
+    this.canvas.dataset["painted"] = (painted / seconds).toFixed(1);
+    this.canvas.dataset["paintMs"] = (ms / Math.max(1, painted)).toFixed(2);
+    this.cost = { since: performance.now(), frames: 0, painted: 0, ms: 0 };
   }
 
   /** What is under the cursor. */

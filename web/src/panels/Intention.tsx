@@ -46,7 +46,7 @@ function Body({ intention }: { intention: IntentionMessage }) {
                 <span class="state-word">{reason.state}</span>
                 {reason.utility !== null && reason.wanted !== null && (
                   <span class="muted">
-                    utility {number(reason.utility)} of {number(reason.wanted)} wanted
+                    utility {number(reason.utility)}, {number(reason.wanted)} wanted
                   </span>
                 )}
               </p>

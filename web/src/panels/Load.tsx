@@ -21,11 +21,12 @@ export function Load() {
 function Body({ load }: { load: LoadMessage }) {
   const modules = [...load.modules].sort((a, b) => rank(a) - rank(b) || b.cpu - a.cpu || a.name.localeCompare(b.name));
   const attention = modules.reduce((sum, module) => sum + module.cpu, 0);
-  const full = Math.max(load.budget, load.process_cpu, attention) * 1.05;
+  const budget = load.budget ?? 100;
+  const full = Math.max(budget, load.process_cpu, attention) * 1.05;
   const most = Math.max(10, ...modules.map((module) => module.cpu));
   return (
     <>
-      <Meter label="Process" value={load.process_cpu} limit={load.budget} full={full} text={`${number(load.process_cpu, 0)} % of a core · budget ${number(load.budget, 0)} %`} />
+      <Meter label="Process" value={load.process_cpu} limit={budget} full={full} text={`${number(load.process_cpu, 0)} % of a core${load.budget === null ? "" : ` · budget ${number(budget, 0)} %`}`} />
       <CpuPlot />
       <ul class="modules">
         {modules.map((module) => (

@@ -177,7 +177,7 @@ export interface Load {
   type: "load";
   stamp: number;
   process_cpu: number;
-  budget: number;
+  budget: number | null;
   modules: ModuleLoad[];
 }
 

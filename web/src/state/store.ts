@@ -28,7 +28,7 @@ export interface Notice {
 export interface LoadPoint {
   stamp: number;
   cpu: number;
-  budget: number;
+  budget: number | null;
 }
 
 const EVENTS_KEPT = 1000;

@@ -11,9 +11,9 @@ const PHASES = { connecting: "Connecting…", live: "Connected", stale: "Not hea
 const GUARDS: Record<string, string> = {
   idle: "Standing",
   driving: "Driving",
-  stale_command: "Stopped: no fresh command",
-  e_stopped: "Emergency stop",
-  sensor_failure: "Stopped: sensor failure",
+  stale_command: "No fresh command",
+  e_stopped: "E-stopped",
+  sensor_failure: "Sensor failure",
 };
 
 export function TopBar({ narrow }: { narrow: boolean }) {
@@ -22,6 +22,7 @@ export function TopBar({ narrow }: { narrow: boolean }) {
   const status = store.status.value;
   const live = phase === "live";
   const guard = status?.guard;
+  const known = live ? guard : undefined;
   const stopped = guard?.e_stopped === true;
   const hello = store.hello.value;
   const rate = status?.world_rate ?? 1;
@@ -39,8 +40,8 @@ export function TopBar({ narrow }: { narrow: boolean }) {
         {phase === "stale" || phase === "lost" ? <WarnIcon /> : <LinkIcon />}
         {PHASES[phase]}
       </p>
-      <p class={`chip guard-${guard?.state ?? "none"}`} data-testid="guard-state" data-state={guard?.state ?? ""} title={guard?.reason}>
-        {guard ? (GUARDS[guard.state] ?? guard.state) : "–"}
+      <p class={`chip guard-${known?.state ?? "none"}`} data-testid="guard-state" data-state={known?.state ?? ""} title={known?.reason}>
+        {known ? (GUARDS[known.state] ?? known.state) : "State unknown"}
       </p>
       <dl class="metrics">
         <Metric id="rtt" label="Link" unit="ms" tone={tone(store.rttMs.value, 150, 400)} hint="Round trip between this page and the robot">
