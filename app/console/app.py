@@ -1,0 +1,70 @@
+"""The console as one ASGI application."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fastapi import APIRouter, FastAPI, WebSocket
+
+from app import paths
+from app.console.description import describe
+from app.console.live.endpoint import live
+from app.console.live.hub import Hub
+from app.console.page import install_page
+from app.console.problems import install_problem_handlers
+from app.console.rest.attention import attention_router
+from app.console.rest.desires import desires_router
+from app.console.rest.program import program_router, robot_router
+from app.console.rest.session import session_router
+from app.console.security import Door, Guarded
+
+if TYPE_CHECKING:
+    from app.system import System
+
+API = "/api/v1"
+
+
+def create_app(system: System, *, static_dir: Path | None = None, token: str | None = None) -> FastAPI:
+    """The console of ``system``: REST and live stream under ``/api/v1``, the 3D view under ``/viser``, the page at /.
+
+    ``static_dir`` holds the built page (default: where the build puts it). ``token`` None: whoever is on this computer
+    may use it, under a name of this computer; see :mod:`app.console.security`.
+    """
+    hub = Hub(system)
+    door = Door(token)
+
+    @asynccontextmanager
+    async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+        hub.open()
+        try:
+            yield
+        finally:
+            hub.close()
+
+    # FastAPI's own documentation pages load scripts from elsewhere; ours need nothing but this server.
+    app = FastAPI(lifespan=lifespan, openapi_url=None, docs_url=None, redoc_url=None)
+    app.state.hub = hub
+    install_problem_handlers(app)
+    api = APIRouter(prefix=API)
+    for router in (
+        desires_router(system),
+        attention_router(system),
+        robot_router(system, hub),
+        program_router(system),
+        session_router(door),
+    ):
+        api.include_router(router)
+
+    @api.websocket("/live")
+    async def live_stream(websocket: WebSocket) -> None:
+        await live(websocket, hub, system.clock)
+
+    app.include_router(api)
+    describe(app, API)
+
+    install_page(app, static_dir or paths.static_dir())
+    app.add_middleware(Guarded, door=door)
+    return app

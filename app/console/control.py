@@ -1,0 +1,278 @@
+"""The wheel: which page drives, and when it must stop. A pure state machine: (lease, now, event) -> (lease, actions).
+
+One driver, many spectators. The first held command while nobody drives takes the wheel; it is given up after 10 s of
+holding nothing, by word, by silence or by another's taking it, and the robot is always stopped first. A hold that was
+refused or ended by the robot's side (another drives, emergency stop) counts for nothing until released once: nothing
+moves because a key happens to be down still.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Literal, TypeAlias
+
+#: A held command that is not renewed for this long counts as released.
+HOLD_GAP_S = 0.2
+#: A driver who says nothing at all for this long is lost.
+LOST_AFTER_S = 1.0
+#: A driver who holds nothing for this long gives up the wheel.
+IDLE_AFTER_S = 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class Connected:
+    """A page opened its connection ``session``; ``operator`` is what people call whoever sits there."""
+
+    session: str
+    operator: str
+
+
+@dataclass(frozen=True, slots=True)
+class Gone:
+    """The connection ended, however it did."""
+
+    session: str
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """A sign of life (a ping)."""
+
+    session: str
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """A drive command: ``linear`` and ``angular`` should be in [-1, 1]."""
+
+    session: str
+    sequence: int
+    held: bool
+    linear: float
+    angular: float
+
+
+@dataclass(frozen=True, slots=True)
+class Garbled:
+    """A command that could not be read; whoever sends such must not keep the robot moving."""
+
+    session: str
+
+
+@dataclass(frozen=True, slots=True)
+class TakeControl:
+    """A page asks for the wheel, whoever has it."""
+
+    session: str
+
+
+@dataclass(frozen=True, slots=True)
+class ReleaseControl:
+    """The driver gives the wheel back."""
+
+    session: str
+
+
+@dataclass(frozen=True, slots=True)
+class EmergencyStop:
+    """The emergency stop is latched now, or not."""
+
+    latched: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """Time has passed."""
+
+
+Event: TypeAlias = Connected | Gone | Heard | Drive | Garbled | TakeControl | ReleaseControl | EmergencyStop | Tick
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """Publish this on behalf of ``operator``."""
+
+    operator: str
+    held: bool
+    linear: float
+    angular: float
+
+
+@dataclass(frozen=True, slots=True)
+class Tell:
+    """Say ``text`` to one page."""
+
+    session: str
+    level: Literal["info", "warning", "error"]
+    text: str
+
+
+Action: TypeAlias = Command | Tell
+
+
+@dataclass(frozen=True, slots=True)
+class Lease:
+    """Who has the wheel.
+
+    ``operators`` by session; the ``driver``'s session or None; ``moving``: its last command was held; its last
+    ``sequence`` number; when it last commanded, was heard and held; ``blocked`` sessions must release before they
+    count.
+    """
+
+    operators: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    driver: str | None = None
+    moving: bool = False
+    sequence: int = 0
+    last_drive: float = -math.inf
+    last_heard: float = -math.inf
+    last_held: float = -math.inf
+    blocked: frozenset[str] = frozenset()
+    e_stopped: bool = False
+
+    @property
+    def driver_name(self) -> str | None:
+        """What people call the driver."""
+        return None if self.driver is None else self.operators[self.driver]
+
+
+Step: TypeAlias = tuple[Lease, tuple[Action, ...]]
+
+
+def step(lease: Lease, now: float, event: Event) -> Step:
+    """What follows from ``event`` at ``now`` (seconds)."""
+    match event:
+        case Connected(session, operator):
+            return replace(lease, operators=MappingProxyType({**lease.operators, session: operator})), ()
+        case Gone(session):
+            return _gone(lease, session)
+        case Heard(session):
+            return (replace(lease, last_heard=now) if session == lease.driver else lease), ()
+        case Garbled(session):
+            stopped, actions = _stopped(lease) if session == lease.driver else (lease, ())
+            return stopped, (*actions, Tell(session, "error", "The robot could not read the last message."))
+        case Drive():
+            return _drive(lease, now, event)
+        case TakeControl(session):
+            return _take(lease, now, session)
+        case ReleaseControl(session):
+            return _free(lease) if session == lease.driver else (lease, ())
+        case EmergencyStop(latched):
+            return _e_stop(lease, latched)
+        case Tick():
+            return _tick(lease, now)
+
+
+def deadline(lease: Lease) -> float:
+    """When a Tick is due next (seconds; infinite: never)."""
+    if lease.driver is None:
+        return math.inf
+    due = min(lease.last_heard + LOST_AFTER_S, lease.last_held + IDLE_AFTER_S)
+    return min(due, lease.last_drive + HOLD_GAP_S) if lease.moving else due
+
+
+def _gone(lease: Lease, session: str) -> Step:
+    actions: tuple[Action, ...] = ()
+    if session == lease.driver:
+        lease, actions = _free(lease)
+    operators = MappingProxyType({key: name for key, name in lease.operators.items() if key != session})
+    return replace(lease, operators=operators, blocked=lease.blocked - {session}), actions
+
+
+def _stopped(lease: Lease) -> Step:
+    if not lease.moving or lease.driver is None:
+        return lease, ()
+    return replace(lease, moving=False), (Command(lease.operators[lease.driver], False, 0.0, 0.0),)
+
+
+def _free(lease: Lease) -> Step:
+    lease, actions = _stopped(lease)
+    return replace(lease, driver=None), actions
+
+
+def _refused(lease: Lease, session: str, level: Literal["info", "warning", "error"], text: str) -> Step:
+    """Refuse a hold, saying why once."""
+    if session in lease.blocked:
+        return lease, ()
+    return replace(lease, blocked=lease.blocked | {session}), (Tell(session, level, text),)
+
+
+def _drive(lease: Lease, now: float, drive: Drive) -> Step:
+    session = drive.session
+    if not drive.held:
+        lease = replace(lease, blocked=lease.blocked - {session})
+        if session != lease.driver:
+            return lease, ()
+        lease, actions = _stopped(lease)
+        return replace(lease, last_drive=now, last_heard=now, sequence=drive.sequence), actions
+    if not _within_range(drive.linear) or not _within_range(drive.angular):
+        stopped, actions = _stopped(lease) if session == lease.driver else (lease, ())
+        text = f"Drive commands go from -1 to 1, not {drive.linear:g} and {drive.angular:g}: refused."
+        refused, told = _refused(stopped, session, "error", text)
+        return refused, (*actions, *told)
+    if lease.e_stopped:
+        return _refused(
+            lease, session, "warning", "The emergency stop is latched: clear it, then press again to drive."
+        )
+    if lease.driver not in (None, session):
+        text = f"{lease.driver_name} drives; take control first, then press again."
+        return _refused(lease, session, "warning", text)
+    if session in lease.blocked:
+        return lease, ()
+    if session == lease.driver and lease.moving and drive.sequence <= lease.sequence:
+        # A repeated or an older command: the newest stands.
+        return lease, ()
+    command = Command(lease.operators[session], True, drive.linear, drive.angular)
+    held = replace(
+        lease,
+        driver=session,
+        moving=True,
+        sequence=drive.sequence,
+        last_drive=now,
+        last_heard=now,
+        last_held=now,
+    )
+    return held, (command,)
+
+
+def _within_range(value: float) -> bool:
+    return math.isfinite(value) and -1.0 <= value <= 1.0
+
+
+def _take(lease: Lease, now: float, session: str) -> Step:
+    if session == lease.driver:
+        return lease, ()
+    taker = lease.operators[session]
+    actions: tuple[Action, ...] = ()
+    if lease.driver is not None:
+        before = lease.driver
+        lease, actions = _free(lease)
+        # Still holding, perhaps: that hold is over.
+        lease = replace(lease, blocked=lease.blocked | {before})
+        actions = (*actions, Tell(before, "warning", f"{taker} has taken control."))
+    taken = replace(lease, driver=session, sequence=0, last_drive=now, last_heard=now, last_held=now)
+    return taken, (*actions, Tell(session, "info", "You have control."))
+
+
+def _e_stop(lease: Lease, latched: bool) -> Step:
+    if latched == lease.e_stopped:
+        return lease, ()
+    actions: tuple[Action, ...] = ()
+    if latched and lease.moving and lease.driver is not None:
+        driver = lease.driver
+        lease, actions = _stopped(lease)
+        lease, told = _refused(lease, driver, "warning", "Emergency stop: the robot stands until it is cleared.")
+        actions = (*actions, *told)
+    return replace(lease, e_stopped=latched), actions
+
+
+def _tick(lease: Lease, now: float) -> Step:
+    if lease.driver is None:
+        return lease, ()
+    if now >= lease.last_heard + LOST_AFTER_S or now >= lease.last_held + IDLE_AFTER_S:
+        return _free(lease)
+    if lease.moving and now >= lease.last_drive + HOLD_GAP_S:
+        return _stopped(lease)
+    return lease, ()

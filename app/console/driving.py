@@ -1,0 +1,81 @@
+"""Carries out what the lease decides: publishes the driver's hands, latches the emergency stop, tells the pages."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import Callable
+from typing import Literal
+
+from app.console import control
+from app.link import RobotLink
+from app.messages import LinkStatus, OperatorDrive
+from app.runtime.channel import Channel
+from app.runtime.clock import Clock
+
+Notify = Callable[[str, Literal["info", "warning", "error"], str], None]
+
+
+class Driving:
+    """The lease at work. ``notify(session, level, text)`` reaches one page."""
+
+    def __init__(self, clock: Clock, link: RobotLink, channel: Channel[OperatorDrive], notify: Notify) -> None:
+        self._clock = clock
+        self._link = link
+        self._channel = channel
+        self._notify = notify
+        self._lease = control.Lease()
+        self._sequence = 0
+        self._timer: asyncio.TimerHandle | None = None
+
+    @property
+    def lease(self) -> control.Lease:
+        """Who drives, as it stands."""
+        return self._lease
+
+    def handle(self, event: control.Event) -> None:
+        """Let ``event`` happen now."""
+        now = self._clock.now()
+        self._lease, actions = control.step(self._lease, now, event)
+        for action in actions:
+            match action:
+                case control.Command(operator, held, linear, angular):
+                    self._sequence += 1
+                    self._channel.publish(OperatorDrive(now, operator, self._sequence, held, linear, angular))
+                case control.Tell(session, level, text):
+                    self._notify(session, level, text)
+        self._set_timer(now)
+
+    def e_stop(self, who: str) -> None:
+        """Latch the emergency stop, by the link's own path and before anything else."""
+        self._link.e_stop(f"pressed by {who}")
+        self.handle(control.EmergencyStop(True))
+
+    def clear_e_stop(self) -> None:
+        """Release the latch; nothing moves before a fresh command."""
+        self._link.clear_e_stop()
+
+    def heed(self, status: LinkStatus) -> None:
+        """Take over what the guard says of its latch."""
+        if status.e_stopped != self._lease.e_stopped:
+            self.handle(control.EmergencyStop(status.e_stopped))
+
+    def close(self) -> None:
+        """Stop whoever drives; no timer is left."""
+        if self._lease.driver is not None:
+            self.handle(control.ReleaseControl(self._lease.driver))
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _set_timer(self, now: float) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        due = control.deadline(self._lease)
+        if due < math.inf:
+            self._timer = asyncio.get_running_loop().call_later(max(0.0, due - now), self._tick)
+
+    def _tick(self) -> None:
+        self._timer = None
+        self.handle(control.Tick())

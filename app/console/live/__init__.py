@@ -1,0 +1,1 @@
+"""The live stream, ``/api/v1/live`` (docs/live-stream.md)."""

@@ -1,0 +1,84 @@
+"""The WebSocket ``/api/v1/live``: one task reads what the page says, one sends what waits for it."""
+
+from __future__ import annotations
+
+import asyncio
+from urllib.parse import unquote
+
+import msgspec
+from fastapi import WebSocket
+from starlette.websockets import WebSocketDisconnect
+
+from app.console import control
+from app.console.live import protocol
+from app.console.live.hub import Hub, Viewer
+from app.console.wire import encode_text
+from app.runtime.clock import Clock
+
+LONGEST_NAME = 40
+
+
+def operator_name(given: str | None) -> str:
+    """What people call an operator: printable, at most 40 characters, ``operator`` where nothing was said."""
+    name = "".join(c for c in unquote(given or "") if c.isprintable()).strip()
+    return name[:LONGEST_NAME] or "operator"
+
+
+async def live(websocket: WebSocket, hub: Hub, clock: Clock) -> None:
+    """Serve one page until its connection ends, however it ends."""
+    await websocket.accept()
+    viewer = hub.join(operator_name(websocket.query_params.get("operator")))
+    sending = asyncio.create_task(_send(websocket, viewer), name=f"live {viewer.session}")
+    try:
+        while True:
+            message = await websocket.receive()
+            if message["type"] == "websocket.disconnect":
+                return
+            _take(message.get("text") or message.get("bytes") or b"", viewer, hub, clock)
+    finally:
+        # Before anything that could wait: whoever drove is stopped.
+        hub.leave(viewer)
+        sending.cancel()
+        await asyncio.wait({sending})
+
+
+async def _send(websocket: WebSocket, viewer: Viewer) -> None:
+    try:
+        while True:
+            frame = await viewer.outbox.take()
+            if isinstance(frame, str):
+                await websocket.send_text(frame)
+            else:
+                await websocket.send_bytes(frame)
+    except WebSocketDisconnect:
+        # The reader sees the end too, and says so.
+        return
+
+
+def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
+    """Act on one message of the page."""
+    driving, session = hub.driving, viewer.session
+    try:
+        message = protocol.decode(text)
+    except msgspec.DecodeError:
+        driving.handle(control.Garbled(session))
+        return
+    match message:
+        case protocol.DriveMessage():
+            driving.handle(control.Drive(session, message.seq, message.held, message.linear, message.angular))
+        case protocol.PingMessage():
+            viewer.rtt_ms = message.rtt_ms
+            driving.handle(control.Heard(session))
+            viewer.outbox.put("pong", encode_text({"type": "pong", "t": message.t, "stamp": clock.now()}))
+        case protocol.AckMessage():
+            viewer.outbox.picture_drawn()
+        case protocol.ViewMessage():
+            hub.show_camera(viewer, message.camera)
+        case protocol.EStopMessage():
+            driving.e_stop(viewer.operator)
+        case protocol.ClearEStopMessage():
+            driving.clear_e_stop()
+        case protocol.TakeControlMessage():
+            driving.handle(control.TakeControl(session))
+        case protocol.ReleaseControlMessage():
+            driving.handle(control.ReleaseControl(session))

@@ -1,0 +1,126 @@
+"""The lanes: per desire class, how much it is desired and how many of its messages attention lets through."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from app.attention.chronicle import divisor_json
+from app.attention.desires import Desire
+from app.attention.problem import Reason
+from app.attention.strategies import Strategy
+from app.runtime.graph import Graph
+
+#: Relative rates are measured over this long.
+WINDOW_S = 1.0
+
+
+class RatioWindow:
+    """Messages let through over messages offered, in the last second, from two counters that only grow."""
+
+    def __init__(self) -> None:
+        self._samples: deque[tuple[float, int, int]] = deque()
+
+    def add(self, now: float, offered: int, passed: int) -> None:
+        """Note both counters at ``now`` (seconds)."""
+        self._samples.append((now, offered, passed))
+        # The oldest kept sample is the last one at or before the window's begin.
+        while len(self._samples) > 2 and self._samples[1][0] <= now - WINDOW_S:
+            self._samples.popleft()
+
+    def ratio(self) -> float | None:
+        """In [0, 1]; None when nothing was offered."""
+        if len(self._samples) < 2:
+            return None
+        (_, offered_before, passed_before), (_, offered, passed) = self._samples[0], self._samples[-1]
+        if offered <= offered_before:
+            return None
+        return min(1.0, (passed - passed_before) / (offered - offered_before))
+
+
+def filter_counts(graph: Graph, name: str) -> tuple[int, int]:
+    """Messages offered to and passed by the filter ``Module.port`` so far."""
+    module, _, port = name.partition(".")
+    context = graph.modules[module].context
+    if port in context.inputs:
+        statistics = context.inputs[port].subscription.statistics()
+        return statistics.received, statistics.passed
+    output = context.outputs[port]
+    published = 0 if output.channel is None else output.channel.statistics().published
+    return output.offered, published
+
+
+class LaneSampler:
+    """Builds the rows of the ``lanes`` message; :meth:`sample` is called 20 times a second."""
+
+    def __init__(self, graph: Graph, classes: Iterable[str], strategies: Iterable[Strategy]) -> None:
+        self._graph = graph
+        self._classes = tuple(classes)
+        #: Filters by class, over all its strategies, and by strategy.
+        self._filters: dict[str, tuple[str, ...]] = dict.fromkeys(self._classes, ())
+        self._of_strategy: dict[str, tuple[str, ...]] = {}
+        self._class_of: dict[str, str] = {}
+        for strategy in strategies:
+            names = tuple(name for name in strategy.filters if name in graph.filters.names())
+            self._of_strategy[strategy.name] = names
+            self._class_of[strategy.name] = strategy.cls
+            if strategy.cls in self._filters:
+                self._filters[strategy.cls] = tuple(dict.fromkeys(self._filters[strategy.cls] + names))
+        every = {name for names in self._filters.values() for name in names}
+        self._windows = {name: RatioWindow() for name in sorted(every)}
+
+    def sample(
+        self,
+        now: float,
+        strongest: Mapping[str, Desire],
+        selected: Iterable[str],
+        reasons: Mapping[str, Reason],
+    ) -> list[dict[str, Any]]:
+        """The rows now. ``selected`` are the strategies at work, ``reasons`` say why, by desired class."""
+        for name, window in self._windows.items():
+            window.add(now, *filter_counts(self._graph, name))
+        divisors = self._graph.filters.divisors()
+        at_work: dict[str, list[str]] = {}
+        for strategy in selected:
+            if strategy in self._class_of:
+                at_work.setdefault(self._class_of[strategy], []).append(strategy)
+        return [
+            self._row(cls, strongest.get(cls), at_work.get(cls, []), reasons.get(cls), divisors)
+            for cls in self._classes
+        ]
+
+    def _row(
+        self,
+        cls: str,
+        desire: Desire | None,
+        strategies: list[str],
+        reason: Reason | None,
+        divisors: Mapping[str, float],
+    ) -> dict[str, Any]:
+        names = tuple(dict.fromkeys(n for s in strategies for n in self._of_strategy[s])) or self._filters[cls]
+        # What gets through the whole way is what the tightest filter lets through.
+        divisor = max((divisors[name] for name in names), default=1.0)
+        ratios = [ratio for name in names if (ratio := self._windows[name].ratio()) is not None]
+        rate = 0.0 if divisor == math.inf else min(ratios, default=None)
+        state, text = _state(desire, strategies, reason)
+        return {
+            "class": cls,
+            "intensity": None if desire is None else desire.intensity,
+            "utility": None if desire is None else desire.utility,
+            "rate": None if rate is None else round(rate, 4),
+            "divisor": divisor_json(divisor) if names else None,
+            "state": state,
+            "text": text,
+        }
+
+
+def _state(desire: Desire | None, strategies: list[str], reason: Reason | None) -> tuple[str, str]:
+    if desire is None:
+        if strategies:
+            return "needed", f"Nobody desires it, but another strategy at work needs it: {', '.join(strategies)}."
+        return "undesired", "Nobody desires it."
+    if reason is None:
+        return "unfulfilled", "Being weighed: the next intention will tell."
+    return reason.state, reason.text

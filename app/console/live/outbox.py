@@ -1,0 +1,107 @@
+"""What waits for one viewer: of each kind only the newest, of events at most a thousand, of pictures one on the way."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Iterable
+
+from app.console.wire import encode_text
+
+#: A viewer that falls this many events behind is told to fetch them over REST instead.
+MOST_EVENTS = 1000
+MOST_NOTICES = 32
+
+_EVENTS = "events"
+_PICTURE = "picture"
+
+Frame = str | bytes
+
+
+class Outbox:
+    """Frames are put in at any rate; one task takes them out at the viewer's pace with :meth:`take`.
+
+    Kinds take turns, so that a frequent one (``status``) never starves a rare one on a slow link.
+    """
+
+    def __init__(self) -> None:
+        self._urgent: deque[str] = deque(maxlen=MOST_NOTICES)
+        #: By kind, in the order in which they became due; a newer frame keeps its kind's place.
+        self._newest: dict[str, Frame] = {}
+        self._events: deque[str] = deque()
+        self._picture: bytes | None = None
+        self._may_send_picture = True
+        self._overrun = False
+        self._due = asyncio.Event()
+        #: Frames replaced by a newer one of their kind before they could be sent.
+        self.replaced = 0
+
+    def put_urgent(self, frame: str) -> None:
+        """Queue a frame that goes out before all others (a notice)."""
+        self._urgent.append(frame)
+        self._due.set()
+
+    def put(self, kind: str, frame: str) -> None:
+        """Queue the newest frame of ``kind``, instead of the last if that still waits."""
+        if kind in self._newest:
+            self.replaced += 1
+        self._newest[kind] = frame
+        self._due.set()
+
+    def put_events(self, events: Iterable[str]) -> None:
+        """Queue timeline events, each encoded as JSON."""
+        self._events.extend(events)
+        if len(self._events) > MOST_EVENTS:
+            self._events.clear()
+            self._overrun = True
+        self._newest.setdefault(_EVENTS, "")
+        self._due.set()
+
+    def put_picture(self, frame: bytes) -> None:
+        """Queue the newest picture; it goes out once the one before has been drawn."""
+        if self._picture is not None:
+            self.replaced += 1
+        self._picture = frame
+        self._offer_picture()
+
+    def picture_drawn(self) -> None:
+        """The page has drawn the last picture, or shows pictures anew: the next may go out."""
+        self._may_send_picture = True
+        self._offer_picture()
+
+    def drop_picture(self) -> None:
+        """The page shows no pictures any more."""
+        self._picture = None
+        self._newest.pop(_PICTURE, None)
+
+    def _offer_picture(self) -> None:
+        if self._may_send_picture and self._picture is not None:
+            self._newest.setdefault(_PICTURE, b"")
+            self._due.set()
+
+    async def take(self) -> Frame:
+        """Wait for the next frame to send."""
+        while not self._urgent and not self._newest:
+            self._due.clear()
+            await self._due.wait()
+        if self._urgent:
+            return self._urgent.popleft()
+        kind = next(iter(self._newest))
+        frame = self._newest.pop(kind)
+        if kind == _PICTURE and self._picture is not None:
+            frame, self._picture = self._picture, None
+            self._may_send_picture = False
+        elif kind == _EVENTS:
+            frame = self._take_events()
+        return frame
+
+    def _take_events(self) -> str:
+        if self._overrun:
+            self._overrun = False
+            text = f"More than {MOST_EVENTS} events were missed; reload them: GET /api/v1/timeline."
+            # Events that came since are part of what is reloaded.
+            self._events.clear()
+            return encode_text({"type": "notice", "level": "warning", "text": text})
+        frame = '{"type":"events","events":[' + ",".join(self._events) + "]}"
+        self._events.clear()
+        return frame

@@ -1,0 +1,118 @@
+"""What the stream tells at fixed rates: status and lanes at 20 Hz, load at 1 Hz, landmarks as they change."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Protocol
+
+from app.console import reports
+from app.console.live.lanes import LaneSampler
+from app.console.wire import encode_text
+from app.messages import Exploitation, Landmarks, LinkStatus, Odometry
+
+if TYPE_CHECKING:
+    from app.system import System
+
+PERIOD_S = 0.05
+
+
+class Audience(Protocol):
+    """Where frames go."""
+
+    link_status: LinkStatus | None
+
+    def broadcast(self, kind: str, frame: str) -> None:
+        """Give everybody the newest frame of ``kind``."""
+        ...
+
+    def broadcast_status(self, status: dict[str, Any]) -> None:
+        """Give everybody the status, completed with who drives."""
+        ...
+
+
+class Sampler:
+    """Samples the program while somebody watches."""
+
+    def __init__(self, system: System, audience: Audience) -> None:
+        self._system = system
+        self._audience = audience
+        self._lanes = LaneSampler(system.graph, system.classes, system.table.strategies)
+        self._sources = reports.SourceWatch(system.graph)
+        self._modules = reports.ModuleReport(system)
+        self._sequence = 0
+        self._load_stamp = 0.0
+        self._exploitation: Exploitation | None = None
+        self._odometry: Odometry | None = None
+
+    def channels(self) -> dict[str, Callable[[Any], None]]:
+        """The channels to tap while it runs, with what takes their messages."""
+        return {
+            "exploitation": self._on_exploitation,
+            "odometry": self._on_odometry,
+            "landmarks": self._on_landmarks,
+        }
+
+    def _on_exploitation(self, message: Exploitation) -> None:
+        self._exploitation = message
+
+    def _on_odometry(self, message: Odometry) -> None:
+        self._odometry = message
+
+    def _on_landmarks(self, message: Landmarks) -> None:
+        landmarks = reports.landmarks_json(message)
+        self._audience.broadcast("landmarks", encode_text({"type": "landmarks", "landmarks": landmarks}))
+
+    async def run(self) -> None:
+        """Sample until cancelled. Beats missed are skipped, never made up for."""
+        clock = self._system.clock
+        due = clock.now()
+        while True:
+            now = clock.now()
+            self._sample(now)
+            due = max(due + PERIOD_S, now)
+            await clock.sleep_until(due)
+
+    def _sample(self, now: float) -> None:
+        self._sequence += 1
+        self._audience.broadcast_status(self._status(now))
+        self._audience.broadcast("lanes", encode_text(self._lanes_message(now)))
+        if self._system.load.latest.stamp != self._load_stamp:
+            self._load_stamp = self._system.load.latest.stamp
+            self._modules.sample()
+            self._audience.broadcast("load", self.load_frame())
+
+    def _status(self, now: float) -> dict[str, Any]:
+        status = self._audience.link_status
+        return {
+            "type": "status",
+            "seq": self._sequence,
+            "stamp": now,
+            "guard": reports.guard_json(status),
+            "world_rate": 1.0 if status is None else round(status.world_rate, 4),
+            "odometry": reports.odometry_json(self._odometry),
+            "exploited": reports.exploited(self._exploitation, now),
+            "sources": self._sources.sample(now),
+        }
+
+    def _lanes_message(self, now: float) -> dict[str, Any]:
+        current = self._system.translator.current
+        rows = self._lanes.sample(
+            now,
+            self._system.workspace.strongest(),
+            () if current is None else [strategy.name for strategy in current.strategies],
+            {} if current is None else current.reasons,
+        )
+        return {"type": "lanes", "seq": self._sequence, "stamp": now, "rows": rows}
+
+    def load_frame(self) -> str:
+        """The last load window."""
+        load = self._system.load.latest
+        return encode_text(
+            {
+                "type": "load",
+                "stamp": load.stamp,
+                "process_cpu": round(load.process, 2),
+                "budget": self._system.translator.capacities.get("cpu"),
+                "modules": self._modules.modules(),
+            }
+        )

@@ -1,0 +1,152 @@
+"""Every refusal as a problem document (RFC 9457, ``application/problem+json``)."""
+
+from __future__ import annotations
+
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import Response
+from pydantic import BaseModel, ConfigDict, Field
+from starlette.exceptions import HTTPException
+from starlette.routing import compile_path
+
+from app.attention.desires import InvalidDesire, UnknownDesireClass
+from app.attention.workspace import UnknownDesire
+from app.console.wire import encode
+
+MEDIA_TYPE = "application/problem+json"
+
+
+class FieldProblem(BaseModel):
+    """What is wrong with one field."""
+
+    field: str = Field(description="Dotted path of the field: `params.rate`, `query.limit`.")
+    message: str = Field(description="What is allowed there.")
+
+
+class ProblemDocument(BaseModel):
+    """A refusal (RFC 9457)."""
+
+    model_config = ConfigDict(extra="allow")
+
+    type: str = Field(description="What kind of problem it is: `urn:hbba:problem:` and a name that never changes.")
+    title: str = Field(description="The kind of problem in words.")
+    status: int = Field(description="The HTTP status.")
+    detail: str = Field(description="What happened this time, and what is allowed.")
+    errors: list[FieldProblem] = Field(default=[], description="Field by field, where fields are wrong.")
+
+
+class Problem(Exception):
+    """Ends a request with a problem document.
+
+    ``kind`` is the last part of its type, ``errors`` pairs of field and message, ``more`` further members.
+    """
+
+    def __init__(
+        self,
+        status: int,
+        kind: str,
+        detail: str,
+        *,
+        errors: list[tuple[str, str]] | None = None,
+        headers: dict[str, str] | None = None,
+        **more: Any,
+    ) -> None:
+        super().__init__(detail)
+        self.status = status
+        self.kind = kind
+        self.detail = detail
+        self.errors = errors or []
+        self.headers = headers or {}
+        self.more = more
+
+
+def problem_body(problem: Problem) -> bytes:
+    """The document as JSON."""
+    document: dict[str, Any] = {
+        "type": f"urn:hbba:problem:{problem.kind}",
+        "title": _title(problem),
+        "status": problem.status,
+        "detail": problem.detail,
+    }
+    if problem.errors:
+        document["errors"] = [{"field": field, "message": message} for field, message in problem.errors]
+    return encode(document | problem.more)
+
+
+def problem_response(problem: Problem) -> Response:
+    """The document as a response."""
+    return Response(problem_body(problem), problem.status, headers=problem.headers, media_type=MEDIA_TYPE)
+
+
+def _title(problem: Problem) -> str:
+    words = problem.kind.replace("-", " ")
+    return words[0].upper() + words[1:]
+
+
+def install_problem_handlers(app: FastAPI) -> None:
+    """Turn every exception that a person's request can cause into a problem document."""
+
+    @app.exception_handler(Problem)
+    async def on_problem(_: Request, problem: Problem) -> Response:
+        return problem_response(problem)
+
+    @app.exception_handler(UnknownDesireClass)
+    async def on_unknown_class(_: Request, error: UnknownDesireClass) -> Response:
+        return problem_response(
+            Problem(422, "unknown-desire-class", str(error), errors=[("class", str(error))], known=list(error.known))
+        )
+
+    @app.exception_handler(InvalidDesire)
+    async def on_invalid_desire(_: Request, error: InvalidDesire) -> Response:
+        return problem_response(Problem(422, "invalid-desire", str(error), errors=[(error.field, error.message)]))
+
+    @app.exception_handler(UnknownDesire)
+    async def on_unknown_desire(_: Request, error: UnknownDesire) -> Response:
+        return problem_response(Problem(404, "no-such-desire", str(error)))
+
+    @app.exception_handler(RequestValidationError)
+    async def on_validation(_: Request, error: RequestValidationError) -> Response:
+        return problem_response(_validation_problem(error))
+
+    @app.exception_handler(HTTPException)
+    async def on_http(request: Request, error: HTTPException) -> Response:
+        headers = dict(error.headers or {})
+        if error.status_code == 404:
+            problem = Problem(404, "not-found", f"There is nothing at {request.url.path}.", headers=headers)
+        elif error.status_code == 405:
+            allowed = ", ".join(_methods(request)) or "GET"
+            detail = f"{request.url.path} takes {allowed}, not {request.method}."
+            problem = Problem(405, "method-not-allowed", detail, headers={"Allow": allowed})
+        else:
+            kind = HTTPStatus(error.status_code).phrase.lower().replace(" ", "-")
+            problem = Problem(error.status_code, kind, str(error.detail), headers=headers)
+        return problem_response(problem)
+
+
+def _methods(request: Request) -> list[str]:
+    """Every method that the requested path takes; Starlette names only those of the first route it finds."""
+    methods: set[str] = set()
+    for path, operations in request.app.openapi()["paths"].items():
+        if compile_path(path)[0].match(request.url.path):
+            methods.update(operation.upper() for operation in operations)
+    return sorted(methods)
+
+
+def _validation_problem(error: RequestValidationError) -> Problem:
+    details = error.errors()
+    if details and details[0]["type"] == "json_invalid":
+        position = details[0]["loc"][-1]
+        reason = details[0].get("ctx", {}).get("error", "it cannot be read")
+        return Problem(400, "malformed-json", f"The body is not JSON: {reason} (character {position}).")
+    errors = [(_field(detail["loc"]), str(detail["msg"])) for detail in details]
+    listed = "; ".join(f"{field}: {message}" for field, message in errors)
+    return Problem(422, "invalid-request", listed, errors=errors)
+
+
+def _field(location: tuple[int | str, ...]) -> str:
+    # FastAPI begins a location with where the value stood; for a body that goes without saying.
+    parts = location[1:] if location and location[0] == "body" and len(location) > 1 else location
+    return ".".join(str(part) for part in parts)

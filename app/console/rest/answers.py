@@ -1,0 +1,36 @@
+"""Answers encoded once, and the problems that a route may answer with, for the OpenAPI description."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastapi.responses import Response
+
+from app.console.problems import MEDIA_TYPE
+from app.console.wire import encode
+
+
+class Json(Response):
+    """``content`` as JSON, by the same fast path as the live stream."""
+
+    media_type = "application/json"
+
+    def render(self, content: Any) -> bytes:
+        """Encode ``content``; None is an empty body."""
+        return b"" if content is None else encode(content)
+
+
+_WORDS = {
+    400: "The body is not JSON.",
+    401: "The console's token is needed.",
+    404: "There is no such thing.",
+    409: "It cannot be done now.",
+    421: "The console does not answer to this host name.",
+    422: "Something in the request is not allowed; `errors` says which field.",
+}
+
+
+def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """OpenAPI's description of these refusals."""
+    schema = {"$ref": "#/components/schemas/ProblemDocument"}
+    return {status: {"description": _WORDS[status], "content": {MEDIA_TYPE: {"schema": schema}}} for status in statuses}

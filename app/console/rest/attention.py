@@ -1,0 +1,103 @@
+"""What attention chose and from what: the intention, strategies, resources, and the timeline."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any, get_args
+
+from fastapi import APIRouter, Path, Query, Request
+from fastapi.responses import Response
+
+from app.attention.serialize import event_to_json, intention_to_json, resource_to_json, strategy_to_json
+from app.attention.timeline import EventKind
+from app.console.problems import Problem
+from app.console.rest.answers import Json, problems
+from app.console.rest.desires import source_of
+from app.console.rest.models import (
+    EventList,
+    IntentionModel,
+    ResourceChange,
+    ResourceList,
+    ResourceModel,
+    StrategyList,
+)
+
+if TYPE_CHECKING:
+    from app.system import System
+
+MOST_EVENTS = 1000
+KINDS = get_args(EventKind)
+
+
+def attention_router(system: System) -> APIRouter:
+    """Routes of ``/intention``, ``/strategies``, ``/resources`` and ``/timeline``."""
+    router = APIRouter(tags=["attention"])
+
+    @router.get(
+        "/intention", response_model=IntentionModel, summary="What was chosen, and why", responses=problems(409)
+    )
+    async def get_intention() -> Response:
+        """The strategies at work, the filters they set, Ω, what they use of each resource, and for each desired class
+        the reason why it gets what it gets."""
+        current = system.translator.current
+        if current is None:
+            raise Problem(409, "no-intention-yet", "Attention has not chosen anything yet; ask again in a moment.")
+        return Json(intention_to_json(current, system.table))
+
+    @router.get("/strategies", response_model=StrategyList, summary="Every strategy there is")
+    async def list_strategies() -> Response:
+        current = system.translator.current
+        selected = frozenset(() if current is None else current.selection.strategies)
+        strategies = [{**strategy_to_json(s), "selected": s.name in selected} for s in system.table.strategies]
+        return Json({"strategies": strategies})
+
+    @router.get("/resources", response_model=ResourceList, summary="Budgets and what is used of them")
+    async def list_resources() -> Response:
+        return Json({"resources": [resource_json(system, name) for name in system.table.resources]})
+
+    @router.patch(
+        "/resources/{name}",
+        response_model=ResourceModel,
+        summary="Change a budget",
+        responses=problems(400, 404, 422),
+    )
+    async def change_resource(
+        name: Annotated[str, Path(examples=["cpu"])], change: ResourceChange, request: Request
+    ) -> Response:
+        """Attention chooses anew within the new budget at once; it lasts until changed again or the program ends."""
+        if name not in system.table.resources:
+            known = ", ".join(system.table.resources) or "none"
+            raise Problem(404, "no-such-resource", f"No resource is called {name}; there are: {known}.")
+        system.translator.set_capacity(name, change.capacity, f"asked for by {source_of(request).name}")
+        return Json(resource_json(system, name))
+
+    @router.get("/timeline", response_model=EventList, summary="What happened", responses=problems(422))
+    async def get_timeline(
+        since: Annotated[float | None, Query(description="Robot's clock (s); events from then on.")] = None,
+        until: Annotated[float | None, Query(description="Robot's clock (s); events before then.")] = None,
+        kinds: Annotated[
+            str | None, Query(description=f"Comma-separated: {', '.join(KINDS)}.", examples=["desire,intention"])
+        ] = None,
+        after_id: Annotated[int, Query(ge=0, description="Only events with a greater id.")] = 0,
+        limit: Annotated[int, Query(ge=1, le=MOST_EVENTS, description="At most so many, the newest.")] = 200,
+    ) -> Response:
+        """Oldest first. To follow it, ask again with `after_id` of the last one had."""
+        chosen = None if kinds is None else {kind.strip() for kind in kinds.split(",") if kind.strip()}
+        if unknown := sorted((chosen or set()) - set(KINDS)):
+            message = f"no such kind: {', '.join(unknown)}; there are: {', '.join(KINDS)}"
+            raise Problem(422, "invalid-request", f"kinds: {message}", errors=[("query.kinds", message)])
+        events = system.timeline.query(since, until, chosen, limit, after_id=after_id)
+        return Json({"events": [event_to_json(event) for event in events]})
+
+    return router
+
+
+def resource_json(system: System, name: str) -> dict[str, Any]:
+    """A resource, its budget now and what is used of it."""
+    resource = system.table.resources[name]
+    current = system.translator.current
+    return {
+        **resource_to_json(resource),
+        "capacity": system.translator.capacities[name],
+        "declared": resource.capacity,
+        "used": 0.0 if current is None else current.selection.use.get(name, 0.0),
+    }

@@ -1,0 +1,149 @@
+"""Desires and their classes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+from fastapi import APIRouter, Header, Path, Request
+from fastapi.responses import Response
+
+from app.attention.desires import Source
+from app.attention.serialize import desire_class_to_json, desire_to_json
+from app.attention.workspace import KEEP
+from app.console import reports
+from app.console.live.endpoint import operator_name
+from app.console.problems import Problem
+from app.console.rest.answers import Json, problems
+from app.console.rest.idempotency import IdempotencyStore
+from app.console.rest.models import (
+    DesireChange,
+    DesireClassList,
+    DesireClassModel,
+    DesireList,
+    DesireModel,
+    NewDesire,
+)
+
+if TYPE_CHECKING:
+    from app.system import System
+
+DesireId = Annotated[str, Path(description="Id of the desire.", examples=["d-3f0c81a2b4"])]
+
+OPERATOR_HEADER = "X-HBBA-Operator"
+
+
+def source_of(request: Request) -> Source:
+    """Who asks: the operator that the page names, or a REST client."""
+    name = request.headers.get(OPERATOR_HEADER)
+    return Source("rest", "rest") if name is None else Source("operator", operator_name(name))
+
+
+def desires_router(system: System) -> APIRouter:
+    """Routes of ``/desires`` and ``/desire-classes``."""
+    router = APIRouter(tags=["desires"])
+    workspace = system.workspace
+    store = IdempotencyStore(system.clock.now)
+
+    @router.get("/desires", response_model=DesireList, summary="List all desires")
+    async def list_desires() -> Response:
+        return Json({"desires": [desire_to_json(desire) for desire in workspace.desires()]})
+
+    @router.post(
+        "/desires",
+        response_model=DesireModel,
+        status_code=201,
+        summary="Create a desire",
+        responses={
+            201: {
+                "headers": {
+                    "Location": {"schema": {"type": "string"}, "description": "Where the desire is."},
+                    "Idempotency-Replayed": {
+                        "schema": {"type": "string"},
+                        "description": "`true` where the answer to an earlier request is repeated.",
+                    },
+                }
+            },
+            **problems(400, 422),
+        },
+    )
+    async def create_desire(
+        new: NewDesire,
+        request: Request,
+        idempotency_key: Annotated[
+            str | None,
+            Header(description="Any string of your own; a repeated request with the same key creates nothing new."),
+        ] = None,
+    ) -> Response:
+        """Attention weighs it at once: the intention that follows is on the live stream and in `GET /intention`.
+
+        A desire with a `ttl` expires by itself, so that a client that dies leaves nothing behind.
+        """
+        body = new.model_dump(by_alias=True)
+        if known := store.find(idempotency_key, body):
+            headers = {"Location": known.location, "Idempotency-Replayed": "true"}
+            return Json(known.body, status_code=201, headers=headers)
+        desire = workspace.add(
+            new.cls,
+            intensity=new.intensity,
+            utility=new.utility,
+            security=new.security,
+            params=new.params,
+            source=source_of(request),
+            ttl=new.ttl,
+        )
+        answer, location = desire_to_json(desire), f"/api/v1/desires/{desire.id}"
+        store.remember(idempotency_key, body, location, answer)
+        return Json(answer, status_code=201, headers={"Location": location})
+
+    @router.get("/desires/{desire_id}", response_model=DesireModel, summary="One desire", responses=problems(404))
+    async def get_desire(desire_id: DesireId) -> Response:
+        return Json(desire_to_json(workspace.get(desire_id)))
+
+    @router.patch(
+        "/desires/{desire_id}",
+        response_model=DesireModel,
+        summary="Change a desire in place",
+        responses=problems(400, 404, 422),
+    )
+    async def change_desire(desire_id: DesireId, change: DesireChange) -> Response:
+        """What is left out stays. `params` replaces all parameters; `ttl` counts from now, null makes it stay."""
+        given = change.model_fields_set
+        for field in ("intensity", "utility", "security", "params"):
+            if field in given and getattr(change, field) is None:
+                raise Problem(
+                    422,
+                    "invalid-request",
+                    f"{field} cannot be null; leave it out to keep it.",
+                    errors=[(field, "cannot be null; leave it out to keep it")],
+                )
+        desire = workspace.change(
+            desire_id,
+            intensity=KEEP if change.intensity is None else change.intensity,
+            utility=KEEP if change.utility is None else change.utility,
+            security=KEEP if change.security is None else change.security,
+            params=KEEP if change.params is None else change.params,
+            ttl=change.ttl if "ttl" in given else KEEP,
+        )
+        return Json(desire_to_json(desire))
+
+    @router.delete("/desires/{desire_id}", status_code=204, summary="Remove a desire", responses=problems(404))
+    async def remove_desire(desire_id: DesireId) -> Response:
+        workspace.remove(desire_id)
+        return Response(status_code=204)
+
+    @router.get("/desire-classes", response_model=DesireClassList, summary="What can be desired")
+    async def list_classes() -> Response:
+        """Each class with the JSON Schema of its parameters: enough to build a form from."""
+        classes = [desire_class_to_json(cls) for cls in system.classes.values()]
+        return Json({"classes": classes, "scale": reports.scale_json()})
+
+    @router.get(
+        "/desire-classes/{name}", response_model=DesireClassModel, summary="One desire class", responses=problems(404)
+    )
+    async def get_class(name: Annotated[str, Path(examples=["FindQRCodes"])]) -> Response:
+        if name not in system.classes:
+            known = ", ".join(system.classes)
+            raise Problem(404, "no-such-desire-class", f"No desire class is called {name}; there are: {known}.")
+        return Json(desire_class_to_json(system.classes[name]))
+
+    return router

@@ -1,0 +1,386 @@
+"""The shapes of REST's answers and requests, for the OpenAPI description and for checking what comes in."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Stamp = Annotated[float, Field(description="Seconds of the robot's clock (Unix epoch).", examples=[1795000000.25])]
+Divisor = Annotated[
+    int | None, Field(description="φ: one message in φ passes; null: closed, none passes.", examples=[2])
+]
+#: 30 days: longer is for ever, which is said by leaving it out.
+LONGEST_TTL_S = 30 * 24 * 3600.0
+
+
+class Answer(BaseModel):
+    """Base of every answer."""
+
+    model_config = ConfigDict(populate_by_name=True)
+
+
+class Request(BaseModel):
+    """Base of every request body: unknown members are refused, numbers are not read from strings."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, populate_by_name=True)
+
+
+class SourceModel(Answer):
+    """Who asked."""
+
+    kind: Literal["motivation", "operator", "rest"]
+    name: str
+
+
+class DesireModel(Answer):
+    """One desire of the Intention Workspace."""
+
+    id: str = Field(examples=["d-3f0c81a2b4"])
+    cls: str = Field(alias="class", examples=["FindQRCodes"])
+    intensity: float = Field(description="How much it is desired, over 0 and at most 8.", examples=[8])
+    utility: float = Field(description="Utility desired, 0 to 8; 0 inhibits the class.", examples=[4])
+    security: bool = Field(description="Whether it must be fulfilled.")
+    params: dict[str, Any] = Field(description="Parameters as the class declares them.")
+    source: SourceModel
+    created: Stamp
+    expires: float | None = Field(description="When it expires (robot's clock); null: never.")
+
+
+class DesireList(Answer):
+    """Every desire, in the order they came."""
+
+    desires: list[DesireModel]
+
+
+class NewDesire(Request):
+    """A desire to create."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "class": "FindQRCodes",
+                    "intensity": 8,
+                    "utility": 4,
+                    "security": False,
+                    "params": {},
+                    "ttl": 30,
+                }
+            ]
+        }
+    )
+
+    cls: str = Field(alias="class", description="A class of GET /api/v1/desire-classes.")
+    intensity: float = Field(gt=0, le=8, description="How much it is desired.")
+    utility: float = Field(ge=0, le=8, description="Utility desired; 0 inhibits the class.")
+    security: bool = Field(False, description="Whether it must be fulfilled.")
+    params: dict[str, Any] = Field(default={}, description="Parameters as the class declares them.")
+    ttl: float | None = Field(
+        None, gt=0, le=LONGEST_TTL_S, description="Seconds after which it expires; null: it stays until removed."
+    )
+
+
+class DesireChange(Request):
+    """What to change of a desire; what is left out stays."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"intensity": 5, "ttl": 60}]})
+
+    intensity: float | None = Field(None, gt=0, le=8)
+    utility: float | None = Field(None, ge=0, le=8)
+    security: bool | None = None
+    params: dict[str, Any] | None = Field(None, description="All parameters anew; those left out take their default.")
+    ttl: float | None = Field(None, gt=0, le=LONGEST_TTL_S, description="Seconds from now; null: it stays.")
+
+
+class DesireClassModel(Answer):
+    """What can be desired."""
+
+    name: str = Field(examples=["FindQRCodes"])
+    title: str
+    description: str
+    parameters: dict[str, Any] = Field(alias="schema", description="JSON Schema of `params`.")
+
+
+class DesireClassList(Answer):
+    """Every desire class, in the order the console shows them, and the ends of the scales."""
+
+    classes: list[DesireClassModel]
+    scale: dict[str, float] = Field(examples=[{"intensity": 8, "utility": 8}])
+
+
+class StrategyModel(Answer):
+    """One way to serve a desire class."""
+
+    name: str
+    cls: str = Field(alias="class")
+    utility: float = Field(description="Produced utility v, over 0 and at most 8.")
+    requires: dict[str, float] = Field(description="Utility needed of other classes.")
+    filters: dict[str, Divisor] = Field(description="φ by `Module.port`.")
+    parameters: dict[str, dict[str, Any]] = Field(description="What modules are handed while it is selected.")
+    costs: dict[str, float] = Field(description="What it uses of each resource.")
+    selected: bool
+    declared: str | None = Field(description="File and line.")
+
+
+class StrategyList(Answer):
+    """Every strategy, in table order."""
+
+    strategies: list[StrategyModel]
+
+
+class ResourceModel(Answer):
+    """What strategies share."""
+
+    name: str = Field(examples=["cpu"])
+    capacity: float = Field(description="How much of it attention may give now.", examples=[120])
+    declared: float = Field(description="Its capacity in configuration.")
+    used: float = Field(description="What the intention at work uses of it.")
+    unit: str
+    description: str
+
+
+class ResourceList(Answer):
+    """Every resource."""
+
+    resources: list[ResourceModel]
+
+
+class ResourceChange(Request):
+    """A new budget; attention chooses anew at once."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [{"capacity": 60}]})
+
+    capacity: float = Field(ge=0, description="How much of it attention may give, in its unit.")
+
+
+class SelectedStrategy(Answer):
+    """A strategy at work."""
+
+    name: str
+    cls: str = Field(alias="class")
+    utility: float
+    filters: dict[str, Divisor]
+    costs: dict[str, float]
+
+
+class ResourceUse(Answer):
+    """What is used of a resource."""
+
+    used: float
+    capacity: float
+    unit: str = ""
+
+
+class AlternativeModel(Answer):
+    """What would help a desire."""
+
+    kind: Literal["capacity", "without"]
+    utility: float = Field(description="The utility it would get.")
+    resource: str | None = Field(None, description="... if there were `amount` more of this resource.")
+    amount: float | None = None
+    unit: str | None = None
+    without: str | None = Field(None, description="... if nobody desired this class.")
+
+
+class ReasonModel(Answer):
+    """Why a desired class gets what it gets."""
+
+    state: Literal["fulfilled", "degraded", "unfulfilled", "inhibited"]
+    utility: float = Field(description="The utility it gets.")
+    wanted: float = Field(description="The utility desired.")
+    best: float = Field(description="The most that any selection could give it.")
+    text: str = Field(description="The reason in words.")
+    alternatives: list[AlternativeModel]
+
+
+class IntentionModel(Answer):
+    """The intention at work: what was selected, what follows from it, and why."""
+
+    stamp: Stamp
+    strategies: list[SelectedStrategy]
+    fulfilled: list[str] = Field(description="Classes whose strongest desire is fulfilled.")
+    omega: float = Field(description="Ω, what the selection is worth (thesis, equation 4.9).")
+    bound: float = Field(description="No selection can be worth more; equal to `omega` when proven.")
+    use: dict[str, ResourceUse]
+    filters: dict[str, Divisor] = Field(description="φ of every filter that attention controls.")
+    proven: bool = Field(description="Whether no better selection exists.")
+    solve_ms: float
+    relaxed: list[str] = Field(description="Security desires that could not be kept.")
+    reasons: dict[str, ReasonModel] = Field(description="By desired class.")
+    parameters: dict[str, dict[str, Any]] = Field(description="What each module was handed.")
+    desires: dict[str, str] = Field(description="Id of the strongest desire of each class that it answers.")
+
+
+class InputModel(Answer):
+    """A module's input and its counters since the start."""
+
+    name: str
+    channel: str
+    divisor: Divisor
+    received: int = Field(description="Messages offered.")
+    passed: int = Field(description="... let through by the filter.")
+    decimated: int = Field(description="... stopped by the filter, as wanted.")
+    dropped: int = Field(description="... pushed out of a full inbox.")
+    age_ms: float | None = Field(description="Age of the last message when it was taken.")
+
+
+class OutputModel(Answer):
+    """A module's output."""
+
+    name: str
+    channel: str | None
+    divisor: Divisor
+    offered: int
+
+
+class ModuleModel(Answer):
+    """One module, its load and its counters."""
+
+    name: str
+    title: str
+    state: Literal["running", "starting", "failed", "hung", "stopped"]
+    cpu: float = Field(description="Per cent of one core, over the last second.")
+    cpu_budget: float | None = Field(description="What it is expected to stay under.")
+    message_cpu_us: float | None = Field(description="CPU time for each message taken (µs).")
+    restarts: int
+    problem: str | None
+    inputs: list[InputModel]
+    outputs: list[OutputModel]
+
+
+class ModuleList(Answer):
+    """Every module, and the load of the whole process."""
+
+    stamp: Stamp
+    process_cpu: float = Field(description="Per cent of one core.")
+    modules: list[ModuleModel]
+
+
+class ChannelModel(Answer):
+    """One channel of the table and what goes through it."""
+
+    name: str
+    title: str
+    type: str
+    frame: str
+    rate_hz: float | None = Field(description="Nominal rate; null for a channel of events.")
+    decimable: bool
+    wanted: bool = Field(description="Whether anybody listens.")
+    producer: str | None = Field(description="`Module.port`; null: fed from outside the graph.")
+    published: int
+    age_ms: float | None = Field(description="Age of the newest message.")
+    stale: bool = Field(description="Whether it is older than its rate, as commanded, allows.")
+    subscriptions: dict[str, dict[str, Any]] = Field(description="Counters by consumer.")
+
+
+class ChannelList(Answer):
+    """Every channel."""
+
+    channels: list[ChannelModel]
+
+
+class EventModel(Answer):
+    """One event of the timeline."""
+
+    id: int = Field(description="Grows by one.")
+    stamp: Stamp
+    kind: str
+    subject: str = Field(description="A desire class, a module, a filter.")
+    text: str = Field(description="One sentence.")
+    data: dict[str, Any]
+
+
+class EventList(Answer):
+    """Events, oldest first."""
+
+    events: list[EventModel]
+
+
+class Velocity(Answer):
+    """Forward m/s and turn rad/s (left positive)."""
+
+    linear_mps: float
+    angular_radps: float
+
+
+class GuardModel(Answer):
+    """What the guard says."""
+
+    state: str = Field(description="idle, driving, stale_command, e_stopped, sensor_failure or waiting.")
+    reason: str
+    e_stopped: bool
+    command_age_ms: float | None
+    applied: Velocity
+
+
+class OdometryModel(Answer):
+    """Pose in `odom` and measured velocity."""
+
+    x: float
+    y: float
+    theta: float
+    linear_mps: float
+    angular_radps: float
+
+
+class LandmarkModel(Answer):
+    """A QR code found, in `odom`."""
+
+    text: str
+    x: float
+    y: float
+    z: float
+    sigma_m: float
+    sightings: int
+    first_seen: float
+    last_seen: float
+
+
+class RobotModel(Answer):
+    """The robot's state."""
+
+    stamp: Stamp
+    robot: dict[str, Any] = Field(description="Name, whether simulated, limits.")
+    guard: GuardModel
+    world_rate: float
+    odometry: OdometryModel | None
+    driver: str | None = Field(description="The operator who drives.")
+    exploited: str | None = Field(description="The behavior that drives the base.")
+    landmarks: list[LandmarkModel]
+
+
+class EStopModel(Answer):
+    """What was asked of the guard; its own word follows in GET /api/v1/robot within 50 ms."""
+
+    e_stop: Literal["latched", "released"]
+
+
+class LoginRequest(Request):
+    """The console's token."""
+
+    token: str = Field(max_length=512)
+
+
+class SessionModel(Answer):
+    """That this client may use the console."""
+
+    authenticated: Literal[True]
+    token_needed: bool
+
+
+class ViewerModel(Answer):
+    """What a viewer of the 3D view is given."""
+
+    viewer: str
+    lag_ms: float | None
+    points: int
+    sent_bytes: int
+
+
+class HealthModel(Answer):
+    """Sign of life."""
+
+    status: Literal["ok", "degraded"]
+    stamp: Stamp
+    problems: list[str] = Field(description="Modules that do not run.")

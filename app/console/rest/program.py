@@ -1,0 +1,125 @@
+"""The robot and the program that runs it: state, emergency stop, modules, channels, health."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+from fastapi import APIRouter, Path, Request
+from fastapi.responses import Response
+
+from app.attention.chronicle import divisor_json
+from app.console import reports
+from app.console.live.hub import Hub
+from app.console.problems import Problem
+from app.console.rest.answers import Json, problems
+from app.console.rest.desires import source_of
+from app.console.rest.models import (
+    ChannelList,
+    EStopModel,
+    HealthModel,
+    ModuleList,
+    ModuleModel,
+    RobotModel,
+)
+
+if TYPE_CHECKING:
+    from app.system import System
+
+
+def robot_router(system: System, hub: Hub) -> APIRouter:
+    """Routes of ``/robot``."""
+    router = APIRouter(tags=["robot"])
+
+    @router.get("/robot", response_model=RobotModel, summary="Where the robot is and how it does")
+    async def get_robot() -> Response:
+        now = system.clock.now()
+        status = hub.link_status
+        return Json(
+            {
+                "stamp": now,
+                "robot": reports.robot_json(system.link),
+                "guard": reports.guard_json(status),
+                "world_rate": 1.0 if status is None else status.world_rate,
+                "odometry": reports.odometry_json(reports.latest(system.graph, "odometry")),
+                "driver": hub.driving.lease.driver_name,
+                "exploited": reports.exploited(reports.latest(system.graph, "exploitation"), now),
+                "landmarks": reports.landmarks_json(reports.latest(system.graph, "landmarks")),
+            }
+        )
+
+    @router.post("/robot/e-stop", response_model=EStopModel, summary="Stop, and stay stopped")
+    async def e_stop(request: Request) -> Response:
+        """Latches the emergency stop in the guard: the wheels are commanded to zero until it is released here or on the
+        page. Needs no body. May be repeated."""
+        hub.driving.e_stop(source_of(request).name)
+        return Json({"e_stop": "latched"})
+
+    @router.delete("/robot/e-stop", response_model=EStopModel, summary="Release the emergency stop")
+    async def clear_e_stop() -> Response:
+        """The base stays still until the next fresh command."""
+        hub.driving.clear_e_stop()
+        return Json({"e_stop": "released"})
+
+    return router
+
+
+def program_router(system: System) -> APIRouter:
+    """Routes of ``/modules``, ``/channels`` and ``/health``."""
+    router = APIRouter(tags=["program"])
+    report = reports.ModuleReport(system)
+
+    @router.get("/modules", response_model=ModuleList, summary="Modules, their load and counters")
+    async def list_modules() -> Response:
+        load = system.load.latest
+        return Json({"stamp": load.stamp, "process_cpu": round(load.process, 2), "modules": report.modules()})
+
+    @router.get("/modules/{name}", response_model=ModuleModel, summary="One module", responses=problems(404))
+    async def get_module(name: Annotated[str, Path(examples=["QRCodeDetector"])]) -> Response:
+        slot = system.graph.modules.get(name)
+        if slot is None:
+            known = ", ".join(system.graph.modules)
+            raise Problem(404, "no-such-module", f"No module is called {name}; there are: {known}.")
+        return Json(report.module(slot))
+
+    @router.get("/channels", response_model=ChannelList, summary="Channels and how fresh they are")
+    async def list_channels() -> Response:
+        now = system.clock.now()
+        return Json({"channels": [channel_json(system, name, now) for name in system.graph.channels]})
+
+    @router.get("/health", response_model=HealthModel, summary="Sign of life")
+    async def get_health() -> Response:
+        """Open to all; `degraded` while a module does not run."""
+        problems = [
+            f"{state.name}: {state.status}" for state in system.supervisor.states.values() if state.status != "running"
+        ]
+        status = "degraded" if problems else "ok"
+        return Json({"status": status, "stamp": system.clock.now(), "problems": problems})
+
+    return router
+
+
+def channel_json(system: System, name: str, now: float) -> dict[str, Any]:
+    """A channel of the table and its counters."""
+    spec, channel = system.graph.specs[name], system.graph.channels[name]
+    statistics = channel.statistics()
+    producer = system.graph.producers.get(name)
+    divisor = 1 if producer is None else divisor_json(system.graph.filters.divisors()[producer])
+    age = None if statistics.last_stamp is None else now - statistics.last_stamp
+    limit = spec.stale_after_s(divisor or 1)
+    listened = channel.wanted and divisor is not None
+    return {
+        "name": name,
+        "title": spec.title,
+        "type": spec.message,
+        "frame": spec.frame,
+        "rate_hz": spec.rate_hz,
+        "decimable": spec.decimable,
+        "wanted": channel.wanted,
+        "producer": producer,
+        "published": statistics.published,
+        "age_ms": None if age is None else round(1e3 * age, 1),
+        "stale": bool(listened and limit is not None and (age is None or age > limit)),
+        "subscriptions": {
+            consumer: reports.subscription_json(counters) for consumer, counters in statistics.subscriptions.items()
+        },
+    }

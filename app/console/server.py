@@ -1,0 +1,141 @@
+"""Serving the console inside the running event loop."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import errno
+import socket
+from collections.abc import Callable, Iterator
+
+import uvicorn
+from starlette.types import ASGIApp
+
+from app.errors import ConfigError
+
+#: Connections still open this long after the end was asked for are cut.
+GRACE_S = 0.3
+#: Most of what is sent waits in our own outboxes, where newer replaces older, not in the kernel, where it goes stale.
+UNSENT_BYTES = 64 * 1024
+LARGEST_MESSAGE_BYTES = 1024 * 1024
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """Bind ``host:port`` (port 0: any free one) and listen.
+
+    To be done before anything else starts, so that nothing starts in vain. Raises ConfigError saying what to do when
+    the address cannot be had.
+    """
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+    except OSError as failure:
+        raise ConfigError(f"the console cannot listen on {host}: {failure.strerror or failure}") from None
+    listener = socket.socket(family, kind, protocol)
+    try:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        if hasattr(socket, "TCP_NOTSENT_LOWAT"):
+            # Connections inherit it.
+            listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, UNSENT_BYTES)
+        listener.bind(address)
+        listener.listen(128)
+        listener.setblocking(False)
+    except OSError as failure:
+        listener.close()
+        raise ConfigError(_why_not(host, port, failure)) from None
+    return listener
+
+
+def _why_not(host: str, port: int, failure: OSError) -> str:
+    if failure.errno == errno.EADDRINUSE:
+        return (
+            f"port {port} of {host} is taken by another program; stop that one or choose another: "
+            f"--port {port + 1 if port < 65535 else 8080}, or --port 0 for any free one"
+        )
+    if failure.errno == errno.EACCES:
+        return f"port {port} needs more rights than this program has; choose one above 1023: --port 8080"
+    if failure.errno == errno.EADDRNOTAVAIL:
+        return f"{host} is no address of this computer; use 127.0.0.1, or 0.0.0.0 for all its addresses"
+    return f"the console cannot listen on {host}:{port}: {failure.strerror or failure}"
+
+
+def address_of(listener: socket.socket) -> tuple[str, int]:
+    """Host and port of a listening socket."""
+    host, port = listener.getsockname()[:2]
+    return str(host), int(port)
+
+
+def url_of(listener: socket.socket) -> str:
+    """The address to type into a browser on this computer."""
+    host, port = address_of(listener)
+    if host in ("0.0.0.0", "::"):
+        host = "127.0.0.1"
+    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
+
+
+class _Server(uvicorn.Server):
+    """uvicorn without its signal handlers (the program has its own), and with an end that never hangs."""
+
+    @contextlib.contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Leave the signals alone."""
+        yield
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """End every connection; those whose peer does not read are cut."""
+        loop = asyncio.get_running_loop()
+        cut = loop.call_later(GRACE_S, self._cut)
+        try:
+            await super().shutdown(sockets)
+        finally:
+            cut.cancel()
+
+    def _cut(self) -> None:
+        for connection in list(self.server_state.connections):
+            if connection.transport is not None:
+                connection.transport.abort()
+
+
+async def serve(
+    app: ASGIApp,
+    host: str,
+    port: int,
+    *,
+    listener: socket.socket | None = None,
+    started: Callable[[str], None] | None = None,
+) -> None:
+    """Serve ``app`` until cancelled, then end within a second.
+
+    ``listener`` is a socket from :func:`listen`, if one was bound beforehand. ``started(url)`` is called once requests
+    are answered. Raises ConfigError when the address cannot be had.
+    """
+    sock = listener or listen(host, port)
+    config = uvicorn.Config(
+        app,
+        http="h11",
+        ws="websockets-sansio",
+        ws_per_message_deflate=False,
+        ws_max_size=LARGEST_MESSAGE_BYTES,
+        ws_ping_interval=10,
+        ws_ping_timeout=10,
+        lifespan="on",
+        log_config=None,
+        access_log=False,
+        server_header=False,
+        timeout_graceful_shutdown=2 * GRACE_S,  # type: ignore[arg-type]  # seconds, any number will do
+    )
+    server = _Server(config)
+    url = url_of(sock)
+    task = asyncio.create_task(server.serve([sock]), name="console")
+    try:
+        while not server.started and not task.done():
+            # uvicorn has no event for this.
+            await asyncio.wait({task}, timeout=0.01)
+        if started is not None and not task.done():
+            started(url)
+        await asyncio.shield(task)
+    except asyncio.CancelledError:
+        server.should_exit = True
+        await task
+        raise
+    finally:
+        sock.close()

@@ -1,0 +1,56 @@
+"""The console on a real program, called in process or really served."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import httpx
+import pytest
+
+from app.console.app import create_app
+from app.system import System
+from tests.console.program import Body, build, served, write_page
+
+
+@pytest.fixture
+def built(tmp_path: Path) -> tuple[System, Body]:
+    """The program before it runs."""
+    return build(tmp_path)
+
+
+@pytest.fixture
+def page(tmp_path: Path) -> Path:
+    """The built page's folder."""
+    return write_page(tmp_path)
+
+
+@pytest.fixture
+async def system(built: tuple[System, Body]) -> AsyncIterator[System]:
+    """The program at work."""
+    async with built[0] as system:
+        await system.translator.settled()
+        yield system
+
+
+@pytest.fixture
+def body(built: tuple[System, Body]) -> Body:
+    """Its body, to feed."""
+    return built[1]
+
+
+@pytest.fixture
+async def client(system: System, page: Path) -> AsyncIterator[httpx.AsyncClient]:
+    """REST in process, as a program on this computer sees it."""
+    app = create_app(system, static_dir=page)
+    async with app.router.lifespan_context(app):
+        transport = httpx.ASGITransport(app, raise_app_exceptions=True)
+        async with httpx.AsyncClient(transport=transport, base_url="http://127.0.0.1:8080/api/v1") as client:
+            yield client
+
+
+@pytest.fixture
+async def url(system: System, page: Path) -> AsyncIterator[str]:
+    """The console really served, on loopback without a token."""
+    async with served(create_app(system, static_dir=page)) as url:
+        yield url

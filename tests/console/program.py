@@ -1,0 +1,193 @@
+"""A whole program on a body without physics: the real System, modules, attention and clock, fed by the test."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from fastapi import FastAPI
+
+from app import paths
+from app.config import load_configuration
+from app.console.server import listen, serve, url_of
+from app.link import BaseLimits, LinkFailed, RobotDescription, StreamDescription
+from app.messages import Image, JointState, LaserScan, LinkStatus, Odometry, Twist
+from app.system import System
+
+MODEL = paths.config_dir() / "robots" / "irl1_tr.urdf"
+STREAMS = {
+    name: StreamDescription(name, message_type, rate_hz)
+    for name, message_type, rate_hz in (
+        ("kinect", Image, 15.0),
+        ("hokuyo", LaserScan, 40.0),
+        ("odometry", Odometry, 100.0),
+        ("joints", JointState, 30.0),
+        ("status", LinkStatus, 20.0),
+    )
+}
+
+PROGRAM = """\
+robot: robot.yaml
+channels: channels.yaml
+strategies: [strategies.yaml]
+modules:
+  Kinect:
+    class: app.modules.sensors.kinect:Kinect
+    outputs: {images: kinect}
+  Hokuyo:
+    class: app.modules.sensors.hokuyo:Hokuyo
+    outputs: {scans: scan}
+  WheelOdometry:
+    class: app.modules.sensors.wheel_odometry:WheelOdometry
+    outputs: {odometry: odometry, joints: joints}
+  CameraStream:
+    class: app.modules.perception.camera_stream:CameraStream
+    inputs: {images: kinect}
+    outputs: {pictures: camera_jpeg}
+  PointCloudBuilder:
+    class: app.modules.perception.point_cloud_builder:PointCloudBuilder
+    inputs: {images: kinect, odometry: odometry}
+    outputs: {clouds: point_cloud}
+  Teleop:
+    class: app.modules.behaviors.teleop:Teleop
+    inputs: {operator: operator_drive}
+    outputs: {twist: teleop_twist}
+"""
+
+CHANNELS = """\
+kinect: {type: Image, rate_hz: 15}
+scan: {type: LaserScan, rate_hz: 40}
+odometry: {type: Odometry, rate_hz: 100, decimable: false}
+joints: {type: JointState, rate_hz: 30, decimable: false}
+operator_drive: {type: OperatorDrive, decimable: false, external: true}
+teleop_twist: {type: Twist, decimable: false}
+camera_jpeg: {type: EncodedImage}
+point_cloud: {type: PointCloud}
+landmarks: {type: Landmarks, external: true}
+exploitation: {type: Exploitation, rate_hz: 10, external: true}
+"""
+
+STRATEGIES = """\
+resources:
+  cpu: {capacity: 100, unit: "%"}
+strategies:
+  - name: drive-by-hand
+    class: Teleoperation
+    utility: 1
+    filters: {Teleop.twist: 1}
+    costs: {cpu: 5}
+  - name: picture-fast
+    class: Telepresence
+    utility: 4
+    filters: {CameraStream.images: 1, PointCloudBuilder.images: 3}
+    costs: {cpu: 40}
+  - name: picture-slow
+    class: Telepresence
+    utility: 1
+    filters: {CameraStream.images: 4, PointCloudBuilder.images: 15}
+    costs: {cpu: 10}
+"""
+
+
+class Body:
+    """A RobotLink whose streams the test feeds with :meth:`emit`."""
+
+    def __init__(self) -> None:
+        limits = BaseLimits(0.40, 1.00, 0.40, 4.00)
+        self.description = RobotDescription("a test body", MODEL, limits, STREAMS, simulated=True)
+        self.receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in STREAMS}
+        self.stops: list[str] = []
+        self.e_stopped = False
+        self.commands: list[Twist] = []
+
+    async def start(self) -> None: ...
+
+    async def stop(self) -> None: ...
+
+    async def wait_failed(self) -> LinkFailed:
+        await asyncio.Event().wait()
+        raise AssertionError
+
+    def attach(self, stream: str, receive: Callable[[Any], None]) -> Callable[[], None]:
+        self.receivers[stream].append(receive)
+        return lambda: self.receivers[stream].remove(receive)
+
+    def demand(self, stream: str, wanted: bool) -> None: ...
+
+    def command(self, twist: Twist) -> None:
+        self.commands.append(twist)
+
+    def e_stop(self, reason: str) -> None:
+        self.stops.append(reason)
+        self.e_stopped = True
+
+    def clear_e_stop(self) -> None:
+        self.e_stopped = False
+
+    def emit(self, stream: str, message: Any) -> None:
+        """What the body's stream gives now."""
+        for receive in list(self.receivers[stream]):
+            receive(message)
+
+    def emit_status(self, stamp: float) -> None:
+        """What the guard reports now."""
+        guard = "e_stopped" if self.e_stopped else "idle"
+        self.emit("status", LinkStatus(stamp, guard, "", self.e_stopped, None, Twist(stamp, 0.0, 0.0), 1.0))
+
+
+def write_program(folder: Path) -> Path:
+    """The program's configuration, in ``folder``."""
+    for name, text in {
+        "program.yaml": PROGRAM,
+        "channels.yaml": CHANNELS,
+        "strategies.yaml": STRATEGIES,
+        "robot.yaml": "{}\n",
+    }.items():
+        (folder / name).write_text(text)
+    return folder / "program.yaml"
+
+
+def build(folder: Path) -> tuple[System, Body]:
+    """The program, not running yet; outside the event loop, since it reads its files."""
+    body = Body()
+    return System(load_configuration(write_program(folder)), link=body), body
+
+
+@contextlib.asynccontextmanager
+async def served(app: FastAPI) -> AsyncIterator[str]:
+    """``app`` served on a free port of 127.0.0.1; gives its URL."""
+    listener = listen("127.0.0.1", 0)
+    url = url_of(listener)
+    up = asyncio.Event()
+    task = asyncio.create_task(serve(app, "127.0.0.1", 0, listener=listener, started=lambda _: up.set()))
+    started = asyncio.create_task(up.wait())
+    await asyncio.wait({task, started}, return_when=asyncio.FIRST_COMPLETED)
+    try:
+        yield url
+    finally:
+        started.cancel()
+        task.cancel()
+        await asyncio.wait({task})
+
+
+def write_page(folder: Path) -> Path:
+    """A page of one line, as Vite would lay it out."""
+    static = folder / "static"
+    (static / "assets").mkdir(parents=True)
+    (static / "index.html").write_text("<!doctype html><title>page</title>")
+    (static / "assets" / "index-1a2b.js").write_text("0")
+    return static
+
+
+def image(stamp: float, *, width: int = 64, height: int = 48) -> Image:
+    """A camera image with depth: a wall 2 m ahead."""
+    from app.geometry import CameraModel, Pose3
+
+    color = np.full((height, width, 3), 120, np.uint8)
+    depth = np.full((height, width), 2000, np.uint16)
+    camera = CameraModel.from_vertical_fov(width, height, 0.75)
+    return Image(stamp, "kinect_optical_frame", color, depth, camera, Pose3.identity())

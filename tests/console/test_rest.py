@@ -1,0 +1,254 @@
+"""REST: every route answers in the shape it declares, and every refusal is a problem document."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+import httpx
+import pytest
+
+from app.console.rest import models
+from app.runtime.filter import CLOSED
+from app.system import System
+from tests.console.program import Body
+
+NEW = {"class": "Telepresence", "intensity": 8, "utility": 4, "security": False, "params": {}, "ttl": 30}
+
+
+def is_problem(response: httpx.Response, status: int, kind: str) -> dict[str, Any]:
+    """Check that ``response`` is this problem and return the document."""
+    assert response.status_code == status, response.text
+    assert response.headers["content-type"] == "application/problem+json"
+    document: dict[str, Any] = response.json()
+    assert document["type"] == f"urn:hbba:problem:{kind}"
+    assert document["status"] == status
+    assert document["title"]
+    assert document["detail"]
+    return document
+
+
+@pytest.mark.parametrize(
+    ("path", "model"),
+    [
+        ("/desires", models.DesireList),
+        ("/desire-classes", models.DesireClassList),
+        ("/desire-classes/Telepresence", models.DesireClassModel),
+        ("/intention", models.IntentionModel),
+        ("/strategies", models.StrategyList),
+        ("/resources", models.ResourceList),
+        ("/modules", models.ModuleList),
+        ("/modules/Teleop", models.ModuleModel),
+        ("/channels", models.ChannelList),
+        ("/timeline", models.EventList),
+        ("/robot", models.RobotModel),
+        ("/session", models.SessionModel),
+        ("/health", models.HealthModel),
+    ],
+)
+async def test_every_answer_has_the_shape_that_is_declared(
+    client: httpx.AsyncClient, path: str, model: type[models.Answer]
+) -> None:
+    response = await client.get(path)
+    assert response.status_code == 200
+    model.model_validate_json(response.content, strict=False, extra="forbid")
+
+
+async def test_a_desire_lives_its_life(client: httpx.AsyncClient, system: System) -> None:
+    created = await client.post("/desires", json=NEW)
+    assert created.status_code == 201
+    desire = models.DesireModel.model_validate(created.json())
+    assert created.headers["location"] == f"/api/v1/desires/{desire.id}"
+    assert desire.expires == pytest.approx(desire.created + 30)
+    assert desire.source.kind == "rest"
+    await system.translator.settled()
+    assert system.graph.filters.divisors()["CameraStream.images"] == 1
+    got = await client.get(f"/desires/{desire.id}")
+    assert got.json() == created.json()
+
+    changed = await client.patch(f"/desires/{desire.id}", json={"utility": 1, "intensity": 0.5, "ttl": None})
+    assert changed.status_code == 200
+    assert changed.json()["intensity"] == 0.5
+    assert changed.json()["expires"] is None
+    assert changed.json()["params"] == created.json()["params"]
+
+    assert (await client.delete(f"/desires/{desire.id}")).status_code == 204
+    is_problem(await client.delete(f"/desires/{desire.id}"), 404, "no-such-desire")
+    await system.translator.settled()
+    assert system.graph.filters.divisors()["CameraStream.images"] == CLOSED
+
+
+async def test_an_operator_is_named_by_the_page(client: httpx.AsyncClient) -> None:
+    created = await client.post("/desires", json=NEW, headers={"X-HBBA-Operator": "Zo%C3%A9"})
+    assert created.json()["source"] == {"kind": "operator", "name": "Zoé"}
+
+
+async def test_the_same_key_creates_once(client: httpx.AsyncClient) -> None:
+    key = {"Idempotency-Key": "k1"}
+    first = await client.post("/desires", json=NEW, headers=key)
+    # Equal in meaning is enough.
+    again = await client.post("/desires", json={**NEW, "intensity": 8.0}, headers=key)
+    assert again.status_code == 201
+    assert again.json() == first.json()
+    assert again.headers["location"] == first.headers["location"]
+    assert again.headers["idempotency-replayed"] == "true"
+    assert len((await client.get("/desires")).json()["desires"]) == 1
+    other = await client.post("/desires", json={**NEW, "intensity": 7}, headers=key)
+    is_problem(other, 422, "idempotency-key-reused")
+    assert (await client.post("/desires", json=NEW, headers={"Idempotency-Key": "k2"})).json() != first.json()
+
+
+async def test_a_refused_request_does_not_use_up_its_key(client: httpx.AsyncClient) -> None:
+    key = {"Idempotency-Key": "k"}
+    assert (await client.post("/desires", json={**NEW, "class": "Fly"}, headers=key)).status_code == 422
+    assert (await client.post("/desires", json=NEW, headers=key)).status_code == 201
+
+
+async def test_an_unknown_class_names_those_there_are(client: httpx.AsyncClient) -> None:
+    response = await client.post("/desires", json={**NEW, "class": "Telepresense"})
+    problem = is_problem(response, 422, "unknown-desire-class")
+    assert problem["known"] == ["FindQRCodes", "Teleoperation", "Telepresence"]
+    assert problem["errors"][0]["field"] == "class"
+    assert "Telepresence" in problem["detail"]
+
+
+@pytest.mark.parametrize(
+    ("body", "field"),
+    [
+        ({**NEW, "intensity": 9}, "intensity"),
+        ({**NEW, "intensity": 0}, "intensity"),
+        ({**NEW, "intensity": "8"}, "intensity"),
+        ({**NEW, "intensity": True}, "intensity"),
+        ({**NEW, "utility": -1}, "utility"),
+        ({**NEW, "security": "yes"}, "security"),
+        ({**NEW, "ttl": 0}, "ttl"),
+        ({**NEW, "ttl": 1e12}, "ttl"),
+        ({**NEW, "urgency": 3}, "urgency"),
+        ({key: value for key, value in NEW.items() if key != "class"}, "class"),
+        ({**NEW, "params": {"max_points": 10}}, "params.max_points"),
+        ({**NEW, "params": {"maxpoints": 2000}}, "params.maxpoints"),
+        ({**NEW, "params": []}, "params"),
+        ([NEW], "body"),
+    ],
+)
+async def test_a_wrong_field_is_named(client: httpx.AsyncClient, body: Any, field: str) -> None:
+    response = await client.post("/desires", json=body)
+    assert response.status_code == 422
+    document = is_problem(response, 422, response.json()["type"].rpartition(":")[2])
+    assert [error["field"] for error in document["errors"]] == [field]
+    assert all(error["message"] for error in document["errors"])
+    assert (await client.get("/desires")).json() == {"desires": []}
+
+
+@pytest.mark.parametrize("body", ["", "{", '{"class": NaN}', "\xff"])
+async def test_a_body_that_is_no_json_is_refused(client: httpx.AsyncClient, body: str) -> None:
+    response = await client.post(
+        "/desires", content=body.encode("latin-1"), headers={"Content-Type": "application/json"}
+    )
+    assert response.status_code in (400, 422)
+    is_problem(response, response.status_code, response.json()["type"].rpartition(":")[2])
+
+
+async def test_null_is_no_change(client: httpx.AsyncClient) -> None:
+    desire = (await client.post("/desires", json=NEW)).json()
+    response = await client.patch(f"/desires/{desire['id']}", json={"utility": None})
+    assert is_problem(response, 422, "invalid-request")["errors"][0]["field"] == "utility"
+
+
+async def test_what_is_not_there_is_a_problem(client: httpx.AsyncClient) -> None:
+    is_problem(await client.get("/nonsense"), 404, "not-found")
+    is_problem(await client.get("/desires/d-0"), 404, "no-such-desire")
+    is_problem(await client.get("/modules/Nobody"), 404, "no-such-module")
+    is_problem(await client.get("/desire-classes/Fly"), 404, "no-such-desire-class")
+    is_problem(await client.patch("/resources/gold", json={"capacity": 1}), 404, "no-such-resource")
+
+
+async def test_a_wrong_method_says_which_are_right(client: httpx.AsyncClient) -> None:
+    response = await client.put("/desires", json={})
+    is_problem(response, 405, "method-not-allowed")
+    assert {m.strip() for m in response.headers["allow"].split(",")} == {"GET", "POST"}
+
+
+async def test_a_budget_is_changed_and_attention_follows(client: httpx.AsyncClient, system: System) -> None:
+    await client.post("/desires", json={**NEW, "utility": 1})
+    await system.translator.settled()
+    assert (await client.get("/intention")).json()["strategies"][0]["name"] == "picture-fast"
+    response = await client.patch("/resources/cpu", json={"capacity": 20})
+    assert response.json()["capacity"] == 20
+    assert response.json()["declared"] == 100
+    await system.translator.settled()
+    intention = (await client.get("/intention")).json()
+    assert [strategy["name"] for strategy in intention["strategies"]] == ["picture-slow"]
+    assert intention["filters"]["CameraStream.images"] == 4
+    assert intention["filters"]["Teleop.twist"] is None
+    is_problem(await client.patch("/resources/cpu", json={"capacity": -1}), 422, "invalid-request")
+
+
+async def test_the_timeline_is_queried_by_time_kind_and_number(client: httpx.AsyncClient, system: System) -> None:
+    await client.post("/desires", json=NEW)
+    await system.translator.settled()
+    events = (await client.get("/timeline")).json()["events"]
+    assert {event["kind"] for event in events} >= {"desire", "intention", "filter"}
+    desires = (await client.get("/timeline", params={"kinds": "desire"})).json()["events"]
+    assert {event["kind"] for event in desires} == {"desire"}
+    later = await client.get("/timeline", params={"after_id": events[-1]["id"]})
+    assert later.json() == {"events": []}
+    assert len((await client.get("/timeline", params={"limit": 1})).json()["events"]) == 1
+    none = await client.get("/timeline", params={"until": events[0]["stamp"] - 1})
+    assert none.json() == {"events": []}
+    problem = is_problem(await client.get("/timeline", params={"kinds": "wish"}), 422, "invalid-request")
+    assert problem["errors"][0]["field"] == "query.kinds"
+    is_problem(await client.get("/timeline", params={"limit": 100000}), 422, "invalid-request")
+
+
+async def test_the_emergency_stop_is_latched_and_released(client: httpx.AsyncClient, body: Body) -> None:
+    assert (await client.post("/robot/e-stop")).json() == {"e_stop": "latched"}
+    assert body.e_stopped
+    assert body.stops == ["pressed by rest"]
+    body.emit_status(1.0)
+    assert (await client.get("/robot")).json()["guard"]["state"] == "e_stopped"
+    assert (await client.delete("/robot/e-stop")).json() == {"e_stop": "released"}
+    assert not body.e_stopped
+
+
+async def test_the_description_is_whole_and_needs_nothing_from_elsewhere(client: httpx.AsyncClient) -> None:
+    document = (await client.get("/openapi.json")).json()
+    operations = [o for path in document["paths"].values() for o in path.values()]
+    assert len(operations) >= 20
+    for operation in operations:
+        assert operation["tags"]
+        assert operation["summary"]
+    references = {value for key, value in walk(document) if key == "$ref"}
+    names = set(document["components"]["schemas"])
+    assert {reference.rpartition("/")[2] for reference in references} <= names
+    assert "HTTPValidationError" not in names
+    create = document["paths"]["/api/v1/desires"]["post"]
+    assert set(create["responses"]) == {"201", "400", "422"}
+    assert "application/problem+json" in create["responses"]["422"]["content"]
+    page = await client.get("/docs")
+    assert page.status_code == 200
+    assert "POST /api/v1/desires" in page.text
+    assert "https://" not in page.text
+
+
+def walk(value: Any) -> Any:
+    """Every key and value inside ``value``."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield key, inner
+            yield from walk(inner)
+    elif isinstance(value, list):
+        for inner in value:
+            yield from walk(inner)
+
+
+async def test_the_health_tells_of_a_module_that_fails(client: httpx.AsyncClient, system: System) -> None:
+    assert (await client.get("/health")).json()["status"] == "ok"
+    failed = asyncio.Event()
+    system.supervisor.observe(lambda state: failed.set() if state.status == "failed" else None)
+    system.graph.channel("operator_drive").publish("no message at all")
+    await failed.wait()
+    health = (await client.get("/health")).json()
+    assert health["status"] == "degraded"
+    assert health["problems"] == ["Teleop: failed"]
+    assert "AttributeError" in (await client.get("/modules/Teleop")).json()["problem"]
