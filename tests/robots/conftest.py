@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 from pathlib import Path
 from typing import Any
@@ -41,9 +42,7 @@ def hall() -> WorldConfig:
 def make_hall(**more: Any) -> WorldConfig:
     """An empty hall with ``more`` in it."""
     corners = [(0, 0), (20, 0), (20, 20), (0, 20), (0, 0)]
-    walls = [
-        {"from": a, "to": b, "material": "wall", "thickness": 0.2} for a, b in zip(corners, corners[1:], strict=False)
-    ]
+    walls = [{"from": a, "to": b, "material": "wall", "thickness": 0.2} for a, b in itertools.pairwise(corners)]
     return WorldConfig.model_validate(
         {
             "name": "hall",

@@ -55,7 +55,7 @@ def test_two_arms_of_four_joints() -> None:
 
 
 def test_an_unknown_link_is_named_with_those_there_are() -> None:
-    with pytest.raises(KeyError, match="no link 'nose'.*base_link"):
+    with pytest.raises(KeyError, match=r"no link 'nose'.*base_link"):
         MODEL.pose("nose")
 
 

@@ -82,6 +82,7 @@ class Camera:
         mujoco.mjv_updateScene(
             self._model, self._data, self._option, None, self._view, mujoco.mjtCatBit.mjCAT_ALL, self._scene
         )
+        self._gl.make_current()
         mujoco.mjr_render(self._viewport, self._scene, self._context)
         mujoco.mjr_readPixels(self._color, self._depth, self._viewport, self._context)
         # The buffer is affine in 1/z, with 0 at the far plane and 1 at the near one

@@ -1,8 +1,8 @@
 """The laser: rays cast from where the robot is when each ray leaves, with the Hokuyo's noise.
 
 A sweep takes time. Its rays are cast in a few fans, each in the middle of the time in which its rays really leave, so
-a scan taken while turning is as skewed as the real one's. Intensities are 1000 at 1 m face-on, falling with distance and
-angle of incidence.
+a scan taken while turning is as skewed as the real one's. Intensities are 1000 at 1 m face-on, falling with distance
+and angle of incidence.
 """
 
 from __future__ import annotations

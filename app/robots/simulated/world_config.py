@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 LETTER_WIDTH_M, LETTER_HEIGHT_M = 0.2159, 0.2794
 """US Letter in portrait."""
-CODE_SIDE_M = 0.185
+CODE_SIDE_M = 0.190
 """Side of a poster's code without its quiet zone."""
 CODE_RISE_M = 0.030
 """How far the code's centre lies above the page's centre; the title stands below."""

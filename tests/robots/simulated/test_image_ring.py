@@ -1,0 +1,83 @@
+"""The image ring: what is read is whole, or said to be gone."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from app.robots.simulated.image_ring import SLOTS, ImageRing, create_memory, ring_bytes
+
+WIDTH, HEIGHT = 32, 24
+
+
+@pytest.fixture
+def rings() -> Iterator[tuple[ImageRing, ImageRing]]:
+    """Two views of one memory, as writer and reader have."""
+    memory = create_memory(ring_bytes(WIDTH, HEIGHT))
+    writer, reader = ImageRing(memory, WIDTH, HEIGHT), ImageRing(memory, WIDTH, HEIGHT)
+    os.close(memory)
+    yield writer, reader
+    writer.close()
+    reader.close()
+
+
+def write(ring: ImageRing, number: int) -> tuple[int, int]:
+    slot = number % SLOTS
+    color, depth = ring.begin(slot)
+    color[:] = number
+    depth[:] = 1000 + number
+    ring.finish(slot, 2 * number)
+    return slot, 2 * number
+
+
+def test_what_was_written_is_read_as_read_only_copies(rings: tuple[ImageRing, ImageRing]) -> None:
+    writer, reader = rings
+    slot, sequence = write(writer, 7)
+    pictures = reader.read(slot, sequence)
+    assert pictures is not None
+    color, depth = pictures
+    assert color.shape == (HEIGHT, WIDTH, 3)
+    assert (color == 7).all()
+    assert depth.dtype == np.uint16
+    assert (depth == 1007).all()
+    assert not color.flags.writeable
+    assert not depth.flags.writeable
+    write(writer, 7 + SLOTS)
+    assert (color == 7).all()  # a copy: later pictures do not touch it
+
+
+def test_an_overwritten_picture_is_said_to_be_gone(rings: tuple[ImageRing, ImageRing]) -> None:
+    writer, reader = rings
+    slot, sequence = write(writer, 1)
+    write(writer, 1 + SLOTS)
+    assert reader.read(slot, sequence) is None
+
+
+def test_a_picture_being_written_is_not_read(rings: tuple[ImageRing, ImageRing]) -> None:
+    writer, reader = rings
+    slot, sequence = write(writer, 2)
+    writer.begin(slot)
+    assert reader.read(slot, sequence) is None
+
+
+def test_slots_do_not_touch_each_other(rings: tuple[ImageRing, ImageRing]) -> None:
+    writer, reader = rings
+    told = [write(writer, number) for number in range(10, 10 + SLOTS)]
+    for number, (slot, sequence) in zip(range(10, 10 + SLOTS), told, strict=True):
+        pictures = reader.read(slot, sequence)
+        assert pictures is not None
+        assert (pictures[0] == number).all()
+        assert (pictures[1] == 1000 + number).all()
+
+
+def test_the_memory_has_no_name_and_goes_with_its_last_user() -> None:
+    before = set(os.listdir("/dev/shm")) if os.path.isdir("/dev/shm") else set()
+    memory = create_memory(ring_bytes(WIDTH, HEIGHT))
+    ring = ImageRing(memory, WIDTH, HEIGHT)
+    after = set(os.listdir("/dev/shm")) if os.path.isdir("/dev/shm") else set()
+    assert after - before == set()
+    os.close(memory)
+    ring.close()
