@@ -53,14 +53,14 @@ class StreamModule(Module):
     def relay(self, stream: str, output: Output[Any], *, lazy: bool = False) -> None:
         """Publish each message of ``stream`` on ``output`` until the module stops; call it in ``start``.
 
-        A ``lazy`` stream is produced only while some subscription of the output's channel is open. Raises
-        ModuleFailed for a body without such a stream.
+        A ``lazy`` stream is produced only while publishing it would reach anyone. Raises ModuleFailed for a body
+        without such a stream.
         """
         self._releases.append(attach(self, stream, output.message_type, output.publish))
-        if lazy and output.channel is not None:
+        if lazy:
             link = robot_link(self)
             self._releases.append(lambda: link.demand(stream, False))
-            self._releases.append(output.channel.on_wanted(lambda wanted: link.demand(stream, wanted)))
+            self._releases.append(output.on_wanted(lambda wanted: link.demand(stream, wanted)))
 
     async def stop(self) -> None:
         """Let go of the streams; the body need not produce them any more."""

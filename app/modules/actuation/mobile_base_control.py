@@ -60,20 +60,19 @@ class MobileBaseControl(Module):
 
     title = "Mobile base control"
     Settings = MobileBaseControlSettings
+    settings: MobileBaseControlSettings
 
     _link: RobotLink
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        assert isinstance(context.settings, MobileBaseControlSettings)
-        self._settings = context.settings
         self.exploitation = self.output("exploitation", Exploitation)
         self.status = self.output("status", LinkStatus)
-        self._contenders = tuple(Contender(b.input, b.behavior, b.priority) for b in self._settings.behaviors)
+        self._contenders = tuple(Contender(b.input, b.behavior, b.priority) for b in self.settings.behaviors)
         for contender in self._contenders:
             port = self.input(contender.port, Twist, always_open=True)
             self.on(port, partial(self._take, contender.port))
-        self.every(self._settings.period_s, self._beat)
+        self.every(self.settings.period_s, self._beat)
         self._commands: dict[str, Twist] = {}
         self._sent = Twist(0.0, 0.0, 0.0)
         self._driver: str | None = None
@@ -105,7 +104,7 @@ class MobileBaseControl(Module):
     def _drive(self) -> None:
         now = self.clock.now()
         limits = self._link.description.limits
-        choice = arbitrate(now, self._commands, self._contenders, self._settings.max_age_s)
+        choice = arbitrate(now, self._commands, self._contenders, self.settings.max_age_s)
         if choice is None:
             self._driver = None
             # The stamp stays that of the last command: the first one after a rest gets a whole period to speed up.
@@ -116,7 +115,7 @@ class MobileBaseControl(Module):
         else:
             self._driver, wanted = choice
             target = clamped(Twist(now, wanted.linear_mps, wanted.angular_radps), limits)
-            self._sent = approach(self._sent, target, limits, self._settings.period_s)
+            self._sent = approach(self._sent, target, limits, self.settings.period_s)
             self._zeros_left = PARTING_ZEROS
         self._link.command(replace(self._sent, stamp=now))
 

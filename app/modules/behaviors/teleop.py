@@ -37,24 +37,23 @@ class Teleop(Module):
 
     title = "Teleop"
     Settings = TeleopSettings
+    settings: TeleopSettings
 
     _gate: DriveGate
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        assert isinstance(context.settings, TeleopSettings)
-        self._settings = context.settings
         # Room for a burst: a release must not push out, nor be pushed out by, what comes next to it.
         self.operator = self.input("operator", OperatorDrive, capacity=8, always_open=True)
         self.twist = self.output("twist", Twist)
         self._speed = 1.0
         self._refusing = False
         self.on(self.operator, self._take)
-        self.every(self._settings.period_s, self._beat)
+        self.every(self.settings.period_s, self._beat)
 
     async def start(self) -> None:
         """Ask the body for its limits."""
-        self._gate = DriveGate(robot_link(self).description.limits, self._settings.timeout_s)
+        self._gate = DriveGate(robot_link(self).description.limits, self.settings.timeout_s)
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take ``speed`` (share of the limits, in ]0, 1]) from the intention; 1 without one."""

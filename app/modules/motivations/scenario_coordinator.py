@@ -48,11 +48,11 @@ class ScenarioCoordinator(Module):
 
     title = "Scenario coordinator"
     Settings = ScenarioCoordinatorSettings
+    settings: ScenarioCoordinatorSettings
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        assert isinstance(context.settings, ScenarioCoordinatorSettings)
-        self._desires = context.settings.desires
+        self._desires = self.settings.desires
         self.landmarks = self.input("landmarks", Landmarks)
         self.on(self.landmarks, self._notice)
         self._posted: list[str] = []

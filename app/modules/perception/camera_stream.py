@@ -50,12 +50,11 @@ class CameraStream(Module):
 
     title = "Camera picture"
     Settings = CameraStreamSettings
+    settings: CameraStreamSettings
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        assert isinstance(context.settings, CameraStreamSettings)
-        self._settings = context.settings
-        self._quality = self._settings.jpeg_quality
+        self._quality = self.settings.jpeg_quality
         self.images = self.input("images", Image)
         self.pictures = self.output("pictures", EncodedImage)
         self.on(self.images, self._encode)
@@ -66,8 +65,8 @@ class CameraStream(Module):
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take ``jpeg_quality`` from the intention."""
-        self._quality = int(parameters.get("jpeg_quality", self._settings.jpeg_quality))
+        self._quality = int(parameters.get("jpeg_quality", self.settings.jpeg_quality))
 
     async def _encode(self, image: Image) -> None:
-        jpeg, width, height = await self.compute(encode_jpeg, image.color, self._quality, self._settings.width)
+        jpeg, width, height = await self.compute(encode_jpeg, image.color, self._quality, self.settings.width)
         self.pictures.publish(EncodedImage(image.stamp, image.frame, jpeg, width, height))

@@ -37,12 +37,11 @@ class PointCloudBuilder(Module):
 
     title = "Point cloud"
     Settings = PointCloudBuilderSettings
+    settings: PointCloudBuilderSettings
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        assert isinstance(context.settings, PointCloudBuilderSettings)
-        self._settings = context.settings
-        self._max_points = self._settings.max_points
+        self._max_points = self.settings.max_points
         self._poses = PoseAt()
         self._poseless = False
         self.images = self.input("images", Image)
@@ -53,7 +52,7 @@ class PointCloudBuilder(Module):
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take ``max_points`` from the intention."""
-        self._max_points = int(parameters.get("max_points", self._settings.max_points))
+        self._max_points = int(parameters.get("max_points", self.settings.max_points))
 
     async def _remember(self, odometry: Odometry) -> None:
         self._poses.add(odometry)

@@ -49,12 +49,11 @@ class QRCodeDetector(Module):
 
     title = "QR code detector"
     Settings = QRCodeDetectorSettings
+    settings: QRCodeDetectorSettings
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        assert isinstance(context.settings, QRCodeDetectorSettings)
-        self._settings = context.settings
-        self._upscale = self._settings.upscale
+        self._upscale = self.settings.upscale
         self._poses = PoseAt()
         self._map = LandmarkMap()
         self._told: Landmarks | None = None
@@ -71,12 +70,12 @@ class QRCodeDetector(Module):
         use_calling_thread()
         channel = self.landmarks.channel
         self._told = None if channel is None else channel.latest
-        model = SightingModel(self._settings.sigma_floor_m, self._settings.sigma_per_m2)
-        self._map = LandmarkMap(model, self._settings.gate_m, () if self._told is None else self._told.landmarks)
+        model = SightingModel(self.settings.sigma_floor_m, self.settings.sigma_per_m2)
+        self._map = LandmarkMap(model, self.settings.gate_m, () if self._told is None else self._told.landmarks)
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take ``upscale`` from the intention."""
-        self._upscale = bool(parameters.get("upscale", self._settings.upscale))
+        self._upscale = bool(parameters.get("upscale", self.settings.upscale))
 
     async def _remember(self, odometry: Odometry) -> None:
         self._poses.add(odometry)
@@ -113,9 +112,9 @@ class QRCodeDetector(Module):
         told = self._told
         if told is None or len(told.landmarks) != len(known.landmarks):
             return True
-        if known.stamp - told.stamp >= self._settings.refresh_s:
+        if known.stamp - told.stamp >= self.settings.refresh_s:
             return True
         places: list[tuple[Point, Point]] = [
             (a.p_OQ, b.p_OQ) for a, b in zip(told.landmarks, known.landmarks, strict=True)
         ]
-        return any(math.dist(before, now) > self._settings.moved_m for before, now in places)
+        return any(math.dist(before, now) > self.settings.moved_m for before, now in places)
