@@ -142,6 +142,10 @@ def checked_number(field: str, value: object, *, above: float | None = None) -> 
     return rounded
 
 
-def strongest_first(desire: Desire) -> tuple[float, float]:
-    """Sort key: the most intense desire first, the older of two equally intense."""
-    return (-desire.intensity, desire.created)
+def strongest_first(desire: Desire) -> tuple[float, bool, float]:
+    """Sort key: the most intense desire first; of equally intense ones security before others, then the newest.
+
+    The thesis leaves the tie open. The newest wins so that whoever asks now is heard; security so that nobody can
+    silence it without saying so louder.
+    """
+    return (-desire.intensity, not desire.security, -desire.created)

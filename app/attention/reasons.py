@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from itertools import combinations
 
-from app.attention.desires import Desire
+from app.attention.desires import GRAIN, Desire
 from app.attention.problem import Alternative, Problem, Reason, Selection, produced
 from app.attention.solver import SolverFailed, solve
 from app.attention.strategies import Resource, Strategy, exclusive
@@ -150,19 +150,20 @@ class _Search:
         got, selection = self._got(problem.with_capacity(resource, max(capacity, total)), cls)
         if got < at_least or selection is None or selection.use[resource] <= capacity:
             return None
-        enough, utility, short = selection.use[resource], got, capacity
-        grain = max(capacity / 100, 0.001)
+        # In whole thousandths: how much is enough, how much falls short.
+        enough, utility, short = round(selection.use[resource] * GRAIN), got, round(capacity * GRAIN)
+        grain = max(short // 100, 1)
         while enough - short > grain:
-            middle = round((enough + short) / 2, 3)
-            got, selection = self._got(problem.with_capacity(resource, middle), cls)
-            if got >= at_least and selection is not None:
-                enough, utility = max(selection.use[resource], capacity), got
+            middle = (enough + short) // 2
+            got, selection = self._got(problem.with_capacity(resource, middle / GRAIN), cls)
+            if got >= at_least and selection is not None and selection.use[resource] > capacity:
+                enough, utility = round(selection.use[resource] * GRAIN), got
             else:
                 short = middle
-        if enough <= capacity:
-            return None
         unit = self.resources[resource].unit if resource in self.resources else ""
-        return Alternative("capacity", utility, resource=resource, amount=round(enough - capacity, 3), unit=unit)
+        return Alternative(
+            "capacity", utility, resource=resource, amount=round(enough / GRAIN - capacity, 3), unit=unit
+        )
 
     def _got(self, problem: Problem, cls: str) -> tuple[float, Selection | None]:
         """The utility ``cls`` gets at the optimum of ``problem``; 0 when the time is over."""

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
 from app.attention.desires import GRAIN, SCALE
 from app.yaml_source import Document, KeyPath, load_yaml, suggestion
@@ -113,16 +113,20 @@ def _grained(value: float) -> float:
 
 
 def _divisor(value: Any) -> float:
-    if value == "off" or value == math.inf:
+    if value is None or value == "off" or value == math.inf:
         return CLOSED
     if isinstance(value, bool) or not isinstance(value, int) or value < 1:
         raise ValueError("should be an integer of at least 1, or off")
     return float(value)
 
 
-Amount = Annotated[float, Field(ge=0, allow_inf_nan=False), BeforeValidator(lambda value: value)]
+_DIVISOR_SCHEMA = {
+    "anyOf": [{"type": "integer", "minimum": 1}, {"const": "off"}, {"type": "null"}],
+    "description": "One of so many messages passes; off or null: closed.",
+}
+Amount = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Utility = Annotated[float, Field(gt=0, le=SCALE, allow_inf_nan=False)]
-Divisor = Annotated[float, BeforeValidator(_divisor)]
+Divisor = Annotated[float, BeforeValidator(_divisor), WithJsonSchema(_DIVISOR_SCHEMA)]
 
 
 class ResourceEntry(BaseModel):

@@ -111,11 +111,11 @@ class IntentionWorkspace:
         return tuple(self._desires.values())
 
     def strongest(self) -> Mapping[str, Desire]:
-        """Intensity-based selection: per class its most intense desire; of equally intense ones the oldest."""
+        """Intensity-based selection: per class its most intense desire; see :func:`strongest_first`."""
         strongest: dict[str, Desire] = {}
         for desire in self._desires.values():
             rival = strongest.get(desire.cls)
-            if rival is None or strongest_first(desire) < strongest_first(rival):
+            if rival is None or strongest_first(desire) <= strongest_first(rival):
                 strongest[desire.cls] = desire
         return strongest
 

@@ -93,14 +93,26 @@ def test_unknown_class_and_id() -> None:
     assert s.changes == []
 
 
-def test_strongest_of_each_class_the_older_of_equals() -> None:
+def test_strongest_of_each_class_of_equals_the_newest() -> None:
     s = Setting()
     first, second = s.add(intensity=4), s.add(intensity=4)
     s.now += 1
     slam = s.add("SLAM", 1)
-    assert {c: d.id for c, d in s.workspace.strongest().items()} == {"GoTo": first, "SLAM": slam}
-    s.workspace.change(second, intensity=4.5)
-    assert s.workspace.strongest()["GoTo"].id == second
+    assert {c: d.id for c, d in s.workspace.strongest().items()} == {"GoTo": second, "SLAM": slam}
+    third = s.add(intensity=4)
+    assert s.workspace.strongest()["GoTo"].id == third
+    s.workspace.change(first, intensity=4.5)
+    assert s.workspace.strongest()["GoTo"].id == first
+
+
+def test_security_yields_to_none_but_the_louder() -> None:
+    s = Setting()
+    safe = s.workspace.add("GoTo", intensity=4, utility=1, security=True, source=SOURCE, params={}).id
+    s.now += 1
+    s.add(intensity=4)
+    assert s.workspace.strongest()["GoTo"].id == safe
+    louder = s.add(intensity=5)
+    assert s.workspace.strongest()["GoTo"].id == louder
 
 
 def test_a_transaction_tells_once_and_only_what_remains() -> None:
