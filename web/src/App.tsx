@@ -25,7 +25,7 @@ export function App() {
   const phase = store.link.value.phase;
   if (phase === "login") return <Login />;
   const phone = narrow.value;
-  const stopped = store.status.value?.guard.e_stopped === true;
+  const stopped = store.stopped.value;
   return (
     <div class={`page ${phone ? "narrow" : "wide"} ${phase === "live" ? "" : "not-live"} ${stopped ? "stopped" : ""}`} data-testid="page" data-phase={phase}>
       <TopBar narrow={phone} />

@@ -26,15 +26,17 @@ function Row({ desire }: { desire: Desire }) {
   const { store, session } = useApp();
   const problem = useSignal("");
   const scale = store.hello.value?.scale ?? { intensity: 8, utility: 8 };
-  const attempt = async (work: Promise<void>) => {
+  const attempt = async (work: Promise<void>): Promise<boolean> => {
     problem.value = "";
     try {
       await work;
+      return true;
     } catch (error) {
       problem.value = error instanceof Problem ? [error.title, error.detail, ...error.errors.map((e) => e.message)].filter(Boolean).join(". ") : String(error);
+      return false;
     }
   };
-  const change = (what: Partial<Pick<Desire, "intensity" | "utility">>) => void attempt(session.rest.changeDesire(desire.id, what));
+  const change = (what: Partial<Pick<Desire, "intensity" | "utility">>) => attempt(session.rest.changeDesire(desire.id, what));
   const name = spaced(desire.class);
   const params = Object.entries(desire.params ?? {});
   return (

@@ -58,8 +58,9 @@ export function DrivePad() {
 }
 
 function Hint() {
-  const { drive } = useApp();
-  const refusal = drive.refusal.value;
+  const { drive, store } = useApp();
+  const guard = store.status.value?.guard;
+  const refusal = drive.refusal.value ?? (guard?.state === "sensor_failure" ? guard.reason : null);
   const { source, keys } = drive.state.value;
   if (refusal) return <p class="drive-hint warn">{refusal}</p>;
   if (source) {

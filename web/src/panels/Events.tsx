@@ -12,7 +12,7 @@ export function Events() {
   const off = useSignal<ReadonlySet<string>>(new Set());
   const kinds = [...new Set(events.map((event) => event.kind))].sort();
   const shown = events.filter((event) => !off.value.has(event.kind)).slice(-SHOWN).reverse();
-  const now = store.now.value;
+  const now = store.seconds.value;
   const toggle = (kind: string) => {
     const next = new Set(off.value);
     if (!next.delete(kind)) next.add(kind);

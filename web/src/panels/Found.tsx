@@ -28,7 +28,7 @@ export function Found() {
 
 function Row({ landmark }: { landmark: Landmark }) {
   const { store } = useApp();
-  const now = store.now.value;
+  const now = store.seconds.value;
   const { text, x, y, z, sigma_m, sightings, last_seen } = landmark;
   return (
     <li class="landmark" data-testid="landmark" data-text={text} data-x={x} data-y={y} data-z={z} data-sightings={sightings}>

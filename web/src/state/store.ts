@@ -37,6 +37,8 @@ const NOTICES_SHOWN = 4;
 const OPERATOR_KEY = "hbba.operator";
 
 export function createStore() {
+  const status = signal<Status | null>(null);
+  const now = signal<number | null>(null);
   const link = signal<LinkView>({ phase: "connecting", wasDriving: false, retryAt: 0 });
   const events = signal<RobotEvent[]>([]);
   const loadHistory = signal<LoadPoint[]>([]);
@@ -49,7 +51,8 @@ export function createStore() {
     lanes: new LaneHistory(),
     link,
     hello: signal<Hello | null>(null),
-    status: signal<Status | null>(null),
+    status,
+    stopped: computed(() => status.value?.guard.e_stopped === true) as ReadonlySignal<boolean>,
     rows: signal<LaneRow[]>([]),
     desires: signal<Desire[] | null>(null),
     intention: signal<Intention | null>(null),
@@ -63,7 +66,9 @@ export function createStore() {
     rttMs: signal<number | null>(null),
     viewAgeMs: signal<number | null>(null),
     /** The robot's clock, refreshed four times a second: for "12 s ago". */
-    now: signal<number | null>(null),
+    now,
+    /** The same, once a second: for long lists. */
+    seconds: computed(() => (now.value === null ? null : Math.floor(now.value))) as ReadonlySignal<number | null>,
     tab: signal<Tab>("attention"),
     camera: signal<CameraMode>("inset"),
     help: signal(false),

@@ -19,19 +19,21 @@ export function Banner() {
       {phase === "connecting" && (
         <p>
           <b>Connecting to the robot…</b>
-          {retryAt > 0 && <span>It does not answer yet. {soon}</span>}
+          {retryAt > 0 && <span aria-hidden="true">It does not answer yet. {soon}</span>}
         </p>
       )}
       {phase === "stale" && (
         <p>
           <b>The robot is not heard.</b>
-          <span>What you see is {age === null ? "old" : `${number(age / 1000, 1)} s old`}. Driving waits; without commands the robot stands still.</span>
+          <span>
+            What you see is <span aria-hidden="true">{age === null ? "" : `${number(age / 1000, 1)} s`}</span> old. Driving waits; without commands the robot stands still.
+          </span>
         </p>
       )}
       {phase === "lost" && (
         <p>
           <b>{wasDriving ? "Lost the robot. It has been told to stop. Reconnecting…" : "Lost the robot. Reconnecting…"}</b>
-          <span>{soon}</span>
+          <span aria-hidden="true">{soon}</span>
         </p>
       )}
     </div>

@@ -9,7 +9,7 @@ const ASK_MS = 6000;
 
 export function EStop() {
   const { store, session, drive } = useApp();
-  const stopped = store.status.value?.guard.e_stopped === true;
+  const stopped = store.stopped.value;
   const asking = useSignal(false);
   useEffect(() => {
     if (!stopped) asking.value = false;

@@ -13,13 +13,16 @@ interface Props {
   tone: "intensity" | "utility";
   /** What a value of zero means, if it means something of its own. */
   zero?: string;
-  onChange(value: number): void;
+  /** Resolves to false if the robot refused. */
+  onChange(value: number): Promise<boolean>;
 }
 
 export function Stepper({ label, value, limit, tone, zero, onChange }: Props) {
   const id = useId();
   const shown = useSignal(value);
   const timer = useRef(0);
+  const told = useRef(value);
+  told.current = value;
   useEffect(() => {
     if (!timer.current) shown.value = value;
   }, [value]);
@@ -30,7 +33,9 @@ export function Stepper({ label, value, limit, tone, zero, onChange }: Props) {
     clearTimeout(timer.current);
     timer.current = window.setTimeout(() => {
       timer.current = 0;
-      onChange(next);
+      void onChange(next).then((taken) => {
+        if (!taken && !timer.current) shown.value = told.current;
+      });
     }, SETTLE_MS);
   };
   return (

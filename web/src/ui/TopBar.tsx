@@ -23,7 +23,7 @@ export function TopBar({ narrow }: { narrow: boolean }) {
   const live = phase === "live";
   const guard = status?.guard;
   const known = live ? guard : undefined;
-  const stopped = guard?.e_stopped === true;
+  const stopped = store.stopped.value;
   const hello = store.hello.value;
   const rate = status?.world_rate ?? 1;
   const slow = live && rate < 0.99;
