@@ -11,7 +11,6 @@ from importlinter import cli as import_linter
 ROOT = Path(__file__).resolve().parent.parent
 
 
-@pytest.mark.slow
 def test_every_room_imports_only_rooms_below_it(capsys: pytest.CaptureFixture[str]) -> None:
     status = import_linter.lint_imports(str(ROOT / "pyproject.toml"), no_cache=True)
     assert status == import_linter.EXIT_STATUS_SUCCESS, capsys.readouterr().out
