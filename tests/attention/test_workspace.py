@@ -107,7 +107,7 @@ def test_strongest_of_each_class_of_equals_the_newest() -> None:
 
 def test_security_yields_to_none_but_the_louder() -> None:
     s = Setting()
-    safe = s.workspace.add("GoTo", intensity=4, utility=1, security=True, source=SOURCE, params={}).id
+    safe = s.add(security=True)
     s.now += 1
     s.add(intensity=4)
     assert s.workspace.strongest()["GoTo"].id == safe

@@ -1,0 +1,86 @@
+"""What people ask for moves the lanes and the filters, and what the robot finds is shown where it is."""
+
+from __future__ import annotations
+
+import math
+
+from playwright.sync_api import Page, expect
+
+from tests.browser.conftest import Robot
+
+REACH_M = 0.15
+
+
+def lane(page: Page, desire_class: str) -> dict[str, str]:
+    """The present values of one lane, as the page shows them."""
+    row = page.get_by_test_id(f"lane-{desire_class}")
+    return {
+        name: row.get_attribute(f"data-{name}") or "" for name in ("intensity", "utility", "rate", "divisor", "state")
+    }
+
+
+def test_a_desire_over_rest_moves_lanes_and_filters(robot: Robot, page: Page) -> None:
+    """Two perceptions compete for one budget: asking for more of one takes it from the other, until it expires."""
+    lane_at = "[data-testid=lane-{}][data-divisor='{}']"
+    page.locator(lane_at.format("Telepresence", 1)).wait_for(state="attached")
+    before = robot.get("/intention")["filters"]
+    assert before["QRCodeDetector.images"] == 4
+    assert lane(page, "FindQRCodes")["utility"] == "1"
+    status, _, desire = robot.request(
+        "POST",
+        "/desires",
+        {"class": "FindQRCodes", "intensity": 8, "utility": 4, "security": False, "params": {}, "ttl": 4},
+    )
+    assert status == 201
+    page.locator("[data-testid=desire-row]").filter(has_text="rest").first.wait_for(state="attached")
+    page.locator(lane_at.format("FindQRCodes", 2) + "[data-utility='4']").wait_for(state="attached")
+    page.locator(lane_at.format("Telepresence", 2)).wait_for(state="attached")
+    assert robot.get("/intention")["filters"]["CameraStream.images"] == 2
+    assert desire["expires"] is not None
+    page.locator(lane_at.format("FindQRCodes", 4) + "[data-utility='1']").wait_for(state="attached")
+    assert robot.get("/intention")["filters"] == before
+
+
+def test_inhibiting_a_class_closes_its_filter(robot: Robot, page: Page) -> None:
+    """Utility 0 at a higher intensity silences the class; its module gets nothing more."""
+    # The scenario's own desire is as intense as can be: make room first.
+    for desire in robot.get("/desires")["desires"]:
+        if desire["class"] == "FindQRCodes":
+            assert robot.request("PATCH", f"/desires/{desire['id']}", {"intensity": 2})[0] == 200
+    robot.request("POST", "/desires", {"class": "FindQRCodes", "intensity": 8, "utility": 0})
+    page.locator("[data-testid=lane-FindQRCodes][data-state=inhibited]").wait_for(state="attached")
+    assert robot.get("/intention")["filters"]["QRCodeDetector.images"] is None
+
+
+def test_an_unknown_class_is_refused_with_a_problem_document(robot: Robot) -> None:
+    """RFC 9457: what is wrong, where, and what is allowed."""
+    status, kind, problem = robot.request("POST", "/desires", {"class": "Fly", "intensity": 8, "utility": 1})
+    assert status == 422
+    assert kind.startswith("application/problem+json")
+    assert problem["status"] == 422
+    assert "Fly" in str(problem)
+    assert "FindQRCodes" in str(problem)
+
+
+def test_a_desire_from_the_page(robot: Robot, page: Page) -> None:
+    """The form made from the class's schema posts a desire, and its row can be removed again."""
+    before = len(robot.get("/desires")["desires"])
+    page.get_by_test_id("desire-add").click()
+    page.get_by_test_id("field-class").select_option("FindQRCodes")
+    page.get_by_test_id("desire-submit").click()
+    page.locator("[data-testid=desire-row]").nth(before).wait_for()
+    posted = robot.get("/desires")["desires"][-1]
+    assert posted["class"] == "FindQRCodes"
+    assert posted["source"]["kind"] == "operator"
+
+
+def test_a_poster_driven_up_to_is_found_where_it_hangs(robot: Robot, page: Page) -> None:
+    """Its code is decoded from the rendered picture, listed, and drawn within 0.15 m of its true place."""
+    text = next(text for text, place in robot.posters.items() if "stop=1" in text)
+    page.keyboard.down("KeyW")
+    page.get_by_test_id("tab-found").click()
+    page.locator(f"[data-testid=landmark][data-text='{text}']").wait_for(timeout=20_000)
+    page.keyboard.up("KeyW")
+    row = page.locator(f"[data-testid=landmark][data-text='{text}']")
+    seen = [float(row.get_attribute(f"data-{axis}") or "nan") for axis in "xyz"]
+    assert math.dist(seen, robot.true_place(text)) < REACH_M

@@ -1,0 +1,178 @@
+"""Driving the real robot program from the real page: it moves while held, and stops for every reason there is."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import signal
+import time
+from collections.abc import Callable
+
+import pytest
+from playwright.sync_api import CDPSession, Page, expect
+
+from app.robots.simulated.guard_log import GuardRow
+from tests.browser.conftest import Robot
+
+#: What the guard's ramp adds to the moment of the stop: 0.4 m/s at 0.4 m/s2, as an ordinary command brakes.
+BRAKING_S = 1.0
+
+
+def moving(row: GuardRow) -> bool:
+    """Whether the wheels are given any velocity."""
+    return row.linear_mps != 0 or row.angular_radps != 0
+
+
+def wait_driving(page: Page) -> None:
+    """Until the guard says that the robot drives."""
+    page.locator("[data-testid=guard-state][data-state=driving]").wait_for()
+
+
+def braking_begins(robot: Robot, after: float) -> float:
+    """Monotonic time of the first row after ``after`` that is slower than the one before it."""
+    rows = [row for row in robot.wheels() if row.monotonic_s >= after]
+    for before, row in itertools.pairwise(rows):
+        if abs(row.linear_mps) < abs(before.linear_mps) - 1e-9:
+            return row.monotonic_s
+    raise AssertionError("the wheels were never slowed down")
+
+
+def test_held_key_drives_and_release_stops(robot: Robot, page: Page) -> None:
+    """Forward for two seconds by a held key, then still: the odometry tells."""
+    before = robot.odometry()
+    page.keyboard.down("KeyW")
+    wait_driving(page)
+    page.wait_for_timeout(2_000)
+    released = time.monotonic()
+    page.keyboard.up("KeyW")
+    page.locator("[data-testid=guard-state][data-state=idle]").wait_for()
+    after = robot.odometry()
+    forward = math.hypot(after["x"] - before["x"], after["y"] - before["y"])
+    # 0.4 m/s2 up to 0.4 m/s, held for 2 s and a little, and the same slope down.
+    assert 0.5 < forward < 1.5
+    assert after["linear_mps"] == pytest.approx(0.0, abs=0.02)
+    assert braking_begins(robot, released) - released < 0.1
+
+
+def test_turning_left_is_to_the_left(robot: Robot, page: Page) -> None:
+    """A turns the heading counter-clockwise and moves nowhere."""
+    page.keyboard.down("KeyA")
+    wait_driving(page)
+    page.wait_for_timeout(800)
+    page.keyboard.up("KeyA")
+    page.locator("[data-testid=guard-state][data-state=idle]").wait_for()
+    after = robot.odometry()
+    assert after["theta"] > 0.3
+    assert math.hypot(after["x"], after["y"]) < 0.1
+
+
+@pytest.mark.parametrize("how", ["blur", "pagehide", "visibilitychange"])
+def test_whatever_takes_the_page_away_stops(robot: Robot, page: Page, how: str) -> None:
+    """A key is still down, but nobody is looking: stop; and do not start again when people come back."""
+    page.keyboard.down("KeyW")
+    wait_driving(page)
+    lost = time.monotonic()
+    if how == "visibilitychange":
+        page.evaluate(
+            "Object.defineProperty(document, 'hidden', {value: true, configurable: true});"
+            "Object.defineProperty(document, 'visibilityState', {value: 'hidden', configurable: true});"
+            "document.dispatchEvent(new Event('visibilitychange'))"
+        )
+    else:
+        page.evaluate("name => window.dispatchEvent(new Event(name))", how)
+    page.locator("[data-testid=guard-state][data-state=idle]").wait_for()
+    assert braking_begins(robot, lost) - lost < 0.2
+    page.wait_for_timeout(300)
+    assert not moving(robot.wheels()[-1])
+
+
+def test_a_closed_tab_stops(robot: Robot, page: Page) -> None:
+    """Closing the tab while a key is down commands zero within 100 ms of the page's end."""
+    page.keyboard.down("KeyW")
+    wait_driving(page)
+    page.wait_for_timeout(1_200)
+    page.close(run_before_unload=False)
+    closed = time.monotonic()
+    # The robot begins to brake while the tab is being closed, or within 100 ms of its end.
+    rows = wait_for_rest(robot)
+    assert rows[-1].monotonic_s < closed + 0.1 + BRAKING_S + 0.15
+
+
+def test_a_frozen_page_stops(robot: Robot, page: Page) -> None:
+    """A page that hangs says nothing: the robot stops by itself within 300 ms, plus its braking distance."""
+    page.keyboard.down("KeyW")
+    wait_driving(page)
+    page.wait_for_timeout(1_200)
+    devtools: CDPSession = page.context.new_cdp_session(page)
+    frozen = time.monotonic()
+    devtools.send("Runtime.evaluate", {"expression": "setTimeout(() => { const end = Date.now() + 3000; "
+                                       "while (Date.now() < end); }, 0)"})  # fmt: skip
+    page.wait_for_timeout(1_000)
+    assert braking_begins(robot, frozen) - frozen < 0.45
+
+
+def wait_for_rest(robot: Robot) -> list[GuardRow]:
+    """Until the wheels are given nothing; the rows up to the first that is still."""
+    end = time.monotonic() + 5
+    while time.monotonic() < end:
+        rows = robot.wheels()
+        driven = [index for index, row in enumerate(rows) if moving(row)]
+        if driven and driven[-1] < len(rows) - 1:
+            return rows[: driven[-1] + 2]
+    raise AssertionError("the wheels were never still")
+
+
+def test_a_frozen_runtime_stops(robot: Robot, page: Page) -> None:
+    """The whole program is stopped by a signal: the guard, in its own process, brakes within 250 ms."""
+    page.keyboard.down("KeyW")
+    wait_driving(page)
+    page.wait_for_timeout(1_200)
+    frozen = time.monotonic()
+    robot.process.send_signal(signal.SIGSTOP)
+    try:
+        wait_for_rest(robot)
+        assert braking_begins(robot, frozen) - frozen < 0.25
+        page.locator("[data-testid=connection][data-phase=stale]").wait_for()
+    finally:
+        robot.process.send_signal(signal.SIGCONT)
+        page.keyboard.up("KeyW")
+
+
+def test_emergency_stop_latches(robot: Robot, page: Page) -> None:
+    """The button stops at once, keys do nothing until it is released on purpose, and then only pressed anew."""
+    page.keyboard.down("KeyW")
+    wait_driving(page)
+    page.get_by_test_id("estop").click()
+    page.locator("[data-testid=guard-state][data-state=e_stopped]").wait_for()
+    page.keyboard.up("KeyW")
+    page.keyboard.down("KeyW")
+    page.wait_for_timeout(700)
+    assert robot.get("/robot")["guard"]["e_stopped"] is True
+    assert not moving(robot.wheels()[-1])
+    page.keyboard.up("KeyW")
+    page.get_by_test_id("estop-release").click()
+    page.get_by_test_id("estop-release-confirm").click()
+    page.locator("[data-testid=guard-state][data-state=idle]").wait_for()
+    assert not moving(robot.wheels()[-1])
+    page.keyboard.down("KeyW")
+    wait_driving(page)
+    page.keyboard.up("KeyW")
+
+
+def test_two_pages_share_one_wheel(robot: Robot, open_page: Callable[[], Page]) -> None:
+    """The second page watches and is told who drives; it takes the wheel only by asking, and the first is stopped."""
+    first, second = open_page(), open_page()
+    first.keyboard.down("KeyW")
+    wait_driving(first)
+    wait_driving(second)
+    first.keyboard.up("KeyW")
+    first.locator("[data-testid=guard-state][data-state=idle]").wait_for()
+    second.keyboard.down("KeyW")
+    expect(second.get_by_test_id("notice").first).to_be_visible()
+    second.keyboard.up("KeyW")
+    assert not moving(robot.wheels()[-1])
+    second.get_by_test_id("take-control").first.click()
+    second.get_by_test_id("release-control").first.wait_for()
+    second.keyboard.down("KeyW")
+    wait_driving(second)
+    second.keyboard.up("KeyW")
