@@ -18,7 +18,9 @@ FloatArray = NDArray[np.floating[Any]]
 
 def wrap_angle(angle: float) -> float:
     """Return ``angle`` (rad) wrapped into ``[-pi, pi)``."""
-    return (angle + math.pi) % (2.0 * math.pi) - math.pi
+    wrapped = (angle + math.pi) % (2.0 * math.pi) - math.pi
+    # Just below -pi, rounding makes the remainder the modulus itself.
+    return wrapped if wrapped < math.pi else -math.pi
 
 
 @dataclass(frozen=True, slots=True)

@@ -245,7 +245,8 @@ class Channel(Generic[M]):
         self.latest: M | None = None
         self._now = now
         self._subscriptions: tuple[Subscription[M], ...] = ()
-        self._published = 0
+        #: How many messages were published so far.
+        self.published = 0
         self._closed = False
         self._wanted = False
         self._wanted_callbacks: list[Callable[[bool], None]] = []
@@ -254,7 +255,7 @@ class Channel(Generic[M]):
         """Give ``message`` to every subscription; never waits. Raises ChannelClosed after :meth:`close`."""
         if self._closed:
             raise ChannelClosed(f"{self.name}: published on a closed channel")
-        self._published += 1
+        self.published += 1
         self.latest = message
         for subscription in self._subscriptions:
             subscription.offer(message)
@@ -334,7 +335,7 @@ class Channel(Generic[M]):
     def statistics(self) -> ChannelStatistics:
         """The counters now, by subscription."""
         return ChannelStatistics(
-            published=self._published,
+            published=self.published,
             last_stamp=None if self.latest is None else self.latest.stamp,
             subscriptions={s.name: s.statistics() for s in self._subscriptions},
         )

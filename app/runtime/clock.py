@@ -7,13 +7,14 @@ computer's wall clock is set: the offset between the monotonic clock and the epo
 from __future__ import annotations
 
 import asyncio
+import concurrent.futures
 import contextlib
 import functools
 import selectors
 import time
+from collections import deque
 from collections.abc import Callable, Coroutine
-from concurrent.futures import Executor
-from typing import Any, ParamSpec, Protocol, TypeVar
+from typing import Any, Generic, ParamSpec, Protocol, TypeVar
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -90,20 +91,65 @@ async def _sleep_until(clock: Clock, stamp: float) -> None:
         await asyncio.sleep(max(stamp - clock.now(), _SHORTEST_SLEEP_S))
 
 
+class _Job(Generic[T]):
+    """Work in a thread: its ``result`` there, and the ``future`` that a task on the loop waits for."""
+
+    def __init__(self, loop: VirtualTimeLoop, result: concurrent.futures.Future[T]) -> None:
+        self.result = result
+        self.future: asyncio.Future[T] = loop.create_future()
+        self._loop = loop
+        self._given_up = False
+        self.future.add_done_callback(lambda future: result.cancel() if future.cancelled() else None)
+        result.add_done_callback(self._wake)
+
+    def deliver(self) -> None:
+        """Hand the result over; called on the loop."""
+        if self.future.done():
+            return
+        if self.result.cancelled():
+            self.future.cancel()
+        elif (error := self.result.exception()) is not None:
+            self.future.set_exception(error)
+        else:
+            self.future.set_result(self.result.result())
+
+    def give_up(self) -> None:
+        """Deliver it whenever it comes."""
+        self._given_up = True
+        if self.result.done():
+            self.deliver()
+
+    def _wake(self, _: object) -> None:
+        with contextlib.suppress(RuntimeError):  # the loop is closed: nobody waits any more
+            self._loop.call_soon_threadsafe(self.deliver if self._given_up else _nothing)
+
+
+def _nothing() -> None:
+    """Wake the loop."""
+
+
 class _JumpingSelector(selectors.DefaultSelector):
-    """Instead of waiting for a timer, moves the loop's time to it, unless a worker thread still owes a result."""
+    """Instead of waiting for a timer, moves the loop's time to it, unless a thread still owes a result."""
 
     loop: VirtualTimeLoop
 
     def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
-        if timeout is None or timeout <= 0:
+        if timeout is not None and timeout <= 0:
             return super().select(timeout)
-        if self.loop.outstanding_jobs:
-            ready = super().select(self.loop.patience_s)
-            if ready:
+        # Every task waits. Results are handed over one by one and in the order they were asked for, not as they come.
+        jobs = self.loop.jobs
+        while jobs:
+            if jobs[0].future.done():
+                jobs.popleft()
+            elif jobs[0].result.done():
+                jobs.popleft().deliver()
+                return super().select(0)
+            elif ready := super().select(self.loop.patience_s):
                 return ready
-            # A thread that never comes back must not hold time up for ever.
-            self.loop.outstanding_jobs.clear()
+            else:
+                jobs.popleft().give_up()
+        if timeout is None:
+            return super().select(None)
         ready = super().select(0)
         if not ready:
             self.loop.virtual_time += timeout
@@ -114,30 +160,36 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
     """An event loop whose time stands still while anything runs and jumps to the next timer when everything waits.
 
     Work in threads counts as running, as long as it was started with ``run_in_executor`` (so ``asyncio.to_thread``
-    and ``Module.compute`` too): a run is deterministic however slow the machine. Only a thread that does not come back
-    within ``patience_s`` real seconds is given up, and time goes on without it.
+    and ``Module.compute`` too), and its results arrive in the order it was asked for: a run is the same each time,
+    however slow the machine. Only a thread that does not come back within ``patience_s`` real seconds is given up,
+    and time goes on without it.
     """
 
     def __init__(self, patience_s: float = 10.0) -> None:
         self.virtual_time = 0.0
         self.patience_s = patience_s
-        self.outstanding_jobs: set[asyncio.Future[Any]] = set()
+        self.jobs: deque[_Job[Any]] = deque()
         selector = _JumpingSelector()
         super().__init__(selector)
         selector.loop = self
+        self._threads = concurrent.futures.ThreadPoolExecutor(thread_name_prefix="virtual time")
+        self.set_default_executor(self._threads)
 
     def time(self) -> float:
         """Virtual seconds since the loop was made."""
         return self.virtual_time
 
     def run_in_executor(  # type: ignore[override]  # typeshed names the variadics differently
-        self, executor: Executor | None, func: Callable[..., T], *args: Any
+        self, executor: concurrent.futures.Executor | None, func: Callable[..., T], *args: Any
     ) -> asyncio.Future[T]:
         """As in asyncio, remembering that a thread owes a result."""
-        future: asyncio.Future[T] = super().run_in_executor(executor, func, *args)
-        self.outstanding_jobs.add(future)
-        future.add_done_callback(self.outstanding_jobs.discard)
-        return future
+        job = _Job(self, (executor or self._threads).submit(func, *args))
+        self.jobs.append(job)
+        return job.future
+
+    async def shutdown_default_executor(self, timeout: float | None = None) -> None:
+        """As in asyncio, but ``timeout`` is not for threads to keep: it would be over at once."""
+        await super().shutdown_default_executor()
 
 
 def run_virtual(main: Coroutine[Any, Any, T], *, patience_s: float = 10.0) -> T:

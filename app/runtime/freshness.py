@@ -1,0 +1,173 @@
+"""Whether a channel's newest message may still be believed, judged against the rate that attention commands.
+
+Judged against the nominal rate, every switch of attention would raise a false alarm; a channel that nobody wants is
+closed, not stale. The measured rate stands beside the commanded one (as openpilot's ``freq_ok`` does).
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from app.runtime.channel_table import ChannelSpec
+from app.runtime.filter import CLOSED
+from app.runtime.graph import Graph
+from app.runtime.supervisor import ModuleState
+
+log = logging.getLogger("hbba.freshness")
+
+#: ``live``: may be believed; ``waiting``: just started or opened, the first message is not due yet; ``stale``: too
+#: old, or its module is not running; ``closed``: nobody wants it.
+FreshnessState = Literal["live", "waiting", "stale", "closed"]
+
+RATE_WINDOW_S = 2.0
+RATE_SAMPLES = 20
+
+
+@dataclass(frozen=True, slots=True)
+class Freshness:
+    """State of one channel: ``age_s`` of its newest message (None before the first) and the age allowed.
+
+    ``limit_s`` is None for a channel of events and for a closed one; ``commanded_hz`` is None for events, 0 when
+    closed; ``rate_hz`` is what was measured over the last two seconds, None until there are two samples.
+    """
+
+    state: FreshnessState
+    age_s: float | None
+    limit_s: float | None
+    commanded_hz: float | None
+    rate_hz: float | None = None
+
+
+def judge(
+    spec: ChannelSpec,
+    divisor: float,
+    last_stamp: float | None,
+    producer: ModuleState | None,
+    now: float,
+    since: float = -math.inf,
+) -> Freshness:
+    """The state of a channel: a pure function.
+
+    ``divisor`` is φ between the source's nominal rate and the channel, ``CLOSED`` when nobody wants it; ``producer``
+    is the state of the module that publishes it, None for a channel fed from outside; ``since`` is when this divisor
+    began to hold: the next message is due one allowed age later, however old the last one is.
+    """
+    age_s = None if last_stamp is None else now - last_stamp
+    if divisor == CLOSED:
+        return Freshness("closed", age_s, None, None if spec.rate_hz is None else 0.0)
+    limit_s = spec.stale_after_s(divisor)
+    commanded_hz = None if spec.rate_hz is None else spec.rate_hz / divisor
+    state: FreshnessState
+    if producer is not None and producer.stale and (producer.status != "starting" or producer.restarts > 0):
+        state = "stale"
+    elif limit_s is None:
+        state = "waiting" if age_s is None else "live"
+    elif age_s is not None and age_s <= limit_s:
+        state = "live"
+    else:
+        state = "waiting" if now - since <= limit_s else "stale"
+    return Freshness(state, age_s, limit_s, commanded_hz)
+
+
+class RateMeter:
+    """Messages per second over the last ``window_s``, from the counter at each look; keeps a bounded few of them."""
+
+    def __init__(self, window_s: float = RATE_WINDOW_S, samples: int = RATE_SAMPLES) -> None:
+        self._window_s = window_s
+        self._spacing_s = window_s / samples
+        self._samples: deque[tuple[float, int]] = deque()
+
+    def sample(self, now: float, published: int) -> float | None:
+        """Note that ``published`` messages have gone out by ``now``; the rate since the window began, or None."""
+        samples = self._samples
+        if not samples or now - samples[-1][0] >= self._spacing_s:
+            samples.append((now, published))
+        while len(samples) > 1 and samples[1][0] <= now - self._window_s:
+            samples.popleft()
+        then, before = samples[0]
+        return (published - before) / (now - then) if now > then else None
+
+
+def commanded_divisors(graph: Graph) -> dict[str, float]:
+    """φ of every channel against its nominal rate: its output's filter and the slowest of what feeds its module.
+
+    ``CLOSED`` where every subscription is closed, or the source or what it works on is. Only inputs that may be
+    decimated slow a module down: what must arrive whole (commands, odometry) does not set its pace.
+    """
+    found: dict[str, float] = {}
+
+    def of(channel: str, above: frozenset[str]) -> float:
+        if channel in found:
+            return found[channel]
+        if channel not in graph.producers or channel in above:
+            return 1.0
+        module, _, port = graph.producers[channel].partition(".")
+        context = graph.modules[module].context
+        feeding = (
+            i.subscription.filter.divisor * of(i.channel.name, above | {channel})
+            for i in context.inputs.values()
+            if i.channel is not None and graph.specs[i.channel.name].decimable
+        )
+        divisor = context.outputs[port].filter.divisor * max(feeding, default=1.0)
+        if not above:
+            # Only from the top: half-way round a feedback cycle the figure is not the channel's own.
+            found[channel] = divisor
+        return divisor
+
+    return {name: of(name, frozenset()) if channel.wanted else CLOSED for name, channel in graph.channels.items()}
+
+
+class FreshnessWatch:
+    """Follows every channel of a graph; call :meth:`sample` a few times a second. Says each change of state once."""
+
+    def __init__(self, graph: Graph, states: Mapping[str, ModuleState]) -> None:
+        self._graph = graph
+        self._states = states
+        self._rates = {name: RateMeter() for name in graph.channels}
+        self._since: dict[str, tuple[float, float]] = {}
+        self._observers: list[Callable[[str, Freshness], None]] = []
+        self.latest: dict[str, Freshness] = {}
+
+    def observe(self, callback: Callable[[str, Freshness], None]) -> None:
+        """Call ``callback(channel, freshness)`` whenever a channel's state becomes another."""
+        self._observers.append(callback)
+
+    def sample(self, now: float) -> dict[str, Freshness]:
+        """The freshness of each channel at ``now``, also kept in :attr:`latest`."""
+        divisors = commanded_divisors(self._graph)
+        before, self.latest = self.latest, {name: self._judge(name, divisors[name], now) for name in divisors}
+        for name, freshness in self.latest.items():
+            if name not in before or before[name].state != freshness.state:
+                self._tell(name, before.get(name), freshness)
+        return self.latest
+
+    def _judge(self, name: str, divisor: float, now: float) -> Freshness:
+        channel = self._graph.channels[name]
+        held, _ = self._since.get(name, (None, now))
+        if held != divisor:
+            self._since[name] = (divisor, now)
+        producer = self._graph.producers.get(name)
+        state = None if producer is None else self._states.get(producer.partition(".")[0])
+        since = self._since[name][1]
+        if state is not None and state.status == "running":
+            since = max(since, state.since)
+        last_stamp = None if channel.latest is None else channel.latest.stamp
+        freshness = judge(self._graph.specs[name], divisor, last_stamp, state, now, since)
+        rate_hz = self._rates[name].sample(now, channel.published)
+        return Freshness(freshness.state, freshness.age_s, freshness.limit_s, freshness.commanded_hz, rate_hz)
+
+    def _tell(self, name: str, before: Freshness | None, after: Freshness) -> None:
+        if after.state == "stale":
+            producer = self._graph.producers.get(name, "whoever feeds it")
+            age = "nothing came yet" if after.age_s is None else f"its newest message is {after.age_s:.2f} s old"
+            allowed = "" if after.limit_s is None else f", {after.limit_s:.2f} s allowed"
+            log.warning("channel %s is stale: %s%s; look at %s", name, age, allowed, producer)
+        elif before is not None and before.state == "stale":
+            log.info("channel %s is %s again", name, after.state)
+        for observer in self._observers:
+            observer(name, after)

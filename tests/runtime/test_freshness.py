@@ -1,0 +1,237 @@
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.messages import Twist
+from app.runtime.channel_table import ChannelSpec
+from app.runtime.clock import VirtualClock, in_virtual_time
+from app.runtime.filter import CLOSED
+from app.runtime.freshness import Freshness, FreshnessWatch, RateMeter, commanded_divisors, judge
+from app.runtime.graph import Graph
+from app.runtime.module import Module, ModuleContext
+from app.runtime.supervisor import ModuleState, Status, Supervisor
+
+Build = Callable[..., Graph]
+
+
+def spec(rate_hz: float | None = 10.0, **more: Any) -> ChannelSpec:
+    return ChannelSpec.model_validate({"type": "Twist", "rate_hz": rate_hz, **more})
+
+
+def state(status: Status, restarts: int = 0) -> ModuleState:
+    return ModuleState("Source", status, 0.0, restarts)
+
+
+@pytest.mark.parametrize(
+    ("divisor", "age", "open_for", "expected"),
+    [
+        (1, 0.05, 100, "live"),
+        (1, 0.30, 100, "live"),
+        (1, 0.31, 100, "stale"),  # three periods of 10 Hz
+        (4, 0.31, 100, "live"),  # 2.5 Hz were asked for: 1.2 s are allowed
+        (4, 1.21, 100, "stale"),
+        (CLOSED, 1e6, 100, "closed"),
+        (CLOSED, None, 100, "closed"),
+        (1, None, 0.2, "waiting"),
+        (1, None, 0.4, "stale"),
+        (1, 50.0, 0.2, "waiting"),  # just opened: the last message is old and nobody is to blame
+        (1, 50.0, 0.4, "stale"),
+        (10, 50.0, 2.9, "waiting"),
+    ],
+)
+def test_staleness_is_judged_against_the_commanded_rate(
+    divisor: float, age: float | None, open_for: float, expected: str
+) -> None:
+    now = 1000.0
+    last = None if age is None else now - age
+    freshness = judge(spec(), divisor, last, state("running"), now, now - open_for)
+    assert freshness.state == expected
+    assert freshness.age_s == (None if age is None else pytest.approx(age))
+
+
+@pytest.mark.parametrize(
+    ("producer", "expected"),
+    [
+        (state("running"), "live"),
+        (state("failed"), "stale"),
+        (state("hung"), "stale"),
+        (state("stopped"), "stale"),
+        (state("starting"), "live"),
+        (state("starting", restarts=1), "stale"),
+        (None, "live"),
+    ],
+)
+def test_what_a_module_that_is_down_published_last_is_stale_at_once(
+    producer: ModuleState | None, expected: str
+) -> None:
+    assert judge(spec(), 1, 1000.0, producer, 1000.1).state == expected
+    assert judge(spec(), CLOSED, 1000.0, producer, 1000.1).state == "closed"
+
+
+def test_a_channel_of_events_is_never_too_old() -> None:
+    events = spec(None)
+    assert judge(events, 1, None, None, 1e6) == Freshness("waiting", None, None, None)
+    assert judge(events, 1, 0.0, None, 1e6).state == "live"
+    assert judge(events, 1, 0.0, state("failed"), 1e6).state == "stale"
+
+
+@given(st.floats(0.5, 200), st.integers(1, 50), st.floats(0, 100), st.floats(0.1, 10), st.floats(0, 5))
+def test_it_is_stale_exactly_when_older_than_allowed(
+    rate_hz: float, divisor: int, age: float, periods: float, least: float
+) -> None:
+    row = spec(rate_hz, stale_periods=periods, stale_min_s=least + 0.01)
+    freshness = judge(row, divisor, 1000.0 - age, state("running"), 1000.0)
+    assert freshness.limit_s == max(periods * divisor / rate_hz, least + 0.01)
+    assert freshness.age_s is not None
+    assert (freshness.state == "stale") == (freshness.age_s > freshness.limit_s)
+    assert freshness.commanded_hz == rate_hz / divisor
+
+
+# --- measured rate ---
+
+
+@given(st.floats(0.5, 50), st.floats(0.01, 0.5))
+def test_a_steady_rate_is_measured_and_the_memory_stays_small(rate_hz: float, step_s: float) -> None:
+    meter = RateMeter()
+    assert meter.sample(0.0, 0) is None
+    rate = None
+    for number in range(1, 200):
+        now = number * step_s
+        rate = meter.sample(now, int(now * rate_hz))
+        assert len(meter._samples) <= 23
+    assert rate == pytest.approx(rate_hz, abs=1 / 1.4)
+
+
+def test_the_rate_falls_to_zero_once_nothing_comes() -> None:
+    meter = RateMeter(window_s=1.0)
+    for number in range(21):
+        meter.sample(number / 10, number)
+    assert [meter.sample(2.0 + n / 10, 20) for n in (0, 5, 10, 20)] == pytest.approx([10, 5, 0, 0])
+
+
+# --- in a graph ---
+
+
+class Sensor(Module):
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.images = self.output("images", Twist)
+        self.broken = False
+        self.every(0.1, self.beat)
+
+    async def beat(self) -> None:
+        if self.broken:
+            raise OSError("the cable is out")
+        self.images.publish(Twist(self.clock.now(), 1.0, 0.0))
+
+
+class Detector(Module):
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.images = self.input("images", Twist)
+        self.odometry = self.input("odometry", Twist)
+        self.found = self.output("found", Twist)
+        self.on(self.images, self.look)
+
+    async def look(self, image: Twist) -> None:
+        self.found.publish(image)
+
+
+class Listener(Module):
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.found = self.input("found", Twist, lossless=True, capacity=100)
+
+
+@pytest.fixture
+def graph(build: Build) -> Graph:
+    return build(
+        {
+            "Sensor": (Sensor, {}, {"images": "images"}),
+            "Detector": (Detector, {"images": "images", "odometry": "odometry"}, {"found": "found"}),
+            "Listener": (Listener, {"found": "found"}, {}, {"hang_after_s": 1e6}),
+        },
+        {
+            "images": {"rate_hz": 10},
+            "odometry": {"rate_hz": 100, "external": True, "decimable": False},
+            "found": {"rate_hz": 10},
+            "spare": {},
+        },
+    )
+
+
+@in_virtual_time
+async def test_the_commanded_divisor_follows_the_filters_down_the_chain(graph: Graph) -> None:
+    assert commanded_divisors(graph) == {"images": 1, "odometry": 1, "found": 1, "spare": CLOSED}
+    graph.filters.apply({"Detector.images": 3, "Detector.found": 2})
+    assert commanded_divisors(graph) == {"images": 1, "odometry": 1, "found": 6, "spare": CLOSED}
+    graph.filters.apply({"Sensor.images": 2, "Listener.found": 5})
+    assert commanded_divisors(graph)["found"] == 12
+    graph.filters.apply({"Detector.images": CLOSED})
+    divisors = commanded_divisors(graph)
+    assert (divisors["images"], divisors["found"]) == (CLOSED, CLOSED)
+
+
+def test_a_feedback_cycle_is_followed_once(build: Build) -> None:
+    graph = build(
+        {"A": (Detector, {"images": "b"}, {"found": "a"}), "B": (Detector, {"images": "a"}, {"found": "b"})},
+        {"a": {}, "b": {"feedback": True}},
+    )
+    graph.filters.apply({"A.images": 2})
+    assert commanded_divisors(graph) == {"a": 2, "b": 2}
+
+
+@in_virtual_time
+async def test_switching_attention_never_raises_a_false_alarm_and_a_lost_source_is_said_once(
+    graph: Graph, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.INFO, "hbba.freshness")
+    clock = VirtualClock()
+    supervisor = Supervisor(graph.modules, clock)
+    watch = FreshnessWatch(graph, supervisor.states)
+    seen: list[tuple[str, str]] = []
+    watch.observe(lambda name, freshness: seen.append((name, freshness.state)) if name == "images" else None)
+
+    async def look_for(seconds: float) -> None:
+        for _ in range(round(seconds / 0.05)):
+            await clock.sleep(0.05)
+            watch.sample(clock.now())
+
+    async with supervisor:
+        await look_for(3)
+        assert watch.latest["images"].rate_hz == pytest.approx(10, abs=0.6)
+        graph.filters.apply({"Detector.images": 20})
+        await look_for(10)
+        graph.filters.apply({"Detector.images": CLOSED})
+        await look_for(10)
+        assert watch.latest["images"].state == "closed"
+        graph.filters.apply({"Detector.images": 1})
+        await look_for(3)
+        assert set(seen) <= {("images", "waiting"), ("images", "live"), ("images", "closed")}
+        assert "stale" not in [f.state for n, f in watch.latest.items() if n in ("images", "found")]
+        graph.modules["Sensor"].module.broken = True  # type: ignore[attr-defined]
+        await look_for(0.4)
+        assert watch.latest["images"].state == "stale"
+        await look_for(5)
+    said = [record.getMessage() for record in caplog.records if "channel images" in record.getMessage()]
+    assert said[0].startswith("channel images is stale: its newest message is 0.")
+    assert said[0].endswith("s old, 0.30 s allowed; look at Sensor.images")
+    assert said[1:] == ["channel images is live again"]
+
+
+@in_virtual_time
+async def test_a_channel_that_should_come_from_outside_and_does_not_is_stale(graph: Graph) -> None:
+    clock = VirtualClock()
+    watch = FreshnessWatch(graph, {})
+    assert watch.sample(clock.now())["odometry"].state == "waiting"
+    await asyncio.sleep(1)
+    assert watch.sample(clock.now())["odometry"].state == "stale"
+    graph.channels["odometry"].publish(Twist(clock.now(), 0.0, 0.0))
+    assert watch.sample(clock.now())["odometry"].state == "live"

@@ -1,0 +1,94 @@
+from __future__ import annotations
+
+import asyncio
+import re
+import time
+
+import pytest
+
+from app.runtime.load import CpuMeter, MeteredCoroutine
+from app.runtime.watchdog import Blockage, LoopWatchdog
+
+
+def block(seconds: float) -> None:
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        pass
+
+
+async def blocking_step(seconds: float) -> None:
+    block(seconds)
+
+
+async def test_a_module_that_blocks_the_loop_is_named_once_and_its_recovery_too() -> None:
+    meters = {"Idle": CpuMeter(), "Busy": CpuMeter()}
+    reports: list[Blockage] = []
+    both = asyncio.Event()
+    loop = asyncio.get_running_loop()
+
+    def report(blockage: Blockage) -> None:
+        reports.append(blockage)
+        if len(reports) == 2:
+            loop.call_soon_threadsafe(both.set)
+
+    async with LoopWatchdog(meters, report, limit_s=0.1, period_s=0.02) as watchdog:
+        await asyncio.sleep(0)
+        await asyncio.create_task(MeteredCoroutine(blocking_step(0.3), meters["Busy"]))  # type: ignore[arg-type]
+        await both.wait()
+        statistics = watchdog.statistics()
+    first, second = reports
+    assert (first.module, first.over) == ("Busy", False)
+    assert (second.module, second.over) == ("Busy", True)
+    assert 0.1 < first.lasted_s < second.lasted_s
+    assert re.search(r"test_watchdog\.py:\d+ in block$", first.blocking)
+    assert statistics.blockages == 1
+    assert statistics.worst_lateness_s == pytest.approx(second.lasted_s)
+    assert statistics.worst_lateness_s > 0.2
+
+
+async def test_the_innermost_frame_of_the_project_is_blamed() -> None:
+    # The machinery that runs every module is the project's too, but it is not to blame for what it runs.
+    caught: asyncio.Future[Blockage] = asyncio.get_running_loop().create_future()
+    loop = asyncio.get_running_loop()
+
+    def report(blockage: Blockage) -> None:
+        if not blockage.over:
+            loop.call_soon_threadsafe(caught.set_result, blockage)
+
+    async with LoopWatchdog({}, report, limit_s=0.1, period_s=0.02):
+        await asyncio.sleep(0)
+        await asyncio.create_task(MeteredCoroutine(blocking_step(0.3), CpuMeter()))  # type: ignore[arg-type]
+        blockage = await caught
+    assert blockage.module == ""
+    assert "app/runtime/load.py" in blockage.where
+    assert "something outside any module blocks the event loop at" in str(blockage)
+
+
+async def test_a_loop_that_comes_round_is_left_alone() -> None:
+    reports: list[Blockage] = []
+    async with LoopWatchdog({}, reports.append, limit_s=5.0, period_s=0.001) as watchdog:
+        while watchdog.statistics().beats < 5:  # noqa: ASYNC110  # the real clock is what is watched here
+            await asyncio.sleep(0)
+    assert reports == []
+    assert watchdog.statistics().blockages == 0
+
+
+@pytest.mark.parametrize(
+    ("blockage", "said"),
+    [
+        (
+            Blockage("Faces", "app/modules/faces.py:12 in find", "numpy/core.py:5 in dot", 0.31, False),
+            "Faces blocks the event loop at app/modules/faces.py:12 in find (in numpy/core.py:5 in dot) for 0.31 s",
+        ),
+        (
+            Blockage("Faces", "app/a.py:1 in f", "app/a.py:1 in f", 2, True),
+            "Faces blocked the event loop at app/a.py:1 in f for 2.00 s",
+        ),
+        (
+            Blockage("", "", "", 4.35, True),
+            "something outside any module blocked the event loop, in a call that held the interpreter lock for 4.35 s",
+        ),
+    ],
+)
+def test_a_blockage_is_said_in_one_sentence(blockage: Blockage, said: str) -> None:
+    assert str(blockage) == said
