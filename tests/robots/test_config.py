@@ -63,3 +63,16 @@ def test_a_stream_that_is_not_there_is_refused_by_name(robot: RobotConfig) -> No
         link.attach("nose", print)
     with pytest.raises(KeyError, match="no stream 'nose'"):
         link.demand("nose", True)
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ("base: {left_wheel_joint: leg}", "no moving joint 'leg'"),
+        ("streams: {hokuyo: {link: nose}}", "no link 'nose'"),
+    ],
+)
+def test_names_the_model_has_not_are_refused(tmp_path: Path, robot: RobotConfig, change: str, complaint: str) -> None:
+    path = write(tmp_path, f"model: {robot.model}\nworld: {robot.world}\n{change}\n")
+    with pytest.raises(ConfigError, match=complaint):
+        create_link(load_robot_config(path), 0.0)

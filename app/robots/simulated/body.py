@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from app.errors import ConfigError
 from app.geometry import Pose2
 from app.robots.config import RobotConfig
 from app.robots.guard import Velocity
@@ -80,7 +81,7 @@ class Simulation:
 def build_simulation(robot: RobotConfig, world: WorldConfig, base: TrueBase) -> Simulation:
     """Build and compile the world with the robot at its start pose. ``base`` is what its wheels really are.
 
-    Raises ConfigError for a model that is no URDF or has not the configured joints and links.
+    Raises ConfigError for a model that is no URDF or that the physics refuses.
     """
     spec = build_world(world)
     body = mujoco.MjSpec.from_file(str(robot.model))
@@ -99,7 +100,10 @@ def build_simulation(robot: RobotConfig, world: WorldConfig, base: TrueBase) -> 
     )
     root = X_WB.attach_body(body.body(kinematics.root), PREFIX, "")
     root.add_freejoint(name="base")
-    model = spec.compile()
+    try:
+        model = spec.compile()
+    except ValueError as failure:
+        raise ConfigError(f"cannot be simulated: {failure}".replace("\n", "; "), str(robot.model)) from None
     wheels = (robot.base.left_wheel_joint, robot.base.right_wheel_joint)
     _limit_drives(model, wheels, robot, base)
     data = mujoco.MjData(model)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import copy
 import math
-import os
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -31,7 +30,6 @@ from app.robots.simulated.world import OUT_OF_REACH_GROUP, WORLD_GROUP
 _MAX_GEOMS = 4000
 _SHOWN_GROUPS = (WORLD_GROUP, OUT_OF_REACH_GROUP, VISUAL_GROUP)
 _CULLED_GROUP = 5
-_NICENESS = 5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -154,8 +152,6 @@ class CameraThread:
 
     def _run(self) -> None:
         try:
-            # On Linux each thread has its own niceness: the control loop goes first
-            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _NICENESS)
             camera = Camera(self._model, self._config.width, self._config.height)
             camera.draw(self._model.qpos0)
             self._ready.set()

@@ -31,7 +31,7 @@ from tests.robots.conftest import make_hall
 
 @pytest.fixture(scope="module")
 def probe(lab: WorldConfig) -> Callable[[float, float, float, float, float], float]:
-    """``probe(x, y, z, dx, dy)``: distance (m) to the first thing from a point along a direction in the lab; inf if none."""
+    """``probe(x, y, z, dx, dy)``: distance (m) from a point to the first thing along a direction; inf if none."""
     model = build_world(lab).compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)

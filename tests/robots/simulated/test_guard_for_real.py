@@ -1,0 +1,129 @@
+"""The guard against real faults: a driving program is killed, frozen and stuck, and the wheels' commands are watched.
+
+The guard's own log, written by the link's process at each decision, is the witness.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import psutil
+import pytest
+
+from app.robots.simulated.guard_log import GuardRow, read_guard_log
+
+PROGRAM = Path(__file__).with_name("driving_program.py")
+LIMIT_S = 0.250
+PATIENCE_S = 20.0
+
+pytestmark = pytest.mark.slow
+
+
+class Driver:
+    """A running driving program."""
+
+    def __init__(self, guard_log: Path, *arguments: str) -> None:
+        self.guard_log = guard_log
+        self.process = subprocess.Popen(
+            [sys.executable, str(PROGRAM), str(guard_log), *arguments], stdout=subprocess.PIPE, text=True
+        )
+        assert self.process.stdout is not None
+        self.link_id = int(self.process.stdout.readline())
+        self.link = psutil.Process(self.link_id)
+
+    def read_time(self) -> float:
+        assert self.process.stdout is not None
+        return float(self.process.stdout.readline())
+
+    def rows(self) -> list[GuardRow]:
+        return read_guard_log(self.guard_log)
+
+    def wait_for(self, what: str, found: object) -> None:
+        """Look into the guard's log until ``found(rows)``."""
+        assert callable(found)
+        deadline = time.monotonic() + PATIENCE_S
+        while not found(self.rows()):
+            assert time.monotonic() < deadline, f"never saw {what}"
+            time.sleep(0.01)
+
+    def wait_driving(self) -> None:
+        self.wait_for("the wheels turning", lambda rows: rows and rows[-1].linear_mps > 0.15)
+
+    def stop_after(self, fault_s: float) -> float:
+        """Seconds from the fault to the first zero given to the wheels."""
+        self.wait_for("a zero after the fault", lambda rows: any(_is_zero(r) for r in rows if r.monotonic_s > fault_s))
+        after = [row for row in self.rows() if row.monotonic_s > fault_s]
+        first = next(row for row in after if _is_zero(row))
+        assert all(_is_zero(row) for row in after if row.monotonic_s >= first.monotonic_s)
+        return first.monotonic_s - fault_s
+
+    def close(self) -> None:
+        if self.process.poll() is None:
+            self.process.kill()
+        self.process.wait()
+        assert self.process.stdout is not None
+        self.process.stdout.close()
+
+
+def _is_zero(row: GuardRow) -> bool:
+    return row.linear_mps == 0.0 and row.angular_radps == 0.0
+
+
+@pytest.fixture
+def driver(tmp_path: Path) -> Iterator[Driver]:
+    driver = Driver(tmp_path / "guard.log")
+    yield driver
+    driver.close()
+
+
+def test_program_killed(driver: Driver) -> None:
+    driver.wait_driving()
+    fault = time.monotonic()
+    os.kill(driver.process.pid, signal.SIGKILL)
+    driver.process.wait()
+    assert driver.stop_after(fault) <= LIMIT_S
+    driver.link.wait(timeout=3)  # and the link has gone by itself
+
+
+def test_program_frozen_and_thawed(driver: Driver) -> None:
+    driver.wait_driving()
+    fault = time.monotonic()
+    os.kill(driver.process.pid, signal.SIGSTOP)
+    try:
+        assert driver.stop_after(fault) <= LIMIT_S
+        driver.wait_for("a second of standing", lambda rows: rows[-1].monotonic_s > fault + 1.0)
+        assert driver.link.is_running()
+        assert all(_is_zero(row) for row in driver.rows() if row.monotonic_s > fault + LIMIT_S)
+    finally:
+        os.kill(driver.process.pid, signal.SIGCONT)
+    thawed = time.monotonic()
+    driver.wait_for("driving again", lambda rows: rows[-1].linear_mps > 0.02)
+    # what was commanded before the freeze must not move the wheels now: they ramp up from zero
+    speeds = [row.linear_mps for row in driver.rows() if row.monotonic_s > thawed]
+    assert max(b - a for a, b in zip(speeds, speeds[1:], strict=False)) < 0.03
+
+
+def test_program_stuck_in_a_c_call(tmp_path: Path) -> None:
+    driver = Driver(tmp_path / "guard.log", "regex")
+    try:
+        fault = driver.read_time()
+        assert driver.stop_after(fault) <= LIMIT_S
+        assert driver.process.poll() is None
+        assert max(row.linear_mps for row in driver.rows()) > 0.15
+    finally:
+        driver.close()
+    driver.link.wait(timeout=3)
+
+
+def test_the_guard_decides_at_100_hz_or_more(driver: Driver) -> None:
+    driver.wait_driving()
+    began = time.monotonic()
+    driver.wait_for("a second of decisions", lambda rows: rows[-1].monotonic_s > began + 1.0)
+    times = [row.monotonic_s for row in driver.rows() if began < row.monotonic_s < began + 1.0]
+    assert len(times) > 100

@@ -1,0 +1,267 @@
+"""The link as the program sees it: streams, demand, driving, faults, and nothing left behind."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import time
+from collections import Counter
+from collections.abc import AsyncIterator, Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import psutil
+import pytest
+
+from app.link import LinkFailed
+from app.messages import GroundTruth, Image, LaserScan, LinkStatus, Odometry, Twist
+from app.robots.config import RobotConfig
+from app.robots.simulated import link as link_module
+from app.robots.simulated.gl import MISSING_EGL
+from app.robots.simulated.link import SimulatedLink
+from app.robots.simulated.world_config import WorldConfig
+from tests.robots.conftest import needs_gl
+
+OFFSET = time.time() - time.monotonic()
+SENSORS = ("kinect", "hokuyo", "ground_truth")
+
+pytestmark = pytest.mark.slow
+
+
+def now() -> float:
+    return time.monotonic() + OFFSET
+
+
+def without_camera(robot: RobotConfig) -> RobotConfig:
+    return robot.model_copy(update={"streams": robot.streams.model_copy(update={"kinect": None})})
+
+
+class Listener:
+    """Collects everything a link gives."""
+
+    def __init__(self, link: SimulatedLink) -> None:
+        self.link = link
+        self.messages: dict[str, list[Any]] = {name: [] for name in link.description.streams}
+        self._arrived = asyncio.Event()
+        for name in link.description.streams:
+            link.attach(name, self._receiver(name))
+
+    def _receiver(self, name: str) -> Callable[[Any], None]:
+        def receive(message: Any) -> None:
+            self.messages[name].append(message)
+            self._arrived.set()
+
+        return receive
+
+    async def until(self, found: Callable[[], object], timeout_s: float = 15.0) -> None:
+        async with asyncio.timeout(timeout_s):
+            while not found():
+                self._arrived.clear()
+                await self._arrived.wait()
+
+    async def next(self, stream: str, count: int = 1) -> Any:
+        wanted = len(self.messages[stream]) + count
+        await self.until(lambda: len(self.messages[stream]) >= wanted)
+        return self.messages[stream][-1]
+
+    async def drive(self, linear: float, angular: float, seconds: float) -> None:
+        """Command at 20 Hz for ``seconds`` of the robot's own time."""
+        start = (await self.next("odometry")).stamp
+        while self.messages["odometry"][-1].stamp - start < seconds:
+            self.link.command(Twist(now(), linear, angular))
+            await self.next("odometry", 5)
+
+
+@pytest.fixture
+async def blind(robot: RobotConfig, hall: WorldConfig) -> AsyncIterator[Listener]:
+    """A running robot without a camera in the empty hall."""
+    start = robot.start.model_copy(update={"x": 10.0, "y": 10.0, "heading_deg": 0.0})
+    link = SimulatedLink(without_camera(robot).model_copy(update={"start": start}), hall, OFFSET)
+    listener = Listener(link)
+    await link.start()
+    yield listener
+    await link.stop()
+
+
+@needs_gl
+async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
+    robot: RobotConfig, lab: WorldConfig
+) -> None:
+    link = SimulatedLink(robot, lab, OFFSET)
+    listener = Listener(link)
+    started = time.monotonic()
+    await link.start()
+    assert time.monotonic() - started < 8.0  # measured 1.1 s on a quiet computer
+    try:
+        process = psutil.Process(link.process_id)
+        await listener.next("odometry", 30)
+        assert not any(listener.messages[name] for name in SENSORS)
+        for name in SENSORS:
+            link.demand(name, True)
+        await listener.next("kinect", 3)
+        marks = {name: len(messages) for name, messages in listener.messages.items()}
+        begin, wall = listener.messages["odometry"][-1].stamp, time.monotonic()
+        cpu = sum(process.cpu_times()[:2])
+        await listener.until(lambda: listener.messages["odometry"][-1].stamp - begin > 3.0, 30)
+        world, wall = listener.messages["odometry"][-1].stamp - begin, time.monotonic() - wall
+        cpu = sum(process.cpu_times()[:2]) - cpu
+        assert world / wall == pytest.approx(1.0, abs=0.03)
+        for name, description in link.description.streams.items():
+            rate = (len(listener.messages[name]) - marks[name]) / world
+            low = 0.7 if name == "kinect" else 0.9  # a busy computer may cost pictures, never the rest
+            assert low * description.rate_hz <= rate <= 1.1 * description.rate_hz + 1, name
+        assert cpu / wall < 0.9  # measured 0.45 of a core
+        status: LinkStatus = listener.messages["status"][-1]
+        assert status.world_rate == pytest.approx(1.0, abs=0.1)
+
+        for stream, messages in listener.messages.items():
+            stamps = [m.stamp for m in messages]
+            assert stamps == sorted(stamps), stream
+            assert abs(stamps[-1] - now()) < 1.0, stream
+        image: Image = listener.messages["kinect"][-1]
+        assert image.color.shape == (480, 640, 3)
+        assert image.color.dtype == np.uint8
+        assert image.depth is not None
+        assert image.depth.dtype == np.uint16
+        assert not image.color.flags.writeable
+        assert not image.depth.flags.writeable
+        assert image.X_BC.translation[2] == pytest.approx(1.38, abs=0.03)
+        scan: LaserScan = listener.messages["hokuyo"][-1]
+        assert not scan.ranges.flags.writeable
+        assert (image.frame, scan.frame) == ("kinect_optical_frame", "hokuyo_link")
+
+        for name in SENSORS:
+            link.demand(name, False)
+        await listener.next("status", 4)
+        marks = {name: len(listener.messages[name]) for name in SENSORS}
+        await listener.next("status", 6)
+        assert {name: len(listener.messages[name]) for name in SENSORS} == marks
+        assert link.images_overwritten == 0
+    finally:
+        await link.stop()
+
+
+async def test_it_drives_as_commanded_and_odometry_drifts_a_little(blind: Listener) -> None:
+    blind.link.demand("ground_truth", True)
+    before: GroundTruth = await blind.next("ground_truth")
+    assert blind.messages["odometry"][0].X_OB == blind.messages["odometry"][0].X_OB.__class__()
+    await blind.drive(0.4, 0.0, 2.5)
+    await blind.drive(0.0, 0.0, 1.3)
+    after: GroundTruth = await blind.next("ground_truth")
+    odometry: Odometry = await blind.next("odometry")
+    travelled = (before.X_WB.inverse() @ after.X_WB).x
+    assert travelled == pytest.approx(1.0, abs=0.12)  # the last command's age is the computer's
+    assert odometry.X_OB.x == pytest.approx(travelled, rel=0.03)
+    assert odometry.X_OB.x != travelled
+    assert abs(odometry.linear_mps) < 0.01
+    speeds = [m.linear_mps for m in blind.messages["ground_truth"]]
+    assert max(speeds) < 0.41
+    assert {s.guard for s in blind.messages["status"]} >= {"idle", "driving"}
+
+
+async def test_e_stop_latches_until_cleared_and_says_why(blind: Listener) -> None:
+    await blind.drive(0.3, 0.0, 0.5)
+    blind.link.e_stop("a test")
+    await blind.drive(0.3, 0.0, 0.4)
+    status: LinkStatus = blind.messages["status"][-1]
+    assert (status.guard, status.e_stopped, status.reason) == ("e_stopped", True, "emergency stop: a test")
+    assert status.applied.linear_mps == 0
+    assert abs(blind.messages["odometry"][-1].linear_mps) < 0.02
+    blind.link.clear_e_stop()
+    await blind.until(lambda: not blind.messages["status"][-1].e_stopped)
+    assert blind.messages["status"][-1].applied.linear_mps == 0
+    await blind.drive(0.3, 0.0, 0.5)
+    assert blind.messages["status"][-1].guard == "driving"
+
+
+async def test_a_command_that_is_no_number_stops_the_wheels_and_is_reported(blind: Listener) -> None:
+    await blind.drive(0.3, 0.0, 0.4)
+    blind.link.command(Twist(now(), float("nan"), 0.0))
+    await blind.until(lambda: "not a number" in blind.messages["status"][-1].reason)
+    assert blind.messages["status"][-1].applied.linear_mps == 0
+
+
+async def test_stop_leaves_nothing_behind_and_is_idempotent(robot: RobotConfig, hall: WorldConfig) -> None:
+    before = set(os.listdir("/dev/shm"))
+    descriptors = psutil.Process().num_fds()
+    link = SimulatedLink(without_camera(robot), hall, OFFSET)
+    for _ in range(2):  # and it can be started again
+        await link.start()
+        process = psutil.Process(link.process_id)
+        began = time.monotonic()
+        await link.stop()
+        assert time.monotonic() - began < 1.0
+        await link.stop()
+        assert not process.is_running()
+    assert set(os.listdir("/dev/shm")) - before == set()
+    await asyncio.sleep(0)
+    assert psutil.Process().num_fds() <= descriptors + 1
+
+
+async def test_a_killed_link_is_noticed_at_once(blind: Listener) -> None:
+    failed = asyncio.create_task(blind.link.wait_failed())
+    await asyncio.sleep(0)
+    assert blind.link.process_id is not None
+    began = time.monotonic()
+    os.kill(blind.link.process_id, signal.SIGKILL)
+    async with asyncio.timeout(5):
+        failure = await failed
+    assert isinstance(failure, LinkFailed)
+    assert "killed by signal 9" in str(failure)
+    assert time.monotonic() - began < 1.0
+
+
+async def test_a_frozen_link_never_blocks_the_program(blind: Listener) -> None:
+    process_id = blind.link.process_id
+    assert process_id is not None
+    os.kill(process_id, signal.SIGSTOP)
+    try:
+        began = time.monotonic()
+        for _ in range(20000):
+            blind.link.command(Twist(now(), 0.1, 0.0))
+        assert time.monotonic() - began < 5.0
+        assert blind.link.commands_dropped > 0
+    finally:
+        os.kill(process_id, signal.SIGCONT)
+    count = len(blind.messages["odometry"])
+    await blind.until(lambda: len(blind.messages["odometry"]) > count + 20)
+
+
+async def test_a_receiver_that_raises_does_not_cut_off_the_others(blind: Listener) -> None:
+    problems: list[Any] = []
+    asyncio.get_running_loop().set_exception_handler(lambda _, context: problems.append(context))
+
+    def broken(_: Any) -> None:
+        raise RuntimeError("broken receiver")
+
+    detach = blind.link.attach("odometry", broken)
+    await blind.next("odometry", 3)
+    detach()
+    assert problems
+    assert "a receiver of odometry raised" in problems[0]["message"]
+    before = Counter(len(problems) for _ in range(1))
+    await blind.next("odometry", 3)
+    assert Counter([len(problems)]) == before
+
+
+async def test_without_egl_one_sentence_says_what_to_install(
+    robot: RobotConfig, hall: WorldConfig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(link_module, "check_gl", lambda: MISSING_EGL)
+    with pytest.raises(LinkFailed, match="install `libegl1`"):
+        await SimulatedLink(robot, hall, OFFSET).start()
+
+
+async def test_a_world_that_cannot_be_built_fails_the_start_with_its_reason(
+    robot: RobotConfig, hall: WorldConfig, tmp_path: Path
+) -> None:
+    bad = tmp_path / "bad.urdf"
+    bad.write_text("<robot name='x'><link name='base_link'/></robot>")  # nothing in it has a mass
+    link = SimulatedLink(without_camera(robot).model_copy(update={"model": bad}), hall, OFFSET)
+    with pytest.raises(LinkFailed) as failed:
+        await link.start()
+    assert "cannot be simulated" in str(failed.value)
+    assert "bad.urdf" in str(failed.value)
+    assert link.process_id is None
