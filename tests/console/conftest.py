@@ -7,8 +7,10 @@ from pathlib import Path
 
 import httpx
 import pytest
+from fastapi import FastAPI
 
 from app.console.app import create_app
+from app.console.live.hub import Hub
 from app.system import System
 from tests.console.program import Body, build, served, write_page
 
@@ -40,9 +42,21 @@ def body(built: tuple[System, Body]) -> Body:
 
 
 @pytest.fixture
-async def client(system: System, page: Path) -> AsyncIterator[httpx.AsyncClient]:
+def app(system: System, page: Path) -> FastAPI:
+    """The console on loopback without a token."""
+    return create_app(system, static_dir=page)
+
+
+@pytest.fixture
+def hub(app: FastAPI) -> Hub:
+    """All its viewers."""
+    found: Hub = app.state.hub
+    return found
+
+
+@pytest.fixture
+async def client(app: FastAPI) -> AsyncIterator[httpx.AsyncClient]:
     """REST in process, as a program on this computer sees it."""
-    app = create_app(system, static_dir=page)
     async with app.router.lifespan_context(app):
         transport = httpx.ASGITransport(app, raise_app_exceptions=True)
         async with httpx.AsyncClient(transport=transport, base_url="http://127.0.0.1:8080/api/v1") as client:
@@ -50,7 +64,7 @@ async def client(system: System, page: Path) -> AsyncIterator[httpx.AsyncClient]
 
 
 @pytest.fixture
-async def url(system: System, page: Path) -> AsyncIterator[str]:
-    """The console really served, on loopback without a token."""
-    async with served(create_app(system, static_dir=page)) as url:
+async def url(app: FastAPI) -> AsyncIterator[str]:
+    """The console really served."""
+    async with served(app) as url:
         yield url

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 from app.console.wire import encode_text
 
@@ -16,6 +17,16 @@ _EVENTS = "events"
 _PICTURE = "picture"
 
 Frame = str | bytes
+
+
+@dataclass(frozen=True, slots=True)
+class OutboxStatistics:
+    """``waiting`` frames and ``events`` now; frames ``taken`` and ``replaced`` by a newer one since the start."""
+
+    waiting: int
+    events: int
+    taken: int
+    replaced: int
 
 
 class Outbox:
@@ -33,8 +44,7 @@ class Outbox:
         self._may_send_picture = True
         self._overrun = False
         self._due = asyncio.Event()
-        #: Frames replaced by a newer one of their kind before they could be sent.
-        self.replaced = 0
+        self._taken = self._replaced = 0
 
     def put_urgent(self, frame: str) -> None:
         """Queue a frame that goes out before all others (a notice)."""
@@ -44,7 +54,7 @@ class Outbox:
     def put(self, kind: str, frame: str) -> None:
         """Queue the newest frame of ``kind``, instead of the last if that still waits."""
         if kind in self._newest:
-            self.replaced += 1
+            self._replaced += 1
         self._newest[kind] = frame
         self._due.set()
 
@@ -60,7 +70,7 @@ class Outbox:
     def put_picture(self, frame: bytes) -> None:
         """Queue the newest picture; it goes out once the one before has been drawn."""
         if self._picture is not None:
-            self.replaced += 1
+            self._replaced += 1
         self._picture = frame
         self._offer_picture()
 
@@ -84,6 +94,7 @@ class Outbox:
         while not self._urgent and not self._newest:
             self._due.clear()
             await self._due.wait()
+        self._taken += 1
         if self._urgent:
             return self._urgent.popleft()
         kind = next(iter(self._newest))
@@ -94,6 +105,11 @@ class Outbox:
         elif kind == _EVENTS:
             frame = self._take_events()
         return frame
+
+    def statistics(self) -> OutboxStatistics:
+        """The counters now."""
+        waiting = len(self._urgent) + len(self._newest)
+        return OutboxStatistics(waiting, len(self._events), self._taken, self._replaced)
 
     def _take_events(self) -> str:
         if self._overrun:

@@ -1,0 +1,326 @@
+"""The live stream, over real sockets."""
+
+from __future__ import annotations
+
+import asyncio
+import struct
+
+import httpx
+
+from app.attention.desires import Source
+from app.console.live.hub import Hub
+from app.console.live.outbox import MOST_EVENTS
+from app.geometry import Pose2
+from app.messages import Exploitation, Landmark, Landmarks, Odometry, OperatorDrive, Twist
+from app.system import System
+from tests.console.live_client import page
+from tests.console.program import Body, image
+
+
+async def test_a_newcomer_is_greeted_first_and_told_all_there_is(url: str, system: System) -> None:
+    async with page(url) as ann:
+        hello = await ann.receive()
+        assert isinstance(hello, dict)
+        assert hello["type"] == "hello"
+        assert hello["protocol"] == 1
+        assert hello["robot"]["limits"]["linear_mps"] == 0.4
+        assert [cls["name"] for cls in hello["classes"]] == list(system.classes)
+        assert hello["classes"][0]["schema"]["type"] == "object"
+        assert hello["channels"] == {"camera": True}
+        kinds = {"desires", "intention", "landmarks", "lanes", "load", "status"}
+        while kinds:
+            frame = await ann.receive()
+            kinds -= {frame["type"]} if isinstance(frame, dict) else set()
+
+
+async def test_status_and_lanes_come_with_growing_numbers(url: str, system: System, body: Body) -> None:
+    async with page(url) as ann:
+        body.emit_status(system.clock.now())
+        body.emit("odometry", Odometry(system.clock.now(), Pose2(1.0, 2.0, 0.5), 0.1, -0.2))
+        first = await ann.until("status", lambda s: s["odometry"] is not None)
+        second = await ann.until("status")
+        assert second["seq"] > first["seq"]
+        assert second["stamp"] > first["stamp"]
+        assert first["guard"]["state"] == "idle"
+        assert first["odometry"] == {"x": 1.0, "y": 2.0, "theta": 0.5, "linear_mps": 0.1, "angular_radps": -0.2}
+        assert first["driver"] is None
+        sources = {source["channel"]: source for source in first["sources"]}
+        assert sources["odometry"]["state"] == "live"
+        assert sources["odometry"]["expected_hz"] == 100
+        assert sources["scan"]["state"] == "closed"
+        lanes = await ann.until("lanes")
+        assert [row["class"] for row in lanes["rows"]] == list(system.classes)
+
+
+async def test_a_desire_moves_its_lane(url: str, system: System, body: Body) -> None:
+    async with page(url) as ann, httpx.AsyncClient(base_url=f"{url}/api/v1") as rest:
+        # A page that watches makes the robot desire Telepresence.
+        row = await lane(ann, "Telepresence", "fulfilled")
+        assert (row["intensity"], row["utility"], row["divisor"]) == (4, 1, 3)
+        await rest.patch("/resources/cpu", json={"capacity": 15})
+        assert (await lane(ann, "Telepresence", "degraded", divisor=15))["rate"] is None
+        for _ in range(31):
+            body.emit("kinect", image(system.clock.now()))
+            await asyncio.sleep(0)
+        measured = await lane(ann, "Telepresence", "degraded", measured=True)
+        assert 0 < measured["rate"] < 0.3
+        teleoperation = await lane(ann, "Teleoperation", "undesired")
+        assert teleoperation["intensity"] is None
+        assert teleoperation["divisor"] is None
+        assert teleoperation["rate"] == 0
+        desire = {"class": "Teleoperation", "intensity": 8, "utility": 8}
+        await rest.post("/desires", json=desire)
+        desires = await ann.until("desires", lambda d: len(d["desires"]) == 2)
+        assert {d["class"] for d in desires["desires"]} == {"Telepresence", "Teleoperation"}
+        refused = await lane(ann, "Teleoperation", "unfulfilled")
+        assert refused["text"]
+
+
+async def lane(ann, cls, state, *, divisor=None, measured=False):  # type: ignore[no-untyped-def]
+    """The next row of ``cls`` in ``state``."""
+
+    def find(message):  # type: ignore[no-untyped-def]
+        return next(row for row in message["rows"] if row["class"] == cls)
+
+    def holds(message):  # type: ignore[no-untyped-def]
+        row = find(message)
+        return (
+            row["state"] == state
+            and (divisor is None or row["divisor"] == divisor)
+            and (not measured or row["rate"] is not None)
+        )
+
+    return find(await ann.until("lanes", holds))
+
+
+async def test_events_come_in_order_and_once(url: str, system: System) -> None:
+    async with page(url) as ann:
+        await ann.until("lanes")
+        before = system.timeline.statistics().added
+        for number in range(50):
+            system.timeline.add("module", "Nobody", f"event {number}")
+        got: list[int] = []
+        while len(got) < 50:
+            frame = await ann.until("events")
+            got += [event["id"] for event in frame["events"] if event["subject"] == "Nobody"]
+        assert got == list(range(before + 1, before + 51))
+
+
+async def test_landmarks_and_exploitation_are_told(url: str, system: System) -> None:
+    async with page(url) as ann:
+        await ann.until("landmarks", lambda m: m["landmarks"] == [])
+        now = system.clock.now()
+        system.graph.channel("landmarks").publish(Landmarks(now, (Landmark("door A", (1, 2, 1.4), 0.03, 5, 1, 2),)))
+        landmarks = await ann.until("landmarks", lambda m: bool(m["landmarks"]))
+        assert landmarks["landmarks"][0] == {
+            "text": "door A", "x": 1, "y": 2, "z": 1.4, "sigma_m": 0.03, "sightings": 5,
+            "first_seen": 1, "last_seen": 2,
+        }  # fmt: skip
+        system.graph.channel("exploitation").publish(Exploitation(system.clock.now(), "Teleop", Twist(now, 0.1, 0.0)))
+        await ann.until("status", lambda s: s["exploited"] == "Teleop")
+        await ann.until("status", lambda s: s["exploited"] is None)
+
+
+async def test_a_ping_comes_back(url: str) -> None:
+    async with page(url) as ann:
+        await ann.send("ping", t=12.5, rtt_ms=None)
+        pong = await ann.until("pong")
+        assert pong["t"] == 12.5
+        assert pong["stamp"] > 0
+
+
+async def test_one_picture_is_under_way_at_a_time_and_it_is_the_newest(url: str, system: System, body: Body) -> None:
+    async with page(url) as ann:
+        await lane(ann, "Telepresence", "fulfilled")
+        first = await shown(ann, system, body)
+        kind, sequence, stamp, width, height = struct.unpack("<B3xIdHH4x", first[:24])
+        assert (kind, width, height) == (1, 64, 48)
+        assert first[24:26] == b"\xff\xd8"
+        pictures = system.graph.channel("camera_jpeg")
+        before = pictures.statistics().published
+        while (published := pictures.statistics().published) < before + 3:
+            body.emit("kinect", image(system.clock.now()))
+            frame = await ann.receive()
+            assert not isinstance(frame, bytes), "a picture came though the last was not acknowledged"
+        await ann.send("ack", kind=1, seq=sequence)
+        newer = struct.unpack("<B3xIdHH4x", (await ann.picture())[:24])
+        assert newer[1] >= sequence + published - before
+        assert newer[2] > stamp
+
+
+async def shown(ann, system, body) -> bytes:  # type: ignore[no-untyped-def]
+    """The first picture that comes while the camera runs."""
+
+    async def run_camera() -> None:
+        while True:
+            body.emit("kinect", image(system.clock.now()))
+            await asyncio.sleep(0.02)
+
+    camera = asyncio.create_task(run_camera())
+    try:
+        return await ann.picture()
+    finally:
+        camera.cancel()
+
+
+async def test_pictures_are_made_only_while_a_page_shows_them(url: str, system: System) -> None:
+    channel = system.graph.channel("camera_jpeg")
+    assert not channel.wanted
+    async with page(url) as ann:
+        await ann.until("hello")
+        assert channel.wanted
+        await ann.send("view", camera=False)
+        await ann.send("ping", t=1)
+        await ann.until("pong")
+        assert not channel.wanted
+
+
+async def test_the_robot_desires_telepresence_while_watched(url: str, system: System) -> None:
+    assert system.workspace.desires() == ()
+    async with page(url) as ann:
+        await ann.until("hello")
+        (desire,) = system.workspace.desires()
+        assert (desire.cls, desire.intensity, desire.utility) == ("Telepresence", 4, 1)
+        assert desire.source == Source("operator", "console")
+    gone = asyncio.Event()
+    system.workspace.observe(lambda change: gone.set() if change.removed else None)
+    async with page(url) as bob:
+        await bob.until("hello")
+        assert system.workspace.desires() == (desire,)
+    async with asyncio.timeout(4):
+        await gone.wait()
+
+
+# --- Driving --------------------------------------------------------------------------------------------------------
+
+
+class Wheel:
+    """What the console publishes of the operators' hands, with the time."""
+
+    def __init__(self, system: System) -> None:
+        self._subscription = system.graph.channel("operator_drive").subscribe("test", capacity=100)
+
+    async def next(self) -> OperatorDrive:
+        async with asyncio.timeout(2):
+            message: OperatorDrive = await self._subscription.receive()
+        return message
+
+
+async def test_a_held_key_drives_and_its_release_stops(url: str, system: System) -> None:
+    wheel = Wheel(system)
+    async with page(url, "Ann") as ann:
+        await ann.drive(1.0, -0.5)
+        drive = await wheel.next()
+        assert (drive.operator, drive.held, drive.linear, drive.angular) == ("Ann", True, 1.0, -0.5)
+        status = await ann.until("status", lambda s: s["driver"] is not None)
+        assert status["driver"] == {"operator": "Ann", "mine": True}
+        await ann.drive(0.0, held=False)
+        stop = await wheel.next()
+        assert (stop.held, stop.linear, stop.angular) == (False, 0.0, 0.0)
+        assert stop.sequence == drive.sequence + 1
+
+
+async def test_a_connection_that_ends_stops_within_100_ms(url: str, system: System) -> None:
+    wheel = Wheel(system)
+    async with page(url) as ann:
+        await ann.drive(1.0)
+        assert (await wheel.next()).held
+        began = system.clock.now()
+        # As a closed tab or a killed browser does it: no farewell.
+        ann.connection.transport.abort()
+        stop = await wheel.next()
+        assert not stop.held
+        assert system.clock.now() - began < 0.1
+
+
+async def test_commands_that_cease_stop_within_250_ms(url: str, system: System) -> None:
+    wheel = Wheel(system)
+    async with page(url) as ann:
+        await ann.drive(1.0)
+        began = (await wheel.next()).stamp
+        stop = await wheel.next()
+        assert not stop.held
+        assert stop.stamp - began < 0.25
+
+
+async def test_another_page_is_refused_until_it_takes_control(url: str, system: System) -> None:
+    wheel = Wheel(system)
+    async with page(url, "Ann") as ann, page(url, "Bob") as bob:
+        await ann.drive(1.0)
+        await wheel.next()
+        await bob.drive(-1.0)
+        notice = await bob.until("notice")
+        assert notice["level"] == "warning"
+        assert "Ann" in notice["text"]
+        await bob.until("status", lambda s: s["driver"] == {"operator": "Ann", "mine": False})
+        await bob.drive(0, held=False)
+        await bob.send("take_control")
+        assert not (await wheel.next()).held
+        assert "Bob" in (await ann.until("notice"))["text"]
+        await bob.drive(-1.0)
+        drive = await wheel.next()
+        assert (drive.operator, drive.linear) == ("Bob", -1.0)
+        await ann.until("status", lambda s: s["driver"] == {"operator": "Bob", "mine": False})
+
+
+async def test_the_emergency_stop_refuses_driving_and_says_so_once(url: str, system: System, body: Body) -> None:
+    wheel = Wheel(system)
+    async with page(url) as ann:
+        await ann.drive(1.0)
+        assert (await wheel.next()).held
+        await ann.send("e_stop")
+        assert not (await wheel.next()).held
+        assert body.stops == ["pressed by Ann"]
+        body.emit_status(system.clock.now())
+        await ann.until("notice")
+        await ann.until("status", lambda s: s["guard"]["e_stopped"])
+        await ann.drive(1.0)
+        await ann.send("clear_e_stop")
+        await ann.send("ping", t=1)
+        await ann.until("pong")
+        assert not body.e_stopped
+        body.emit_status(system.clock.now())
+        await ann.drive(0, held=False)
+        await ann.drive(0.5)
+        assert (await wheel.next()).linear == 0.5
+
+
+async def test_what_is_no_command_is_refused_and_stops(url: str, system: System) -> None:
+    wheel = Wheel(system)
+    async with page(url) as ann:
+        await ann.drive(1.0)
+        await wheel.next()
+        await ann.send("drive", seq=2, held=True, linear=None, angular=0)
+        assert not (await wheel.next()).held
+        assert (await ann.until("notice"))["level"] == "error"
+        await ann.send("fly")
+        await ann.until("notice")
+
+
+# --- Slow viewers ---------------------------------------------------------------------------------------------------
+
+
+async def test_a_viewer_that_does_not_read_delays_nobody(url: str, system: System, hub: Hub) -> None:
+    """Its sockets full, frames are replaced, not queued, and others are served on time."""
+    async with page(url, "slow", max_queue=1) as slow, page(url, "fast") as fast:
+        await slow.until("hello")
+        slow.connection.transport.pause_reading()
+        viewer = next(viewer for viewer in hub.viewers if viewer.operator == "slow")
+        long = "x" * 50_000
+        number = 0
+        while viewer.outbox.statistics().replaced < 40:
+            system.timeline.add("module", "Nobody", f"{number} {long}")
+            await fast.until("events", lambda f: f["events"][-1]["text"].startswith(f"{number} "))  # noqa: B023
+            number += 1
+        for _ in range(MOST_EVENTS + 1):
+            system.timeline.add("module", "Nobody", "one too many")
+        first = await fast.until("status")
+        second = await fast.until("status")
+        assert second["stamp"] - first["stamp"] < 0.25
+        assert viewer.outbox.statistics().events <= MOST_EVENTS
+        assert viewer.outbox.statistics().waiting <= 8
+        slow.connection.transport.resume_reading()
+        await slow.until("notice", lambda n: "timeline" in n["text"])
+        await slow.until("status", lambda s: s["stamp"] >= second["stamp"])
+        # So that it ends in good order.
+        await fast.until("status")
