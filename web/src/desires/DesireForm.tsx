@@ -61,7 +61,8 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
       const text = (own.value[name] ?? "").replace(",", ".").trim();
       if (text === "" && !needed) return null;
       const value = Number(text);
-      if (text === "" || !Number.isFinite(value) || value < 0 || value > limit) found[name] = limit === Infinity ? "Seconds, more than 0." : `A number from 0 to ${limit}.`;
+      if (text === "" || !Number.isFinite(value) || value < 0 || value > limit || (value === 0 && name !== "utility"))
+        found[name] = limit === Infinity ? "Seconds, more than 0." : `A number ${name === "utility" ? "from 0" : "over 0"} to ${limit}.`;
       return value;
     };
     const intensity = number("intensity", scale.intensity, true);
@@ -115,7 +116,7 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
       <div class="form-row">
         {(
           [
-            ["intensity", "Intensity", `0 to ${scale.intensity}`],
+            ["intensity", "Intensity", `over 0, to ${scale.intensity}`],
             ["utility", "Utility", `0 to ${scale.utility}; 0 inhibits`],
             ["ttl", "Lasts", "seconds; empty: until removed"],
           ] as const

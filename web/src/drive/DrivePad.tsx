@@ -45,7 +45,7 @@ export function DrivePad() {
           <button type="button" class="button accent" data-testid="take-control" onClick={() => session.send({ type: "take_control" })}>
             <WheelIcon /> Take the wheel
           </button>
-        ) : driver?.mine && live && !source ? (
+        ) : driver?.mine && !source && drive.refusal.value === null && drive.keyboard.value === "page" ? (
           <button type="button" class="button quiet" data-testid="release-control" onClick={() => session.send({ type: "release_control" })}>
             Give the wheel back
           </button>

@@ -4,7 +4,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { LaneRow } from "../protocol/types";
 import { useApp } from "../state/context";
-import { divisor, number, percent, spaced } from "../ui/format";
+import { divisor, number, percent, reasonText, spaced } from "../ui/format";
 import { StateMark } from "../ui/icons";
 
 const EVERY_MS = 250;
@@ -48,7 +48,7 @@ export function LaneTable({ visible }: { visible: boolean }) {
               <td>{percent(row.rate)}</td>
               <td>{divisor(row.divisor)}</td>
               <td>
-                <StateMark state={row.state} /> <b class="state-word">{row.state}</b> {row.text}
+                <StateMark state={row.state} /> <b class="state-word">{row.state}</b> {reasonText(row.state, row.text)}
               </td>
             </tr>
           ))}

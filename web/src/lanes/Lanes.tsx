@@ -13,7 +13,7 @@ import { Tooltip } from "./Tooltip";
 import { span, stepZoom, togglePause, type Viewport } from "./viewport";
 
 const ROW_MIN = 22;
-const ROW_MAX = 46;
+const ROW_MAX = 72;
 
 export function Lanes() {
   const { store } = useApp();

@@ -177,10 +177,12 @@ export class LanePainter {
       const x = (event.stamp - scene.from) * perSecond;
       const row = markRow(event, scene.classes);
       const top = row < 0 ? 0 : row * scene.rowHeight;
-      const bottom = row < 0 ? height : top + scene.rowHeight - 1;
-      c.globalAlpha = row < 0 ? 0.25 : 0.8;
-      c.fillRect(Math.round(x), top, 1, bottom - top);
-      c.globalAlpha = 1;
+      if (row >= 0 || event.kind === "intention") {
+        c.globalAlpha = row < 0 ? 0.3 : 0.8;
+        c.fillRect(Math.round(x), top, 1, row < 0 ? height : scene.rowHeight - 1);
+        c.globalAlpha = 1;
+        if (row < 0) continue;
+      }
       c.beginPath();
       c.moveTo(x - 4, top);
       c.lineTo(x + 5, top);

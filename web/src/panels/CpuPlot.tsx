@@ -1,4 +1,4 @@
-/** The process's CPU over the last minutes, and the budget as a line. */
+/** CPU over the last minutes: what attention governs against its budget, and the whole process. */
 
 import { useEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
@@ -22,18 +22,19 @@ export function CpuPlot() {
         height: HEIGHT,
         legend: { show: false },
         cursor: { show: false },
-        scales: { x: { time: true }, y: { range: (_, __, max) => [0, Math.max(20, max * 1.15)] } },
+        scales: { x: { time: true }, y: { range: (_, __, max) => [0, Math.max(10, (max ?? 0) * 1.15)] } },
         axes: [
           { ...AXIS, size: 22, values: (_, at) => at.map((stamp) => new Date(stamp * 1000).toLocaleTimeString([], { hour12: false })), space: 70 },
           { ...AXIS, size: 40, values: (_, at) => at.map((v) => `${v} %`), space: 28 },
         ],
         series: [
           {},
+          { stroke: "#a3b1c2", width: 1, points: { show: false } },
           { stroke: "#6aa5ff", fill: "rgba(61,127,230,.28)", width: 1.5, points: { show: false } },
           { stroke: "#f0b44c", width: 1.5, dash: [5, 4], points: { show: false } },
         ],
       },
-      [[], [], []],
+      [[], [], [], []],
       host,
     );
     plot.current = made;
@@ -46,14 +47,14 @@ export function CpuPlot() {
     };
   }, []);
   useEffect(() => {
-    plot.current?.setData([history.map((p) => p.stamp), history.map((p) => p.cpu), history.map((p) => p.budget)]);
+    plot.current?.setData([history.map((p) => p.stamp), history.map((p) => p.cpu), history.map((p) => p.attended), history.map((p) => p.budget)]);
   }, [history]);
 
   return (
     <figure class="cpu-plot">
-      <div ref={place} role="img" aria-label="CPU of the process over the last minutes" />
+      <div ref={place} role="img" aria-label="CPU over the last minutes" />
       <figcaption class="muted small">
-        <i class="key-cpu" /> process <i class="key-budget" /> budget of the attention
+        <i class="key-process" /> whole process <i class="key-cpu" /> governed <i class="key-budget" /> budget
       </figcaption>
     </figure>
   );

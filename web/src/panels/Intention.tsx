@@ -2,7 +2,7 @@
 
 import type { Intention as IntentionMessage, SelectedStrategy } from "../protocol/types";
 import { useApp } from "../state/context";
-import { divisor, number, spaced } from "../ui/format";
+import { divisor, number, reasonText, spaced } from "../ui/format";
 import { StateMark, WarnIcon } from "../ui/icons";
 import { Meter } from "../ui/Meter";
 
@@ -31,7 +31,7 @@ function Body({ intention }: { intention: IntentionMessage }) {
             label={name === "cpu" ? "CPU promised" : spaced(name)}
             value={use.used}
             limit={use.capacity}
-            text={`${number(use.used, 0)} of ${number(use.capacity, 0)} ${use.unit ?? ""}`}
+            text={`${number(use.used, 2)} of ${number(use.capacity, 2)} ${use.unit ?? ""}`}
           />
         ))}
       </div>
@@ -50,7 +50,7 @@ function Body({ intention }: { intention: IntentionMessage }) {
                   </span>
                 )}
               </p>
-              <p class="reason-text">{reason.text}</p>
+              <p class="reason-text">{reasonText(reason.state, reason.text)}</p>
               {serving(name).map((strategy) => (
                 <Strategy key={strategy.name} strategy={strategy} />
               ))}
@@ -97,7 +97,7 @@ function Strategy({ strategy }: { strategy: SelectedStrategy }) {
         .filter(([, cost]) => cost > 0)
         .map(([resource, cost]) => (
           <span key={resource} class="cost">
-            {number(cost, 0)} {resource === "cpu" ? "% CPU" : resource}
+            {number(cost, 2)} {resource === "cpu" ? "% CPU" : resource}
           </span>
         ))}
     </p>

@@ -1,6 +1,7 @@
 /** CPU by module against the budget, and how each module is. */
 
 import { useApp } from "../state/context";
+import { attendedCpu } from "../state/load";
 import type { Load as LoadMessage, ModuleLoad } from "../protocol/types";
 import { divisor, millis, number, spaced } from "../ui/format";
 import { ChevronIcon, WarnIcon } from "../ui/icons";
@@ -20,13 +21,22 @@ export function Load() {
 
 function Body({ load }: { load: LoadMessage }) {
   const modules = [...load.modules].sort((a, b) => rank(a) - rank(b) || b.cpu - a.cpu || a.name.localeCompare(b.name));
-  const attention = modules.reduce((sum, module) => sum + module.cpu, 0);
-  const budget = load.budget ?? 100;
-  const full = Math.max(budget, load.process_cpu, attention) * 1.05;
-  const most = Math.max(10, ...modules.map((module) => module.cpu));
+  const { store } = useApp();
+  const attended = attendedCpu(load, store.intention.value);
+  const budget = load.budget;
+  const most = Math.max(2, ...modules.map((module) => Math.max(module.cpu, module.cpu_budget ?? 0)));
   return (
     <>
-      <Meter label="Process" value={load.process_cpu} limit={budget} full={full} text={`${number(load.process_cpu, 0)} % of a core${load.budget === null ? "" : ` · budget ${number(budget, 0)} %`}`} />
+      {budget !== null && (
+        <Meter
+          label="What attention governs"
+          value={attended}
+          limit={budget}
+          full={Math.max(budget, attended) * 1.1}
+          text={`${number(attended, 1)} % of a core · budget ${number(budget, 1)} %`}
+        />
+      )}
+      <Meter label="Whole process" value={load.process_cpu} limit={Math.max(100, load.process_cpu)} text={`${number(load.process_cpu, 0)} % of a core`} />
       <CpuPlot />
       <ul class="modules">
         {modules.map((module) => (
@@ -51,8 +61,9 @@ function Row({ module, full }: { module: ModuleLoad; full: number }) {
           {module.state !== "running" && <span class={`tag ${module.state}`}>{module.state}</span>}
           <span class="module-cpu">{number(module.cpu, 1)} %</span>
           <ChevronIcon />
-          <span class="module-bar">
+          <span class={`module-bar ${module.cpu_budget != null && module.cpu > module.cpu_budget ? "over" : ""}`} title={module.cpu_budget != null ? `expected under ${number(module.cpu_budget)} %` : ""}>
             <span style={{ width: `${Math.min(100, (100 * module.cpu) / full)}%` }} />
+            {module.cpu_budget != null && <i style={{ left: `${Math.min(100, (100 * module.cpu_budget) / full)}%` }} />}
           </span>
         </summary>
         <Inputs module={module} />

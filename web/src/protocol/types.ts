@@ -167,6 +167,8 @@ export interface ModuleLoad {
   title: string;
   state: "running" | "starting" | "failed" | "hung" | "stopped";
   cpu: number;
+  /** What the module is expected to stay under, where it says so. */
+  cpu_budget?: number | null;
   message_cpu_us: number | null;
   restarts: number;
   problem: string | null;

@@ -3,6 +3,7 @@
 import { computed, type ReadonlySignal, signal } from "@preact/signals";
 import type { Desire, Hello, Intention, Landmark, LaneRow, Load, NoticeLevel, RobotEvent, Status } from "../protocol/types";
 import { LaneHistory } from "../lanes/history";
+import { attendedCpu } from "./load";
 import { RobotClock } from "./robotClock";
 
 export type Phase = "connecting" | "live" | "stale" | "lost" | "login";
@@ -27,7 +28,9 @@ export interface Notice {
 /** One figure a second, newest last, for the load plot. */
 export interface LoadPoint {
   stamp: number;
+  /** The whole process, and the part that attention governs; % of a core. */
   cpu: number;
+  attended: number;
   budget: number | null;
 }
 
@@ -39,6 +42,7 @@ const OPERATOR_KEY = "hbba.operator";
 export function createStore() {
   const status = signal<Status | null>(null);
   const now = signal<number | null>(null);
+  const intention = signal<Intention | null>(null);
   const link = signal<LinkView>({ phase: "connecting", wasDriving: false, retryAt: 0 });
   const events = signal<RobotEvent[]>([]);
   const loadHistory = signal<LoadPoint[]>([]);
@@ -55,7 +59,7 @@ export function createStore() {
     stopped: computed(() => status.value?.guard.e_stopped === true) as ReadonlySignal<boolean>,
     rows: signal<LaneRow[]>([]),
     desires: signal<Desire[] | null>(null),
-    intention: signal<Intention | null>(null),
+    intention,
     load: signal<Load | null>(null),
     loadHistory,
     landmarks: signal<Landmark[] | null>(null),
@@ -84,7 +88,7 @@ export function createStore() {
       events.value = all.slice(-EVENTS_KEPT);
     },
     addLoad(load: Load): void {
-      const point = { stamp: load.stamp, cpu: load.process_cpu, budget: load.budget };
+      const point = { stamp: load.stamp, cpu: load.process_cpu, attended: attendedCpu(load, intention.value), budget: load.budget };
       loadHistory.value = [...loadHistory.value.slice(1 - LOAD_KEPT), point];
     },
     notify(level: NoticeLevel, text: string): void {

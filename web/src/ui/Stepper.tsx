@@ -5,11 +5,13 @@ import { useEffect, useId, useRef } from "preact/hooks";
 import { number } from "./format";
 
 const SETTLE_MS = 250;
+const STEP = 0.5;
 
 interface Props {
   label: string;
   value: number;
   limit: number;
+  /** Zero is a value of its own (utility); else the least is one step. */
   tone: "intensity" | "utility";
   /** What a value of zero means, if it means something of its own. */
   zero?: string;
@@ -41,7 +43,7 @@ export function Stepper({ label, value, limit, tone, zero, onChange }: Props) {
   return (
     <div class={`stepper ${tone}`}>
       <label for={id}>{label}</label>
-      <input id={id} type="range" min={0} max={limit} step={0.5} value={shown.value} style={{ "--fill": `${(100 * shown.value) / limit}%` }} onInput={(event) => settle(Number(event.currentTarget.value))} />
+      <input id={id} type="range" min={zero ? 0 : STEP} max={limit} step={STEP} value={shown.value} style={{ "--fill": `${(100 * (shown.value - (zero ? 0 : STEP))) / (limit - (zero ? 0 : STEP))}%` }} onInput={(event) => settle(Number(event.currentTarget.value))} />
       <output for={id}>{shown.value === 0 && zero ? zero : number(shown.value)}</output>
     </div>
   );

@@ -9,6 +9,7 @@ import { Operator } from "./Operator";
 
 const PHASES = { connecting: "Connecting…", live: "Connected", stale: "Not heard", lost: "Lost", login: "Log in" } as const;
 const GUARDS: Record<string, string> = {
+  waiting: "Waiting",
   idle: "Standing",
   driving: "Driving",
   stale_command: "No fresh command",

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { ago, divisor, left, millis, number, spaced } from "./format";
+import { ago, divisor, left, millis, number, reasonText, spaced } from "./format";
 
 test("ages are said as people say them", () => {
   expect([0.4, 12.3, 89, 200, 7200, 200_000].map(ago)).toEqual(["just now", "12 s ago", "89 s ago", "3 min ago", "2 h ago", "2 d ago"]);
@@ -21,4 +21,10 @@ test("names of classes are spaced, acronyms stay", () => {
     "Go to",
     "Teleoperation",
   ]);
+});
+
+test("a reason does not repeat the state that stands beside it", () => {
+  expect(reasonText("unfulfilled", "unfulfilled: no room")).toBe("No room");
+  expect(reasonText("fulfilled", "fulfilled at its best")).toBe("Fulfilled at its best");
+  expect(reasonText("undesired", "Nobody desires it.")).toBe("Nobody desires it.");
 });

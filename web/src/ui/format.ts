@@ -44,6 +44,12 @@ export function spaced(name: string): string {
   return words.map((word, i) => (i === 0 || /^[A-Z0-9]{2,}/.test(word) ? word : word.toLowerCase())).join(" ");
 }
 
+/** A reason without the state it begins with, for where the state stands beside it. */
+export function reasonText(state: string, text: string): string {
+  const rest = text.startsWith(`${state}: `) ? text.slice(state.length + 2) : text;
+  return rest.charAt(0).toUpperCase() + rest.slice(1);
+}
+
 export function clockTime(stamp: number): string {
   return new Date(stamp * 1000).toLocaleTimeString([], { hour12: false });
 }

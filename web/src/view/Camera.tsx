@@ -2,7 +2,7 @@
 
 import { useEffect, useRef } from "preact/hooks";
 import { useApp } from "../state/context";
-import { number } from "../ui/format";
+import { number, reasonText } from "../ui/format";
 import { CameraIcon, CloseIcon, EnlargeIcon, ShrinkIcon } from "../ui/icons";
 
 const OLD_S = 1;
@@ -65,7 +65,7 @@ function useCameraState(): { text: string; old: boolean; empty: boolean } {
   const age = stamp !== null && now !== null ? now - stamp : null;
   const old = age !== null && age > OLD_S;
   if (store.hello.value && store.hello.value.channels.camera === false) return { text: "This robot has no camera.", old: false, empty: true };
-  if (lane && lane.divisor === null && (age === null || old)) return { text: `No picture: ${lane.text}`, old, empty: true };
+  if (lane && lane.divisor === null && (age === null || old)) return { text: `No picture. ${reasonText(lane.state, lane.text)}`, old, empty: true };
   if (age === null) return { text: store.live.value ? "Waiting for the first picture…" : "No picture yet.", old: false, empty: true };
   return { text: old ? `${number(age, 1)} s old` : "", old, empty: false };
 }
