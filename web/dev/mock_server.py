@@ -3,7 +3,7 @@
     python web/dev/mock_server.py [--port 8099] [--token TOKEN]
 
 Nothing it says is computed by the attention: desires are weighed by a rule of thumb, the robot is a point that turns.
-`POST /mock {"frozen": true, "silent": true, "empty": true, "world_rate": 0.85}` puts it into the states the page must show.
+`POST /mock {"frozen": true, "silent": true, "empty": true, "world_rate": 0.85}` puts it into states the page must show.
 """
 
 from __future__ import annotations
@@ -33,7 +33,12 @@ CLASSES: list[tuple[str, str, float, dict[str, Any]]] = [
     ("Telepresence", "Show people what the robot sees", 20, {}),
     ("FindQRCodes", "Find QR codes in the camera's pictures", 80, {}),
     ("LocateFaces", "Find faces and where they are", 60, {}),
-    ("DetectNoises", "Notice loud noises", 5, {"threshold": {"type": "number", "minimum": 2, "maximum": 100, "default": 20}}),
+    (
+        "DetectNoises",
+        "Notice loud noises",
+        5,
+        {"threshold": {"type": "number", "minimum": 2, "maximum": 100, "default": 20}},
+    ),
     ("SLAM", "Map the place and know where it is", 20, {}),
     ("Teleoperation", "Let a person drive", 0, {}),
     (
@@ -43,7 +48,12 @@ CLASSES: list[tuple[str, str, float, dict[str, Any]]] = [
         {
             "x": {"type": "number", "title": "X", "description": "metres, in the map", "minimum": -50, "maximum": 50},
             "y": {"type": "number", "title": "Y", "description": "metres, in the map", "minimum": -50, "maximum": 50},
-            "theta": {"anyOf": [{"type": "number"}, {"type": "null"}], "title": "Heading", "description": "radians", "default": None},
+            "theta": {
+                "anyOf": [{"type": "number"}, {"type": "null"}],
+                "title": "Heading",
+                "description": "radians",
+                "default": None,
+            },
             "style": {"enum": ["direct", "planned"], "type": "string", "default": "planned"},
             "announce": {"type": "boolean", "default": False, "title": "Announce the arrival"},
         },
@@ -67,11 +77,32 @@ class Mock:
         self.viewers: dict[str, Viewer] = {}
         self.ids = itertools.count(1)
         self.began = time.time()
-        for name, kind in (("Telepresence", "motivation"), ("FindQRCodes", "motivation"), ("Teleoperation", "motivation"), ("SLAM", "motivation")):
-            self.add({"class": name, "intensity": 8 if name != "FindQRCodes" else 4, "utility": 1, "security": name == "Teleoperation"}, kind, "ScenarioCoordinator")
+        for name, kind in (
+            ("Telepresence", "motivation"),
+            ("FindQRCodes", "motivation"),
+            ("Teleoperation", "motivation"),
+            ("SLAM", "motivation"),
+        ):
+            self.add(
+                {
+                    "class": name,
+                    "intensity": 8 if name != "FindQRCodes" else 4,
+                    "utility": 1,
+                    "security": name == "Teleoperation",
+                },
+                kind,
+                "ScenarioCoordinator",
+            )
 
     def log(self, kind: str, subject: str | None, text: str, **data: Any) -> None:
-        event = {"id": next(self.ids), "stamp": time.time(), "kind": kind, "subject": subject, "text": text, "data": data}
+        event = {
+            "id": next(self.ids),
+            "stamp": time.time(),
+            "kind": kind,
+            "subject": subject,
+            "text": text,
+            "data": data,
+        }
         self.events = [*self.events[-999:], event]
         self.tell({"type": "events", "events": [event]})
 
@@ -93,7 +124,11 @@ class Mock:
             "expires": now + body["ttl"] if body.get("ttl") else None,
         }
         self.desires[desire["id"]] = desire
-        self.log("desire", desire["class"], f"{who} desires {desire['class']} (intensity {desire['intensity']}, utility {desire['utility']}).")
+        self.log(
+            "desire",
+            desire["class"],
+            f"{who} desires {desire['class']} (intensity {desire['intensity']}, utility {desire['utility']}).",
+        )
         self.changed()
         return desire
 
@@ -117,10 +152,18 @@ class Mock:
             else:
                 phi = next((p for p in (1, 2, 4, 8) if cost / p <= room), None)
                 if phi is None:
-                    result[name] = (None, "unfulfilled", f"Needs {cost / 8:.0f} % CPU, {room:.0f} % are left; would fit without SLAM.")
+                    result[name] = (
+                        None,
+                        "unfulfilled",
+                        f"Needs {cost / 8:.0f} % CPU, {room:.0f} % are left; would fit without SLAM.",
+                    )
                 else:
                     room -= cost / phi
-                    text = "Fits with all its messages." if phi == 1 else f"Every {phi}th message fits into the {room + cost / phi:.0f} % CPU left."
+                    text = (
+                        "Fits with all its messages."
+                        if phi == 1
+                        else f"One message of {phi} fits into the {room + cost / phi:.0f} % CPU left."
+                    )
                     result[name] = (phi, "fulfilled" if 8 / phi >= wish["utility"] else "degraded", text)
         return result
 
@@ -145,9 +188,20 @@ class Mock:
     def intention(self) -> dict[str, Any]:
         share = self.share()
         chosen = [(c, share[c[0]][0]) for c in CLASSES if share[c[0]][0] is not None]
-        port = {"FindQRCodes": "QRCodeDetector.images", "LocateFaces": "FaceDetector.images", "SLAM": "SLAM.scans", "Telepresence": "Encoder.images"}
+        port = {
+            "FindQRCodes": "QRCodeDetector.images",
+            "LocateFaces": "FaceDetector.images",
+            "SLAM": "SLAM.scans",
+            "Telepresence": "Encoder.images",
+        }
         strategies = [
-            {"name": f"{c[0]}_phi{phi}", "class": c[0], "utility": 8 / phi, "filters": {port.get(c[0], f"{c[0]}.commands"): phi}, "costs": {"cpu": c[2] / phi}}
+            {
+                "name": f"{c[0]}_phi{phi}",
+                "class": c[0],
+                "utility": 8 / phi,
+                "filters": {port.get(c[0], f"{c[0]}.commands"): phi},
+                "costs": {"cpu": c[2] / phi},
+            }
             for c, phi in chosen
             if phi
         ]
@@ -155,7 +209,13 @@ class Mock:
         for name, (phi, state, text) in share.items():
             wish = self.strongest(name)
             if wish:
-                reasons[name] = {"state": state, "utility": 8 / phi if phi else 0, "wanted": wish["utility"], "text": text, "alternatives": []}
+                reasons[name] = {
+                    "state": state,
+                    "utility": 8 / phi if phi else 0,
+                    "wanted": wish["utility"],
+                    "text": text,
+                    "alternatives": [],
+                }
         used = sum(s["costs"]["cpu"] for s in strategies)
         return {
             "stamp": time.time(),
@@ -183,14 +243,28 @@ class Mock:
     def status(self, viewer: Viewer, seq: int) -> dict[str, Any]:
         age = (time.time() - self.commanded) * 1000 if self.commanded else None
         moving = age is not None and age < 200 and any(self.target)
-        state = "e_stopped" if self.e_stopped else "driving" if moving else "stale_command" if any(abs(s) > 0.01 for s in self.speed) else "idle"
+        state = (
+            "e_stopped"
+            if self.e_stopped
+            else "driving"
+            if moving
+            else "stale_command"
+            if any(abs(s) > 0.01 for s in self.speed)
+            else "idle"
+        )
         applied = {"linear_mps": self.speed[0], "angular_radps": self.speed[1]}
         driver = self.viewers.get(self.driver or "")
         return {
             "type": "status",
             "seq": seq,
             "stamp": time.time(),
-            "guard": {"state": state, "reason": "as the mock says", "e_stopped": self.e_stopped, "command_age_ms": age, "applied": applied},
+            "guard": {
+                "state": state,
+                "reason": "as the mock says",
+                "e_stopped": self.e_stopped,
+                "command_age_ms": age,
+                "applied": applied,
+            },
             "world_rate": self.mode.get("world_rate", 1.0),
             "odometry": {"x": self.pose[0], "y": self.pose[1], "theta": self.pose[2], **applied},
             "driver": {"operator": driver.operator, "mine": driver is viewer} if driver else None,
@@ -200,14 +274,48 @@ class Mock:
 
     def load(self) -> dict[str, Any]:
         wave = 8 * math.sin(time.time() / 7)
-        figures = [("Kinect", "Kinect camera", 9.0), ("QRCodeDetector", "QR code detector", 24 + wave), ("Hokuyo", "Laser", 1.2), ("Odometry", "Odometry", 0.6)]
-        figures += [("Teleop", "Teleoperation", 0.3), ("MobileBaseControl", "Mobile base control", 0.4), ("SLAM", "Map", 14 - wave / 3), ("FaceDetector", "Face detector", 0)]
-        inputs = [{"name": "images", "channel": "kinect", "divisor": 2, "received": 18234, "passed": 9117, "decimated": 9117, "dropped": 3, "age_ms": 41.2}]
+        figures = [
+            ("Kinect", "Kinect camera", 9.0),
+            ("QRCodeDetector", "QR code detector", 24 + wave),
+            ("Hokuyo", "Laser", 1.2),
+            ("Odometry", "Odometry", 0.6),
+        ]
+        figures += [
+            ("Teleop", "Teleoperation", 0.3),
+            ("MobileBaseControl", "Mobile base control", 0.4),
+            ("SLAM", "Map", 14 - wave / 3),
+            ("FaceDetector", "Face detector", 0),
+        ]
+        inputs = [
+            {
+                "name": "images",
+                "channel": "kinect",
+                "divisor": 2,
+                "received": 18234,
+                "passed": 9117,
+                "decimated": 9117,
+                "dropped": 3,
+                "age_ms": 41.2,
+            }
+        ]
         modules = [
-            {"name": n, "title": t, "state": "running", "cpu": c, "message_cpu_us": 1800.0, "restarts": 0, "problem": None, "inputs": inputs if "Detector" in n else []}
+            {
+                "name": n,
+                "title": t,
+                "state": "running",
+                "cpu": c,
+                "message_cpu_us": 1800.0,
+                "restarts": 0,
+                "problem": None,
+                "inputs": inputs if "Detector" in n else [],
+            }
             for n, t, c in figures
         ]
-        modules[-1] |= {"state": "failed", "restarts": 3, "problem": "FaceDetector: model file faces.onnx is missing; put it into models/. Next try in 8 s."}
+        modules[-1] |= {
+            "state": "failed",
+            "restarts": 3,
+            "problem": "FaceDetector: model file faces.onnx is missing; put it into models/. Next try in 8 s.",
+        }
         total = sum(m["cpu"] for m in modules) + 6
         return {"type": "load", "stamp": time.time(), "process_cpu": total, "budget": 100, "modules": modules}
 
@@ -217,7 +325,16 @@ class Mock:
         return {
             "type": "landmarks",
             "landmarks": [
-                {"text": t, "x": x, "y": y, "z": z, "sigma_m": 0.04, "sightings": 12 * i + 1, "first_seen": self.began - 40, "last_seen": now - 12 * (i + 1)}
+                {
+                    "text": t,
+                    "x": x,
+                    "y": y,
+                    "z": z,
+                    "sigma_m": 0.04,
+                    "sightings": 12 * i + 1,
+                    "first_seen": self.began - 40,
+                    "last_seen": now - 12 * (i + 1),
+                }
                 for i, (t, x, y, z) in enumerate(found)
             ],
         }
@@ -252,7 +369,11 @@ def picture(mock: Mock, seq: int) -> bytes:
 
 
 def problem(status: int, title: str, detail: str, errors: list[dict[str, str]] | None = None) -> JSONResponse:
-    return JSONResponse({"type": "about:blank", "title": title, "status": status, "detail": detail, "errors": errors or []}, status, media_type=PROBLEM)
+    return JSONResponse(
+        {"type": "about:blank", "title": title, "status": status, "detail": detail, "errors": errors or []},
+        status,
+        media_type=PROBLEM,
+    )
 
 
 def build(mock: Mock) -> FastAPI:
@@ -277,12 +398,18 @@ def build(mock: Mock) -> FastAPI:
 
     @app.get("/api/v1/session")
     async def session(request: Request) -> Response:
-        return JSONResponse({"ok": True}) if allowed(request.cookies) else problem(401, "Not logged in", "A token is needed.")
+        return (
+            JSONResponse({"ok": True})
+            if allowed(request.cookies)
+            else problem(401, "Not logged in", "A token is needed.")
+        )
 
     @app.post("/api/v1/session")
     async def log_in(request: Request) -> Response:
         if (await request.json()).get("token") != mock.token:
-            return problem(401, "Wrong token", "This is not the console's token. It is printed when the console starts.")
+            return problem(
+                401, "Wrong token", "This is not the console's token. It is printed when the console starts."
+            )
         answer = Response(status_code=204)
         answer.set_cookie("session", mock.token or "", httponly=True, samesite="strict")
         return answer
@@ -295,7 +422,12 @@ def build(mock: Mock) -> FastAPI:
     async def add(request: Request) -> Response:
         body = await request.json()
         if body.get("class") not in {c[0] for c in CLASSES}:
-            return problem(422, "Unknown desire class", f"There is no class {body.get('class')!r}.", [{"field": "class", "message": "Unknown class."}])
+            return problem(
+                422,
+                "Unknown desire class",
+                f"There is no class {body.get('class')!r}.",
+                [{"field": "class", "message": "Unknown class."}],
+            )
         if body["class"] == "GoTo" and math.hypot(body["params"]["x"], body["params"]["y"]) > 20:
             errors = [{"field": "params.x", "message": "Outside of the map, which ends at 10 m."}]
             return problem(422, "The desire cannot be taken", "One parameter is out of its range.", errors)

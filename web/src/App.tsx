@@ -27,7 +27,11 @@ export function App() {
   const phone = narrow.value;
   const stopped = store.stopped.value;
   return (
-    <div class={`page ${phone ? "narrow" : "wide"} ${phase === "live" ? "" : "not-live"} ${stopped ? "stopped" : ""}`} data-testid="page" data-phase={phase}>
+    <div
+      class={`page ${phone ? "narrow" : "wide"} ${phase === "live" ? "" : "not-live"} ${stopped ? "stopped" : ""}`}
+      data-testid="page"
+      data-phase={phase}
+    >
       <TopBar narrow={phone} />
       <main class="view" aria-label="View">
         <SceneView />
@@ -51,7 +55,8 @@ export function App() {
 
 function Side({ phone }: { phone: boolean }) {
   const { store } = useApp();
-  const trouble = store.load.value?.modules.filter((module) => module.state === "failed" || module.state === "hung").length ?? 0;
+  const trouble =
+    store.load.value?.modules.filter((module) => module.state === "failed" || module.state === "hung").length ?? 0;
   const items: TabItem[] = [
     {
       id: "attention",

@@ -18,7 +18,13 @@ export function DesireForm() {
   const classes = store.hello.value?.classes ?? [];
   if (!open.value) {
     return (
-      <button type="button" class="button wide" data-testid="desire-add" disabled={classes.length === 0} onClick={() => (open.value = true)}>
+      <button
+        type="button"
+        class="button wide"
+        data-testid="desire-add"
+        disabled={classes.length === 0}
+        onClick={() => (open.value = true)}
+      >
         <PlusIcon /> Add a desire
       </button>
     );
@@ -56,13 +62,18 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
     event.preventDefault();
     problem.value = null;
     const { params, errors: wrong } = paramsOf(fields, typed.value);
-    const found: Errors = Object.fromEntries(Object.entries(wrong).map(([name, message]) => [`params.${name}`, message]));
+    const found: Errors = Object.fromEntries(
+      Object.entries(wrong).map(([name, message]) => [`params.${name}`, message]),
+    );
     const number = (name: keyof typeof OWN, limit: number, needed: boolean) => {
       const text = (own.value[name] ?? "").replace(",", ".").trim();
       if (text === "" && !needed) return null;
       const value = Number(text);
       if (text === "" || !Number.isFinite(value) || value < 0 || value > limit || (value === 0 && name !== "utility"))
-        found[name] = limit === Infinity ? "Seconds, more than 0." : `A number ${name === "utility" ? "from 0" : "over 0"} to ${limit}.`;
+        found[name] =
+          limit === Infinity
+            ? "Seconds, more than 0."
+            : `A number ${name === "utility" ? "from 0" : "over 0"} to ${limit}.`;
       return value;
     };
     const intensity = number("intensity", scale.intensity, true);
@@ -70,7 +81,14 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
     const ttl = number("ttl", Infinity, false);
     if (Object.keys(found).length > 0) return fail(found);
 
-    const desire = { class: chosen.value, intensity, utility, security: security.value, params, ...(ttl === null ? {} : { ttl }) };
+    const desire = {
+      class: chosen.value,
+      intensity,
+      utility,
+      security: security.value,
+      params,
+      ...(ttl === null ? {} : { ttl }),
+    };
     // The same desire sent again after a lost answer keeps its key, so that it is not added twice.
     const body = JSON.stringify(desire);
     if (key.current.body !== body) key.current = { body, key: idempotencyKey() };
@@ -95,7 +113,12 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
       <h3>Add a desire</h3>
       <Labelled name="class" title="What" hint={kind?.description ?? ""} error={errors.value["class"]}>
         {(props) => (
-          <select {...props} data-testid="field-class" value={chosen.value} onChange={(event) => (chosen.value = event.currentTarget.value)}>
+          <select
+            {...props}
+            data-testid="field-class"
+            value={chosen.value}
+            onChange={(event) => (chosen.value = event.currentTarget.value)}
+          >
             {classes.map((candidate) => (
               <option key={candidate.name} value={candidate.name}>
                 {candidate.title || spaced(candidate.name)}
@@ -123,13 +146,25 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
         ).map(([name, title, hint]) => (
           <Labelled key={name} name={name} title={title} hint={hint} error={errors.value[name]}>
             {(props) => (
-              <input {...props} data-testid={`field-${name}`} inputMode="decimal" autocomplete="off" value={own.value[name]} onInput={(event) => (own.value = { ...own.value, [name]: event.currentTarget.value })} />
+              <input
+                {...props}
+                data-testid={`field-${name}`}
+                inputMode="decimal"
+                autocomplete="off"
+                value={own.value[name]}
+                onInput={(event) => (own.value = { ...own.value, [name]: event.currentTarget.value })}
+              />
             )}
           </Labelled>
         ))}
       </div>
       <label class="check">
-        <input type="checkbox" data-testid="field-security" checked={security.value} onChange={(event) => (security.value = event.currentTarget.checked)} />
+        <input
+          type="checkbox"
+          data-testid="field-security"
+          checked={security.value}
+          onChange={(event) => (security.value = event.currentTarget.checked)}
+        />
         <LockIcon />
         <span>Security: must be fulfilled, whatever else gives way</span>
       </label>

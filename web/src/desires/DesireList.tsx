@@ -12,7 +12,8 @@ export function DesireList() {
   const { store } = useApp();
   const desires = store.desires.value;
   if (desires === null) return <p class="empty">Waiting for the robot's desires…</p>;
-  if (desires.length === 0) return <p class="empty">Nobody desires anything. Add a desire to give the robot something to attend to.</p>;
+  if (desires.length === 0)
+    return <p class="empty">Nobody desires anything. Add a desire to give the robot something to attend to.</p>;
   return (
     <ul class="desires">
       {desires.map((desire) => (
@@ -32,15 +33,26 @@ function Row({ desire }: { desire: Desire }) {
       await work;
       return true;
     } catch (error) {
-      problem.value = error instanceof Problem ? [error.title, error.detail, ...error.errors.map((e) => e.message)].filter(Boolean).join(". ") : String(error);
+      problem.value =
+        error instanceof Problem
+          ? [error.title, error.detail, ...error.errors.map((e) => e.message)].filter(Boolean).join(". ")
+          : String(error);
       return false;
     }
   };
-  const change = (what: Partial<Pick<Desire, "intensity" | "utility">>) => attempt(session.rest.changeDesire(desire.id, what));
+  const change = (what: Partial<Pick<Desire, "intensity" | "utility">>) =>
+    attempt(session.rest.changeDesire(desire.id, what));
   const name = spaced(desire.class);
   const params = Object.entries(desire.params ?? {});
   return (
-    <li class="desire" data-testid="desire-row" data-id={desire.id} data-class={desire.class} data-intensity={desire.intensity} data-utility={desire.utility}>
+    <li
+      class="desire"
+      data-testid="desire-row"
+      data-id={desire.id}
+      data-class={desire.class}
+      data-intensity={desire.intensity}
+      data-utility={desire.utility}
+    >
       <div class="desire-head">
         <b>{name}</b>
         {desire.security && (
@@ -51,16 +63,45 @@ function Row({ desire }: { desire: Desire }) {
         )}
         <span class="desire-by">{sourceWords(desire.source)}</span>
         <TimeLeft expires={desire.expires} />
-        <button type="button" class="icon-button" data-testid="desire-remove" aria-label={`Remove the desire ${name} of ${desire.source.name}`} onClick={() => void attempt(session.rest.removeDesire(desire.id))}>
+        <button
+          type="button"
+          class="icon-button"
+          data-testid="desire-remove"
+          aria-label={`Remove the desire ${name} of ${desire.source.name}`}
+          onClick={() => void attempt(session.rest.removeDesire(desire.id))}
+        >
           <TrashIcon />
         </button>
       </div>
-      {params.length > 0 && <p class="desire-params">{params.map(([key, value]) => `${key} ${typeof value === "number" ? number(value, 2) : JSON.stringify(value)}`).join(" · ")}</p>}
+      {params.length > 0 && (
+        <p class="desire-params">
+          {params
+            .map(([key, value]) => `${key} ${typeof value === "number" ? number(value, 2) : JSON.stringify(value)}`)
+            .join(" · ")}
+        </p>
+      )}
       <div class="desire-values">
-        <Stepper label="Intensity" tone="intensity" value={desire.intensity} limit={scale.intensity} onChange={(intensity) => change({ intensity })} />
-        <Stepper label="Utility" tone="utility" value={desire.utility} limit={scale.utility} zero="inhibits" onChange={(utility) => change({ utility })} />
+        <Stepper
+          label="Intensity"
+          tone="intensity"
+          value={desire.intensity}
+          limit={scale.intensity}
+          onChange={(intensity) => change({ intensity })}
+        />
+        <Stepper
+          label="Utility"
+          tone="utility"
+          value={desire.utility}
+          limit={scale.utility}
+          zero="inhibits"
+          onChange={(utility) => change({ utility })}
+        />
       </div>
-      {problem.value && <p class="inline-note error" role="alert">{problem.value}</p>}
+      {problem.value && (
+        <p class="inline-note error" role="alert">
+          {problem.value}
+        </p>
+      )}
     </li>
   );
 }

@@ -25,7 +25,11 @@ export function Labelled({ name, title, hint, error, children }: LabelledProps) 
     <div class={`field ${error ? "wrong" : ""}`}>
       <label for={id}>{title}</label>
       {children({ id, name, "aria-invalid": !!error, "aria-describedby": `${id}-hint` })}
-      <p id={`${id}-hint`} class={error ? "field-error" : "field-hint"} data-testid={error ? `error-${name}` : undefined}>
+      <p
+        id={`${id}-hint`}
+        class={error ? "field-error" : "field-hint"}
+        data-testid={error ? `error-${name}` : undefined}
+      >
         {error ?? hint}
       </p>
     </div>
@@ -44,7 +48,12 @@ export function FieldInput({ field, value, error, onInput }: FieldProps) {
   if (field.kind === "boolean") {
     return (
       <label class="check">
-        <input type="checkbox" data-testid={testid} checked={value === "true"} onChange={(event) => onInput(event.currentTarget.checked ? "true" : "false")} />
+        <input
+          type="checkbox"
+          data-testid={testid}
+          checked={value === "true"}
+          onChange={(event) => onInput(event.currentTarget.checked ? "true" : "false")}
+        />
         <span>
           {field.title}
           {field.description && <span class="field-hint">{field.description}</span>}
@@ -57,7 +66,12 @@ export function FieldInput({ field, value, error, onInput }: FieldProps) {
     <Labelled name={`params.${field.name}`} title={field.title} hint={hint} error={error}>
       {(props) =>
         field.kind === "choice" ? (
-          <select {...props} data-testid={testid} value={value} onChange={(event) => onInput(event.currentTarget.value)}>
+          <select
+            {...props}
+            data-testid={testid}
+            value={value}
+            onChange={(event) => onInput(event.currentTarget.value)}
+          >
             {!field.required && <option value="">–</option>}
             {field.choices.map(({ label }) => (
               <option key={label} value={label}>

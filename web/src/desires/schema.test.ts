@@ -11,7 +11,11 @@ const GOTO: JsonSchema = {
   properties: {
     x: { type: "number", title: "X", description: "Metres in the map.", minimum: -50, maximum: 50 },
     y: { type: "number" },
-    theta: { anyOf: [{ type: "number", exclusiveMinimum: -3.2, maximum: 3.2 }, { type: "null" }], default: null, title: "Heading" },
+    theta: {
+      anyOf: [{ type: "number", exclusiveMinimum: -3.2, maximum: 3.2 }, { type: "null" }],
+      default: null,
+      title: "Heading",
+    },
     tries: { type: "integer", minimum: 1, default: 3 },
     mode: { $ref: "#/$defs/Mode" },
     quiet: { type: "boolean", default: true },
@@ -38,7 +42,13 @@ describe("fields", () => {
   });
 
   test("titles, bounds, optional values and defaults are found behind anyOf and $ref", () => {
-    expect(field("theta")).toMatchObject({ title: "Heading", required: false, maximum: 3.2, exclusiveMinimum: -3.2, initial: "" });
+    expect(field("theta")).toMatchObject({
+      title: "Heading",
+      required: false,
+      maximum: 3.2,
+      exclusiveMinimum: -3.2,
+      initial: "",
+    });
     expect(field("mode")).toMatchObject({ required: true, initial: "direct" });
     expect(field("y").title).toBe("Y");
     expect(initialValues(fields)).toMatchObject({ tries: "3", quiet: "true", via: "[[1,2]]", x: "" });
@@ -70,7 +80,7 @@ describe("values", () => {
     ["theta", "-3.2", "More than -3.2."],
     ["mode", "sideways", "One of direct, planned."],
     ["label", "too long", "At most 4 characters."],
-    ["via", "[1,", "Not valid JSON, e.g. [1, 2] or {\"x\": 1}."],
+    ["via", "[1,", 'Not valid JSON, e.g. [1, 2] or {"x": 1}.'],
   ])("%s = %j is refused: %s", (name, text, message) => {
     const { params, errors } = paramsOf(fields, { ...typed, [name]: text });
     expect(errors).toEqual({ [name]: message });

@@ -27,7 +27,9 @@ export type Errors = Record<string, string>;
 
 export function fieldsOf(schema: JsonSchema): Field[] {
   const required = new Set(schema.required ?? []);
-  return Object.entries(schema.properties ?? {}).map(([name, property]) => fieldOf(name, property, schema, required.has(name)));
+  return Object.entries(schema.properties ?? {}).map(([name, property]) =>
+    fieldOf(name, property, schema, required.has(name)),
+  );
 }
 
 export function initialValues(fields: readonly Field[]): Values {
@@ -35,7 +37,10 @@ export function initialValues(fields: readonly Field[]): Values {
 }
 
 /** The parameters typed, leaving out optional fields left empty; or what is wrong, by field. */
-export function paramsOf(fields: readonly Field[], values: Values): { params: Record<string, unknown>; errors: Errors } {
+export function paramsOf(
+  fields: readonly Field[],
+  values: Values,
+): { params: Record<string, unknown>; errors: Errors } {
   const params: Record<string, unknown> = {};
   const errors: Errors = {};
   for (const field of fields) {
@@ -118,7 +123,7 @@ function readValue(field: Field, text: string): { value: unknown } | { error: st
       try {
         return { value: JSON.parse(text) as unknown };
       } catch {
-        return { error: "Not valid JSON, e.g. [1, 2] or {\"x\": 1}." };
+        return { error: 'Not valid JSON, e.g. [1, 2] or {"x": 1}.' };
       }
     case "string":
       return checkText(field, text);
@@ -128,8 +133,10 @@ function readValue(field: Field, text: string): { value: unknown } | { error: st
 }
 
 function checkText(field: Field, text: string): { value: unknown } | { error: string } {
-  if (field.minLength !== undefined && text.length < field.minLength) return { error: `At least ${field.minLength} characters.` };
-  if (field.maxLength !== undefined && text.length > field.maxLength) return { error: `At most ${field.maxLength} characters.` };
+  if (field.minLength !== undefined && text.length < field.minLength)
+    return { error: `At least ${field.minLength} characters.` };
+  if (field.maxLength !== undefined && text.length > field.maxLength)
+    return { error: `At most ${field.maxLength} characters.` };
   return { value: text };
 }
 
@@ -152,18 +159,41 @@ function titled(name: string): string {
 
 /** "−1 to 5", "more than 0"; empty if anything goes. */
 export function rangeText(field: Field): string {
-  const low = field.minimum !== undefined ? `from ${field.minimum}` : field.exclusiveMinimum !== undefined ? `more than ${field.exclusiveMinimum}` : "";
-  const high = field.maximum !== undefined ? `to ${field.maximum}` : field.exclusiveMaximum !== undefined ? `less than ${field.exclusiveMaximum}` : "";
+  const low =
+    field.minimum !== undefined
+      ? `from ${field.minimum}`
+      : field.exclusiveMinimum !== undefined
+        ? `more than ${field.exclusiveMinimum}`
+        : "";
+  const high =
+    field.maximum !== undefined
+      ? `to ${field.maximum}`
+      : field.exclusiveMaximum !== undefined
+        ? `less than ${field.exclusiveMaximum}`
+        : "";
   return [low, high].filter(Boolean).join(low.startsWith("from") && high.startsWith("to") ? " " : ", ");
 }
 
 /** Sorts a problem's field errors onto the form: `body.params.x` and `params.x` are field `x` of the parameters. */
-export function placeErrors(errors: readonly { field: string; message: string }[], fields: readonly Field[]): { byField: Errors; rest: string[] } {
-  const known = new Set(["class", "intensity", "utility", "security", "ttl", ...fields.map((field) => `params.${field.name}`)]);
+export function placeErrors(
+  errors: readonly { field: string; message: string }[],
+  fields: readonly Field[],
+): { byField: Errors; rest: string[] } {
+  const known = new Set([
+    "class",
+    "intensity",
+    "utility",
+    "security",
+    "ttl",
+    ...fields.map((field) => `params.${field.name}`),
+  ]);
   const byField: Errors = {};
   const rest: string[] = [];
   for (const { field, message } of errors) {
-    const path = String(field ?? "").replace(/^body[./]/, "").replace(/\//g, ".").replace(/^\./, "");
+    const path = String(field ?? "")
+      .replace(/^body[./]/, "")
+      .replace(/\//g, ".")
+      .replace(/^\./, "");
     const place = [path, `params.${path}`].find((candidate) => known.has(candidate));
     if (place) byField[place] = message;
     else rest.push(path ? `${path}: ${message}` : message);

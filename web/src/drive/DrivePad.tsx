@@ -42,11 +42,21 @@ export function DrivePad() {
           ))}
         </div>
         {driver && !driver.mine && live ? (
-          <button type="button" class="button accent" data-testid="take-control" onClick={() => session.send({ type: "take_control" })}>
+          <button
+            type="button"
+            class="button accent"
+            data-testid="take-control"
+            onClick={() => session.send({ type: "take_control" })}
+          >
             <WheelIcon /> Take the wheel
           </button>
         ) : driver?.mine && !source && drive.refusal.value === null && drive.keyboard.value === "page" ? (
-          <button type="button" class="button quiet" data-testid="release-control" onClick={() => session.send({ type: "release_control" })}>
+          <button
+            type="button"
+            class="button quiet"
+            data-testid="release-control"
+            onClick={() => session.send({ type: "release_control" })}
+          >
             Give the wheel back
           </button>
         ) : (
@@ -92,6 +102,9 @@ function Hint() {
 function speedWords(linear: number, angular: number): string {
   if (Math.abs(linear) < 0.005 && Math.abs(angular) < 0.005) return "standing";
   const along = `${linear < 0 ? "backward" : "forward"} ${number(Math.abs(linear), 2)} metres per second`;
-  const turn = Math.abs(angular) < 0.005 ? "" : `, turning ${angular > 0 ? "left" : "right"} ${number(Math.abs(angular), 2)} radians per second`;
+  const turn =
+    Math.abs(angular) < 0.005
+      ? ""
+      : `, turning ${angular > 0 ? "left" : "right"} ${number(Math.abs(angular), 2)} radians per second`;
   return along + turn;
 }

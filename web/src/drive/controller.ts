@@ -106,7 +106,8 @@ export class DriveController {
       event.stopPropagation();
       if (!event.repeat && this.refusal.peek()) this.explain();
       this.input({ type: "key", code: event.code, down: true, repeat: event.repeat });
-    } else if (SLOW_KEYS.has(event.code)) this.input({ type: "key", code: event.code, down: true, repeat: event.repeat });
+    } else if (SLOW_KEYS.has(event.code))
+      this.input({ type: "key", code: event.code, down: true, repeat: event.repeat });
   }
 
   private keyUp(event: KeyboardEvent): void {
@@ -152,7 +153,8 @@ function whyNot(store: Store): string | null {
   if (phase !== "live") return "Not connected to the robot.";
   const status = store.status.value;
   if (status?.guard.e_stopped) return "The emergency stop is latched. Release it to drive.";
-  if (status?.driver && !status.driver.mine) return `${status.driver.operator} drives. Take the wheel to drive yourself.`;
+  if (status?.driver && !status.driver.mine)
+    return `${status.driver.operator} drives. Take the wheel to drive yourself.`;
   return null;
 }
 

@@ -26,7 +26,9 @@ const DEAD_MAN_BUTTONS = [4, 5]; // the shoulders
 const STOP_BUTTON = 1;
 
 export function readPads(pads: readonly (PadSnapshot | null)[], chosen: PadReading["chosen"]): PadReading {
-  const usable = pads.filter((pad): pad is PadSnapshot => !!pad && pad.connected && pad.axes.length >= 2 && pad.buttons.length > 5);
+  const usable = pads.filter(
+    (pad): pad is PadSnapshot => !!pad && pad.connected && pad.axes.length >= 2 && pad.buttons.length > 5,
+  );
   const stop = usable.some((pad) => pad.buttons[STOP_BUTTON]?.pressed);
   const pad = chosen
     ? usable.find((candidate) => candidate.id === chosen.id && candidate.index === chosen.index)

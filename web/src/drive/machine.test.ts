@@ -46,7 +46,15 @@ describe("keyboard", () => {
   });
 
   test("auto-repeat says nothing new, and does not restart after a release", () => {
-    const { sent, state } = run([down("KeyW"), down("KeyW", true), { type: "release" }, down("KeyW", true), tick, tick, tick]);
+    const { sent, state } = run([
+      down("KeyW"),
+      down("KeyW", true),
+      { type: "release" },
+      down("KeyW", true),
+      tick,
+      tick,
+      tick,
+    ]);
     expect(brief(sent)).toEqual([
       [true, 1, 0],
       [false, 0, 0],
@@ -61,14 +69,19 @@ describe("keyboard", () => {
       [true, 0.4, 0],
       [true, 1, 0],
     ]);
-    expect(brief(run([{ type: "preset", factor: 0.3 }, down("KeyW"), down("ShiftLeft")]).sent)).toEqual([[true, 0.3, 0]]);
+    expect(brief(run([{ type: "preset", factor: 0.3 }, down("KeyW"), down("ShiftLeft")]).sent)).toEqual([
+      [true, 0.3, 0],
+    ]);
     expect(run([down("KeyQ"), down("ShiftLeft"), tick]).sent).toEqual([]);
   });
 });
 
 describe("what is not allowed does not drive", () => {
   test("nothing moves before it is allowed, and a key held meanwhile must be pressed anew", () => {
-    const { sent, state } = run([down("KeyW"), tick, { type: "allow", allowed: true }, down("KeyW", true), tick], initialDrive(1));
+    const { sent, state } = run(
+      [down("KeyW"), tick, { type: "allow", allowed: true }, down("KeyW", true), tick],
+      initialDrive(1),
+    );
     expect(sent).toEqual([]);
     expect(brief(run([up("KeyW"), down("KeyW")], state).sent)).toEqual([[true, 1, 0]]);
   });
@@ -84,7 +97,11 @@ describe("stick", () => {
   const start: Input = { type: "stick-start", axes: { linear: 0.5, angular: -0.2 } };
 
   test("is clamped, and a centred stick under a finger still holds", () => {
-    const { sent } = run([start, { type: "stick-move", axes: { linear: 3, angular: -7 } }, { type: "stick-move", axes: { linear: 0, angular: 0 } }]);
+    const { sent } = run([
+      start,
+      { type: "stick-move", axes: { linear: 3, angular: -7 } },
+      { type: "stick-move", axes: { linear: 0, angular: 0 } },
+    ]);
     expect(brief(sent)).toEqual([
       [true, 0.5, -0.2],
       [true, 1, -1],
@@ -110,7 +127,9 @@ describe("stick", () => {
   });
 
   test("numbers that are none stop", () => {
-    expect(brief(run([{ type: "stick-start", axes: { linear: NaN, angular: Infinity } }]).sent)).toEqual([[true, 0, 0]]);
+    expect(brief(run([{ type: "stick-start", axes: { linear: NaN, angular: Infinity } }]).sent)).toEqual([
+      [true, 0, 0],
+    ]);
   });
 });
 
@@ -151,9 +170,21 @@ test("flush says every release still owed at once", () => {
 });
 
 test("whatever is pressed and lost: a release always ends in not held, with sequence numbers that grow by one", () => {
-  const inputs: Input[] = [down("KeyW"), up("KeyW"), down("KeyA"), down("ShiftLeft"), { type: "stick-start", axes: { linear: 1, angular: 0 } },
-    { type: "stick-move", axes: { linear: 0.2, angular: 1 } }, { type: "stick-end" }, { type: "pad", axes: { linear: 1, angular: 1 } },
-    { type: "pad", axes: null }, { type: "allow", allowed: false }, { type: "allow", allowed: true }, tick, { type: "preset", factor: 0.5 }];
+  const inputs: Input[] = [
+    down("KeyW"),
+    up("KeyW"),
+    down("KeyA"),
+    down("ShiftLeft"),
+    { type: "stick-start", axes: { linear: 1, angular: 0 } },
+    { type: "stick-move", axes: { linear: 0.2, angular: 1 } },
+    { type: "stick-end" },
+    { type: "pad", axes: { linear: 1, angular: 1 } },
+    { type: "pad", axes: null },
+    { type: "allow", allowed: false },
+    { type: "allow", allowed: true },
+    tick,
+    { type: "preset", factor: 0.5 },
+  ];
   let seed = 7;
   const random = () => (seed = (seed * 48271) % 2147483647) / 2147483647;
   for (let round = 0; round < 200; round++) {

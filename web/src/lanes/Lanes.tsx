@@ -76,11 +76,23 @@ export function Lanes() {
         <h2>Desires and attention</h2>
         <Legend />
         <div class="lanes-tools">
-          <button type="button" class="icon-button" aria-label="Show a longer time" onClick={() => show(stepZoom(view.value, 1))}>
+          <button
+            type="button"
+            class="icon-button"
+            aria-label="Show a longer time"
+            onClick={() => show(stepZoom(view.value, 1))}
+          >
             <MinusIcon />
           </button>
-          <output class="lanes-window" data-testid="lanes-window">{span(view.value.windowS)}</output>
-          <button type="button" class="icon-button" aria-label="Show a shorter time" onClick={() => show(stepZoom(view.value, -1))}>
+          <output class="lanes-window" data-testid="lanes-window">
+            {span(view.value.windowS)}
+          </output>
+          <button
+            type="button"
+            class="icon-button"
+            aria-label="Show a shorter time"
+            onClick={() => show(stepZoom(view.value, -1))}
+          >
             <PlusIcon />
           </button>
           <button
@@ -93,7 +105,14 @@ export function Lanes() {
             {paused ? <PlayIcon /> : <PauseIcon />}
             {paused ? "Live" : "Pause"}
           </button>
-          <button type="button" class={`icon-button ${asTable.value ? "on" : ""}`} aria-label="Show as a table" aria-pressed={asTable.value} data-testid="lanes-table-toggle" onClick={() => (asTable.value = !asTable.value)}>
+          <button
+            type="button"
+            class={`icon-button ${asTable.value ? "on" : ""}`}
+            aria-label="Show as a table"
+            aria-pressed={asTable.value}
+            data-testid="lanes-table-toggle"
+            onClick={() => (asTable.value = !asTable.value)}
+          >
             <TableIcon />
           </button>
         </div>
@@ -107,18 +126,34 @@ export function Lanes() {
                 <StateMark state={row.state} />
                 <span class="lane-title">{spaced(row.class)}</span>
                 <span class="lane-figures">
-                  {row.intensity === null ? "–" : <><b>{number(row.intensity)}</b><em>{number(row.utility)}</em></>}
+                  {row.intensity === null ? (
+                    "–"
+                  ) : (
+                    <>
+                      <b>{number(row.intensity)}</b>
+                      <em>{number(row.utility)}</em>
+                    </>
+                  )}
                   <i>{divisor(row.divisor)}</i>
                 </span>
               </li>
             ))}
           </ol>
-          <div class="lane-area" ref={area} tabIndex={0} data-own-arrows role="group" aria-label="Lanes over time. Arrow keys move a cursor that tells values and reasons, plus and minus zoom, P pauses.">
+          <div
+            class="lane-area"
+            ref={area}
+            tabIndex={0}
+            data-own-arrows
+            role="group"
+            aria-label="Lanes over time. Arrow keys move a cursor that tells values and reasons, plus and minus zoom, P pauses."
+          >
             <canvas ref={canvas} data-testid="lane-canvas" />
           </div>
         </div>
       )}
-      {hit.value && !asTable.value && <Tooltip hit={hit.value} area={area.current!.getBoundingClientRect()} now={chart.current?.now() ?? 0} />}
+      {hit.value && !asTable.value && (
+        <Tooltip hit={hit.value} area={area.current!.getBoundingClientRect()} now={chart.current?.now() ?? 0} />
+      )}
       <LaneTable visible={asTable.value} />
     </section>
   );
@@ -127,10 +162,22 @@ export function Lanes() {
 function Legend() {
   return (
     <ul class="legend">
-      <li><i class="key-intensity" />intensity</li>
-      <li><i class="key-utility" />desired utility</li>
-      <li><i class="key-rate" />relative message rate</li>
-      <li class="only-wide"><i class="key-mark" />event</li>
+      <li>
+        <i class="key-intensity" />
+        intensity
+      </li>
+      <li>
+        <i class="key-utility" />
+        desired utility
+      </li>
+      <li>
+        <i class="key-rate" />
+        relative message rate
+      </li>
+      <li class="only-wide">
+        <i class="key-mark" />
+        event
+      </li>
     </ul>
   );
 }

@@ -15,7 +15,12 @@ export function Tooltip({ hit, area, now }: { hit: Hit; area: DOMRect; now: numb
   const at = area.left + hit.x;
   const x = Math.max(8, Math.min(window.innerWidth - wide - 8, at + (at > area.right - wide ? -wide - 14 : 14)));
   return (
-    <div class="tooltip" role="status" data-testid="lane-tooltip" style={{ left: `${x}px`, bottom: `${window.innerHeight - area.top - hit.y + 4}px`, width: `${wide}px` }}>
+    <div
+      class="tooltip"
+      role="status"
+      data-testid="lane-tooltip"
+      style={{ left: `${x}px`, bottom: `${window.innerHeight - area.top - hit.y + 4}px`, width: `${wide}px` }}
+    >
       <p class="tooltip-head">
         <b>{title}</b>
         <span>
@@ -25,21 +30,47 @@ export function Tooltip({ hit, area, now }: { hit: Hit; area: DOMRect; now: numb
       {sample ? (
         <>
           <dl>
-            <div><dt><i class="key-intensity" />Intensity</dt><dd>{number(sample.intensity)}</dd></div>
-            <div><dt><i class="key-utility" />Utility</dt><dd>{number(sample.utility)}</dd></div>
-            <div><dt><i class="key-rate" />Rate</dt><dd>{percent(sample.rate)}</dd></div>
-            <div><dt>φ</dt><dd>{divisor(sample.divisor)}</dd></div>
+            <div>
+              <dt>
+                <i class="key-intensity" />
+                Intensity
+              </dt>
+              <dd>{number(sample.intensity)}</dd>
+            </div>
+            <div>
+              <dt>
+                <i class="key-utility" />
+                Utility
+              </dt>
+              <dd>{number(sample.utility)}</dd>
+            </div>
+            <div>
+              <dt>
+                <i class="key-rate" />
+                Rate
+              </dt>
+              <dd>{percent(sample.rate)}</dd>
+            </div>
+            <div>
+              <dt>φ</dt>
+              <dd>{divisor(sample.divisor)}</dd>
+            </div>
           </dl>
           <p class="tooltip-why">
             <StateMark state={sample.state} />
-            <span><b class="state-word">{sample.state}</b> {reasonText(sample.state, sample.text)}</span>
+            <span>
+              <b class="state-word">{sample.state}</b> {reasonText(sample.state, sample.text)}
+            </span>
           </p>
         </>
       ) : (
         <p class="muted">Nothing was heard here.</p>
       )}
       {events.slice(-3).map((event) => (
-        <p key={event.id} class="tooltip-event"><i class="key-mark" />{event.text}</p>
+        <p key={event.id} class="tooltip-event">
+          <i class="key-mark" />
+          {event.text}
+        </p>
       ))}
     </div>
   );

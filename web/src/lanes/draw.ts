@@ -84,6 +84,8 @@ export class LanePainter {
     const floor = top + rowHeight - PAD_PX;
     const unit = (rowHeight - 2 * PAD_PX) / scale;
 
+    toColumns(history, lane.divisor, span, columns);
+    this.foot(columns, ratio, floor);
     toColumns(history, lane.rate, span, columns);
     this.bars(columns, ratio, floor, unit * scale);
     toColumns(history, lane.utility, span, columns);
@@ -95,10 +97,20 @@ export class LanePainter {
     c.globalAlpha = 1;
   }
 
+  /** A thin foot while the lane is open: open and nothing offered is not closed. */
+  private foot(columns: Columns, ratio: number, floor: number): void {
+    const { context: c } = this;
+    c.fillStyle = COLORS.rate;
+    for (let i = 0; i < columns.length; i++) {
+      const left = columns.x[i]! / ratio;
+      c.fillRect(left, floor - 2, columns.end[i]! / ratio - left, 2);
+    }
+  }
+
   private bars(columns: Columns, ratio: number, floor: number, reach: number): void {
     const { context: c } = this;
     c.fillStyle = COLORS.rate;
-    for (let i = 0; i < columns.length; ) {
+    for (let i = 0; i < columns.length;) {
       const mean = columns.mean[i]!;
       let j = i;
       while (j + 1 < columns.length && columns.mean[j + 1] === mean && columns.x[j + 1]! - columns.end[j]! < 1) j++;
@@ -136,7 +148,10 @@ export class LanePainter {
     c.fillStyle = COLORS.intensity;
     c.beginPath();
     for (let i = 0; i < columns.length; i++) {
-      const begins = i === 0 ? columns.x[0]! > 0 : columns.x[i]! - columns.end[i - 1]! >= 1.5 || columns.last[i] !== columns.last[i - 1];
+      const begins =
+        i === 0
+          ? columns.x[0]! > 0
+          : columns.x[i]! - columns.end[i - 1]! >= 1.5 || columns.last[i] !== columns.last[i - 1];
       if (!begins) continue;
       const x = columns.x[i]! / ratio;
       const y = floor - columns.last[i]! * unit;

@@ -35,7 +35,9 @@ describe("history", () => {
   });
 
   test("a class that appears later, or goes, leaves holes", () => {
-    const history = filled(30, (i) => (i < 10 ? [row()] : i < 20 ? [row(), row({ class: "SLAM" })] : [row({ class: "SLAM" })]));
+    const history = filled(30, (i) =>
+      i < 10 ? [row()] : i < 20 ? [row(), row({ class: "SLAM" })] : [row({ class: "SLAM" })],
+    );
     expect(history.sample("SLAM", START + 0.2)).toBeNull();
     expect(history.sample("SLAM", START + 0.6)!.intensity).toBe(8);
     expect(history.sample("QR", START + 1.2)).toBeNull();

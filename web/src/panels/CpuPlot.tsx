@@ -6,7 +6,12 @@ import "uplot/dist/uPlot.min.css";
 import { useApp } from "../state/context";
 
 const HEIGHT = 110;
-const AXIS = { stroke: "#a3b1c2", grid: { stroke: "#222b37", width: 1 }, ticks: { show: false }, font: "11px system-ui, sans-serif" };
+const AXIS = {
+  stroke: "#a3b1c2",
+  grid: { stroke: "#222b37", width: 1 },
+  ticks: { show: false },
+  font: "11px system-ui, sans-serif",
+};
 
 export function CpuPlot() {
   const { store } = useApp();
@@ -24,7 +29,12 @@ export function CpuPlot() {
         cursor: { show: false },
         scales: { x: { time: true }, y: { range: (_, __, max) => [0, Math.max(10, (max ?? 0) * 1.15)] } },
         axes: [
-          { ...AXIS, size: 22, values: (_, at) => at.map((stamp) => new Date(stamp * 1000).toLocaleTimeString([], { hour12: false })), space: 70 },
+          {
+            ...AXIS,
+            size: 22,
+            values: (_, at) => at.map((stamp) => new Date(stamp * 1000).toLocaleTimeString([], { hour12: false })),
+            space: 70,
+          },
           { ...AXIS, size: 40, values: (_, at) => at.map((v) => `${v} %`), space: 28 },
         ],
         series: [
@@ -47,7 +57,12 @@ export function CpuPlot() {
     };
   }, []);
   useEffect(() => {
-    plot.current?.setData([history.map((p) => p.stamp), history.map((p) => p.cpu), history.map((p) => p.attended), history.map((p) => p.budget)]);
+    plot.current?.setData([
+      history.map((p) => p.stamp),
+      history.map((p) => p.cpu),
+      history.map((p) => p.attended),
+      history.map((p) => p.budget),
+    ]);
   }, [history]);
 
   return (

@@ -11,7 +11,10 @@ export function Events() {
   const events = store.events.value;
   const off = useSignal<ReadonlySet<string>>(new Set());
   const kinds = [...new Set(events.map((event) => event.kind))].sort();
-  const shown = events.filter((event) => !off.value.has(event.kind)).slice(-SHOWN).reverse();
+  const shown = events
+    .filter((event) => !off.value.has(event.kind))
+    .slice(-SHOWN)
+    .reverse();
   const now = store.seconds.value;
   const toggle = (kind: string) => {
     const next = new Set(off.value);
@@ -24,18 +27,37 @@ export function Events() {
       {kinds.length > 1 && (
         <div class="kinds" role="group" aria-label="Kinds shown">
           {kinds.map((kind) => (
-            <button key={kind} type="button" class="kind" aria-pressed={!off.value.has(kind)} data-kind={kind} onClick={() => toggle(kind)}>
+            <button
+              key={kind}
+              type="button"
+              class="kind"
+              aria-pressed={!off.value.has(kind)}
+              data-kind={kind}
+              onClick={() => toggle(kind)}
+            >
               {kind.replace(/_/g, " ")}
             </button>
           ))}
         </div>
       )}
       {shown.length === 0 && (
-        <p class="empty">{events.length > 0 ? "Every kind is turned off." : store.eventsKnown.value ? "Nothing has happened yet." : "Reading the timeline…"}</p>
+        <p class="empty">
+          {events.length > 0
+            ? "Every kind is turned off."
+            : store.eventsKnown.value
+              ? "Nothing has happened yet."
+              : "Reading the timeline…"}
+        </p>
       )}
       <ol class="events">
         {shown.map((event) => (
-          <li key={`${event.id}@${event.stamp}`} class="event" data-testid="event" data-kind={event.kind} data-subject={event.subject ?? ""}>
+          <li
+            key={`${event.id}@${event.stamp}`}
+            class="event"
+            data-testid="event"
+            data-kind={event.kind}
+            data-subject={event.subject ?? ""}
+          >
             <time title={clockTime(event.stamp)}>{now === null ? clockTime(event.stamp) : ago(now - event.stamp)}</time>
             <span class="event-kind">{event.kind.replace(/_/g, " ")}</span>
             <p>{event.text}</p>

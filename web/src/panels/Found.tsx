@@ -31,7 +31,15 @@ function Row({ landmark }: { landmark: Landmark }) {
   const now = store.seconds.value;
   const { text, x, y, z, sigma_m, sightings, last_seen } = landmark;
   return (
-    <li class="landmark" data-testid="landmark" data-text={text} data-x={x} data-y={y} data-z={z} data-sightings={sightings}>
+    <li
+      class="landmark"
+      data-testid="landmark"
+      data-text={text}
+      data-x={x}
+      data-y={y}
+      data-z={z}
+      data-sightings={sightings}
+    >
       <QrIcon />
       <div>
         <p class="landmark-text">{text}</p>

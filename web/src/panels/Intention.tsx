@@ -12,7 +12,11 @@ export function Intention() {
   return (
     <section class="card" aria-label="Intention" data-testid="intention">
       <h2>What the robot attends to, and why</h2>
-      {intention ? <Body intention={intention} /> : <p class="empty">No intention yet: nothing was selected since this page connected.</p>}
+      {intention ? (
+        <Body intention={intention} />
+      ) : (
+        <p class="empty">No intention yet: nothing was selected since this page connected.</p>
+      )}
     </section>
   );
 }
@@ -77,7 +81,8 @@ function Body({ intention }: { intention: IntentionMessage }) {
         </p>
       )}
       <p class="muted small" data-testid="omega" data-omega={intention.omega}>
-        Ω = {number(intention.omega, 2)} · {intention.proven ? "proven optimal" : "best found, not proven"} in {number(intention.solve_ms, 1)} ms
+        Ω = {number(intention.omega, 2)} · {intention.proven ? "proven optimal" : "best found, not proven"} in{" "}
+        {number(intention.solve_ms, 1)} ms
       </p>
     </>
   );

@@ -36,7 +36,12 @@ function Body({ load }: { load: LoadMessage }) {
           text={`${number(attended, 1)} % of a core · budget ${number(budget, 1)} %`}
         />
       )}
-      <Meter label="Whole process" value={load.process_cpu} limit={Math.max(100, load.process_cpu)} text={`${number(load.process_cpu, 0)} % of a core`} />
+      <Meter
+        label="Whole process"
+        value={load.process_cpu}
+        limit={Math.max(100, load.process_cpu)}
+        text={`${number(load.process_cpu, 0)} % of a core`}
+      />
       <CpuPlot />
       <ul class="modules">
         {modules.map((module) => (
@@ -54,14 +59,22 @@ function rank(module: ModuleLoad): number {
 
 function Row({ module, full }: { module: ModuleLoad; full: number }) {
   return (
-    <li class={`module ${module.state}`} data-testid={`module-${module.name}`} data-state={module.state} data-cpu={module.cpu}>
+    <li
+      class={`module ${module.state}`}
+      data-testid={`module-${module.name}`}
+      data-state={module.state}
+      data-cpu={module.cpu}
+    >
       <details>
         <summary>
           <span class="module-name">{module.title || spaced(module.name)}</span>
           {module.state !== "running" && <span class={`tag ${module.state}`}>{module.state}</span>}
           <span class="module-cpu">{number(module.cpu, 1)} %</span>
           <ChevronIcon />
-          <span class={`module-bar ${module.cpu_budget != null && module.cpu > module.cpu_budget ? "over" : ""}`} title={module.cpu_budget != null ? `expected under ${number(module.cpu_budget)} %` : ""}>
+          <span
+            class={`module-bar ${module.cpu_budget != null && module.cpu > module.cpu_budget ? "over" : ""}`}
+            title={module.cpu_budget != null ? `expected under ${number(module.cpu_budget)} %` : ""}
+          >
             <span style={{ width: `${Math.min(100, (100 * module.cpu) / full)}%` }} />
             {module.cpu_budget != null && <i style={{ left: `${Math.min(100, (100 * module.cpu_budget) / full)}%` }} />}
           </span>
@@ -103,7 +116,9 @@ function Inputs({ module }: { module: ModuleLoad }) {
           <tbody>
             {module.inputs.map((input) => (
               <tr key={input.name}>
-                <th scope="row" title={input.channel}>{input.name}</th>
+                <th scope="row" title={input.channel}>
+                  {input.name}
+                </th>
                 <td>{divisor(input.divisor)}</td>
                 <td>{input.passed}</td>
                 <td>{input.decimated}</td>

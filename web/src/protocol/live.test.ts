@@ -35,7 +35,13 @@ const newest = () => FakeSocket.all.at(-1)!;
 const drive = (held: boolean) => ({ type: "drive", seq: 1, held, linear: 0, angular: 0 }) as const;
 
 function connect() {
-  const handlers = { opened: vi.fn(), message: vi.fn(), picture: vi.fn(), roundTrip: vi.fn(), lost: vi.fn() } satisfies LiveHandlers;
+  const handlers = {
+    opened: vi.fn(),
+    message: vi.fn(),
+    picture: vi.fn(),
+    roundTrip: vi.fn(),
+    lost: vi.fn(),
+  } satisfies LiveHandlers;
   const live = new LiveConnection(() => "ws://robot/api/v1/live", handlers);
   live.open();
   return { live, handlers };

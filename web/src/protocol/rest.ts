@@ -51,7 +51,11 @@ export class Rest {
   }
 
   private async ask(method: string, path: string, body?: unknown, more: Record<string, string> = {}): Promise<unknown> {
-    const headers: Record<string, string> = { Accept: "application/json", "X-HBBA-Operator": headerSafe(this.operator()), ...more };
+    const headers: Record<string, string> = {
+      Accept: "application/json",
+      "X-HBBA-Operator": headerSafe(this.operator()),
+      ...more,
+    };
     if (body !== undefined) headers["Content-Type"] = "application/json";
     let response: Response;
     try {
@@ -62,7 +66,11 @@ export class Rest {
         ...(body === undefined ? {} : { body: JSON.stringify(body) }),
       });
     } catch {
-      throw new Problem(0, "No answer", "The robot did not answer. Check that it runs and that you are on its network.");
+      throw new Problem(
+        0,
+        "No answer",
+        "The robot did not answer. Check that it runs and that you are on its network.",
+      );
     }
     if (!response.ok) throw await readProblem(response);
     return response.status === 204 ? null : await response.json().catch(() => null);

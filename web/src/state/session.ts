@@ -62,7 +62,10 @@ export class Session {
   eStop(): void {
     if (this.send({ type: "e_stop" })) return;
     this.stopOwed = true;
-    this.store.notify("error", "Not connected: the emergency stop will be sent as soon as the robot answers. Without commands it stands still.");
+    this.store.notify(
+      "error",
+      "Not connected: the emergency stop will be sent as soon as the robot answers. Without commands it stands still.",
+    );
   }
 
   clearEStop(): void {
@@ -93,7 +96,8 @@ export class Session {
   private receive(message: FromRobot): void {
     const at = performance.now();
     if (message.type === "hello") this.store.clock.reset();
-    if ("stamp" in message && typeof message.stamp === "number" && message.type !== "load") this.store.clock.heard(message.stamp, at / 1000);
+    if ("stamp" in message && typeof message.stamp === "number" && message.type !== "load")
+      this.store.clock.heard(message.stamp, at / 1000);
     if (message.type === "status") this.lastStatusAt = at;
     if (message.type === "lanes") this.store.lanes.push(message);
     if (message.type === "events") this.store.addEvents(message.events);
@@ -116,7 +120,8 @@ export class Session {
     const { store } = this;
     if (message.type === "status") {
       store.status.value = message;
-      if (store.link.value.phase !== "live" && this.fresh()) store.link.value = { phase: "live", wasDriving: false, retryAt: 0 };
+      if (store.link.value.phase !== "live" && this.fresh())
+        store.link.value = { phase: "live", wasDriving: false, retryAt: 0 };
     } else if (message.type === "lanes") store.rows.value = message.rows;
     else if (message.type === "desires") store.desires.value = message.desires;
     else if (message.type === "intention") store.intention.value = message.intention;

@@ -1,7 +1,17 @@
 /** The page's one store: what the robot last said, and what this page is showing. Fed by `session.ts`. */
 
 import { computed, type ReadonlySignal, signal } from "@preact/signals";
-import type { Desire, Hello, Intention, Landmark, LaneRow, Load, NoticeLevel, RobotEvent, Status } from "../protocol/types";
+import type {
+  Desire,
+  Hello,
+  Intention,
+  Landmark,
+  LaneRow,
+  Load,
+  NoticeLevel,
+  RobotEvent,
+  Status,
+} from "../protocol/types";
 import { LaneHistory } from "../lanes/history";
 import { attendedCpu } from "./load";
 import { RobotClock } from "./robotClock";
@@ -88,7 +98,12 @@ export function createStore() {
       events.value = all.slice(-EVENTS_KEPT);
     },
     addLoad(load: Load): void {
-      const point = { stamp: load.stamp, cpu: load.process_cpu, attended: attendedCpu(load, intention.value), budget: load.budget };
+      const point = {
+        stamp: load.stamp,
+        cpu: load.process_cpu,
+        attended: attendedCpu(load, intention.value),
+        budget: load.budget,
+      };
       loadHistory.value = [...loadHistory.value.slice(1 - LOAD_KEPT), point];
     },
     notify(level: NoticeLevel, text: string): void {

@@ -26,13 +26,16 @@ export function Banner() {
         <p>
           <b>The robot is not heard.</b>
           <span>
-            What you see is <span aria-hidden="true">{age === null ? "" : `${number(age / 1000, 1)} s`}</span> old. Driving waits; without commands the robot stands still.
+            What you see is <span aria-hidden="true">{age === null ? "" : `${number(age / 1000, 1)} s`}</span> old.
+            Driving waits; without commands the robot stands still.
           </span>
         </p>
       )}
       {phase === "lost" && (
         <p>
-          <b>{wasDriving ? "Lost the robot. It has been told to stop. Reconnecting…" : "Lost the robot. Reconnecting…"}</b>
+          <b>
+            {wasDriving ? "Lost the robot. It has been told to stop. Reconnecting…" : "Lost the robot. Reconnecting…"}
+          </b>
           <span aria-hidden="true">{soon}</span>
         </p>
       )}

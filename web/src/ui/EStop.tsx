@@ -45,12 +45,24 @@ export function EStop() {
           >
             Release
           </button>
-          <button type="button" class="button release quiet" data-testid="estop-keep" onClick={() => (asking.value = false)}>
+          <button
+            type="button"
+            class="button release quiet"
+            data-testid="estop-keep"
+            onClick={() => (asking.value = false)}
+          >
             Keep
           </button>
         </span>
       )}
-      <button type="button" class="estop" data-testid="estop" aria-pressed={stopped} aria-keyshortcuts="Escape" onClick={stop}>
+      <button
+        type="button"
+        class="estop"
+        data-testid="estop"
+        aria-pressed={stopped}
+        aria-keyshortcuts="Escape"
+        onClick={stop}
+      >
         <StopIcon />
         {stopped ? "STOPPED" : "E-STOP"}
       </button>

@@ -33,7 +33,13 @@ export function Help() {
     <div class="sheet" role="dialog" aria-label="Shortcuts" data-testid="help-sheet">
       <header>
         <h2>Hands on the robot</h2>
-        <button type="button" ref={close} class="icon-button" aria-label="Close" onClick={() => (store.help.value = false)}>
+        <button
+          type="button"
+          ref={close}
+          class="icon-button"
+          aria-label="Close"
+          onClick={() => (store.help.value = false)}
+        >
           <CloseIcon />
         </button>
       </header>
@@ -41,7 +47,8 @@ export function Help() {
       <Keys title="Gamepad" keys={PAD} />
       <Keys title="Lanes" keys={LANES} />
       <p class="muted small">
-        Letting go stops the robot; so do another window, a hidden tab, a lost pointer, an unplugged gamepad and a cut link. Keys typed in a field never drive.
+        Letting go stops the robot; so do another window, a hidden tab, a lost pointer, an unplugged gamepad and a cut
+        link. Keys typed in a field never drive.
       </p>
     </div>
   );

@@ -42,7 +42,9 @@ export function Login() {
             value={token.value}
             onInput={(event) => (token.value = event.currentTarget.value)}
           />
-          <p id="token-problem" class="field-error" role="alert" data-testid="login-problem">{problem.value}</p>
+          <p id="token-problem" class="field-error" role="alert" data-testid="login-problem">
+            {problem.value}
+          </p>
         </div>
         <button type="submit" class="button accent wide" data-testid="login-submit" disabled={busy.value}>
           {busy.value ? "Logging in…" : "Log in"}

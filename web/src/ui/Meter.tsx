@@ -13,7 +13,15 @@ export function Meter({ label, value, limit, text, full }: Props) {
   const whole = Math.max(full ?? limit, 1e-9);
   const over = value > limit * 1.001;
   return (
-    <div class={`meter ${over ? "over" : ""}`} role="meter" aria-label={label} aria-valuenow={Math.round(value * 10) / 10} aria-valuemin={0} aria-valuemax={Math.round(whole)} aria-valuetext={text}>
+    <div
+      class={`meter ${over ? "over" : ""}`}
+      role="meter"
+      aria-label={label}
+      aria-valuenow={Math.round(value * 10) / 10}
+      aria-valuemin={0}
+      aria-valuemax={Math.round(whole)}
+      aria-valuetext={text}
+    >
       <span class="meter-label">{label}</span>
       <span class="meter-text">{text}</span>
       <span class="meter-track">

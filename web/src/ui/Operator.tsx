@@ -8,7 +8,13 @@ export function Operator() {
   const editing = useSignal(false);
   if (!editing.value) {
     return (
-      <button type="button" class="operator" data-testid="operator" title="Your name, as others see it. Click to change." onClick={() => (editing.value = true)}>
+      <button
+        type="button"
+        class="operator"
+        data-testid="operator"
+        title="Your name, as others see it. Click to change."
+        onClick={() => (editing.value = true)}
+      >
         {store.operator.value}
       </button>
     );

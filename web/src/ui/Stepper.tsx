@@ -43,7 +43,16 @@ export function Stepper({ label, value, limit, tone, zero, onChange }: Props) {
   return (
     <div class={`stepper ${tone}`}>
       <label for={id}>{label}</label>
-      <input id={id} type="range" min={zero ? 0 : STEP} max={limit} step={STEP} value={shown.value} style={{ "--fill": `${(100 * (shown.value - (zero ? 0 : STEP))) / (limit - (zero ? 0 : STEP))}%` }} onInput={(event) => settle(Number(event.currentTarget.value))} />
+      <input
+        id={id}
+        type="range"
+        min={zero ? 0 : STEP}
+        max={limit}
+        step={STEP}
+        value={shown.value}
+        style={{ "--fill": `${(100 * (shown.value - (zero ? 0 : STEP))) / (limit - (zero ? 0 : STEP))}%` }}
+        onInput={(event) => settle(Number(event.currentTarget.value))}
+      />
       <output for={id}>{shown.value === 0 && zero ? zero : number(shown.value)}</output>
     </div>
   );

@@ -7,7 +7,13 @@ import { millis } from "./format";
 import { LinkIcon, WarnIcon } from "./icons";
 import { Operator } from "./Operator";
 
-const PHASES = { connecting: "Connecting…", live: "Connected", stale: "Not heard", lost: "Lost", login: "Log in" } as const;
+const PHASES = {
+  connecting: "Connecting…",
+  live: "Connected",
+  stale: "Not heard",
+  lost: "Lost",
+  login: "Log in",
+} as const;
 const GUARDS: Record<string, string> = {
   waiting: "Waiting",
   idle: "Standing",
@@ -41,17 +47,40 @@ export function TopBar({ narrow }: { narrow: boolean }) {
         {phase === "stale" || phase === "lost" ? <WarnIcon /> : <LinkIcon />}
         {PHASES[phase]}
       </p>
-      <p class={`chip guard-${known?.state ?? "none"}`} data-testid="guard-state" data-state={known?.state ?? ""} title={known?.reason}>
+      <p
+        class={`chip guard-${known?.state ?? "none"}`}
+        data-testid="guard-state"
+        data-state={known?.state ?? ""}
+        title={known?.reason}
+      >
         {known ? (GUARDS[known.state] ?? known.state) : "State unknown"}
       </p>
       <dl class="metrics">
-        <Metric id="rtt" label="Link" unit="ms" tone={tone(store.rttMs.value, 150, 400)} hint="Round trip between this page and the robot">
+        <Metric
+          id="rtt"
+          label="Link"
+          unit="ms"
+          tone={tone(store.rttMs.value, 150, 400)}
+          hint="Round trip between this page and the robot"
+        >
           {millis(store.rttMs.value)}
         </Metric>
-        <Metric id="command-age" label="Command" unit="ms" tone={live ? tone(commandAge(guard), 120, 200) : ""} hint="Age of the newest drive command at the robot">
+        <Metric
+          id="command-age"
+          label="Command"
+          unit="ms"
+          tone={live ? tone(commandAge(guard), 120, 200) : ""}
+          hint="Age of the newest drive command at the robot"
+        >
           {live ? millis(commandAge(guard)) : "–"}
         </Metric>
-        <Metric id="view-age" label="View" unit="ms" tone={tone(store.viewAgeMs.value, 200, 500)} hint="Age of what you see">
+        <Metric
+          id="view-age"
+          label="View"
+          unit="ms"
+          tone={tone(store.viewAgeMs.value, 200, 500)}
+          hint="Age of what you see"
+        >
           {millis(store.viewAgeMs.value)}
         </Metric>
         <Metric id="driver" label="Drives" hint="Who has the wheel, and the behavior that commands the base">
@@ -66,7 +95,14 @@ export function TopBar({ narrow }: { narrow: boolean }) {
       )}
       <div class="bar-end">
         <Operator />
-        <button type="button" class="icon-button" aria-label="Keyboard shortcuts" aria-expanded={store.help.value} data-testid="help" onClick={() => (store.help.value = !store.help.value)}>
+        <button
+          type="button"
+          class="icon-button"
+          aria-label="Keyboard shortcuts"
+          aria-expanded={store.help.value}
+          data-testid="help"
+          onClick={() => (store.help.value = !store.help.value)}
+        >
           ?
         </button>
         {!narrow && <EStop />}
@@ -75,7 +111,14 @@ export function TopBar({ narrow }: { narrow: boolean }) {
   );
 }
 
-function Metric(props: { id: string; label: string; unit?: string; tone?: string; hint: string; children: ComponentChildren }) {
+function Metric(props: {
+  id: string;
+  label: string;
+  unit?: string;
+  tone?: string;
+  hint: string;
+  children: ComponentChildren;
+}) {
   return (
     <div class={`metric ${props.tone ?? ""}`} title={props.hint}>
       <dt>{props.label}</dt>
@@ -93,7 +136,9 @@ function commandAge(guard: { command_age_ms: number | null; state: string } | un
   return age !== null && age < 1000 ? age : null;
 }
 
-function driverName(status: { driver: { operator: string; mine: boolean } | null; exploited: string | null } | null): string {
+function driverName(
+  status: { driver: { operator: string; mine: boolean } | null; exploited: string | null } | null,
+): string {
   if (!status) return "–";
   if (status.driver) return status.driver.mine ? "You" : status.driver.operator;
   return status.exploited ?? "Nobody";
@@ -103,4 +148,3 @@ function tone(value: number | null, fair: number, poor: number): string {
   if (value === null) return "";
   return value >= poor ? "poor" : value >= fair ? "fair" : "";
 }
-

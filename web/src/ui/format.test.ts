@@ -2,7 +2,14 @@ import { expect, test } from "vitest";
 import { ago, divisor, left, millis, number, reasonText, spaced } from "./format";
 
 test("ages are said as people say them", () => {
-  expect([0.4, 12.3, 89, 200, 7200, 200_000].map(ago)).toEqual(["just now", "12 s ago", "89 s ago", "3 min ago", "2 h ago", "2 d ago"]);
+  expect([0.4, 12.3, 89, 200, 7200, 200_000].map(ago)).toEqual([
+    "just now",
+    "12 s ago",
+    "89 s ago",
+    "3 min ago",
+    "2 h ago",
+    "2 d ago",
+  ]);
   expect([0.2, 29.4, 600].map(left)).toEqual(["1 s left", "30 s left", "10 min left"]);
   expect(ago(-3)).toBe("just now");
 });

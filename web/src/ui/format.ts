@@ -40,7 +40,10 @@ export function percent(share: number | null | undefined): string {
 
 /** FindQRCodes → Find QR codes. */
 export function spaced(name: string): string {
-  const words = name.replace(/([a-z0-9])([A-Z])/g, "$1 $2").replace(/([A-Z]+)([A-Z][a-z])/g, "$1 $2").split(/[\s_]+/);
+  const words = name
+    .replace(/([a-z0-9])([A-Z])/g, "$1 $2")
+    .replace(/([A-Z]+)([A-Z][a-z])/g, "$1 $2")
+    .split(/[\s_]+/);
   return words.map((word, i) => (i === 0 || /^[A-Z0-9]{2,}/.test(word) ? word : word.toLowerCase())).join(" ");
 }
 

@@ -4,38 +4,136 @@ import type { ComponentChildren } from "preact";
 
 function Icon({ children, fill = false }: { children: ComponentChildren; fill?: boolean }) {
   return (
-    <svg class="icon" viewBox="0 0 24 24" aria-hidden="true" fill={fill ? "currentColor" : "none"} stroke={fill ? "none" : "currentColor"} stroke-width="2" stroke-linecap="round" stroke-linejoin="round">
+    <svg
+      class="icon"
+      viewBox="0 0 24 24"
+      aria-hidden="true"
+      fill={fill ? "currentColor" : "none"}
+      stroke={fill ? "none" : "currentColor"}
+      stroke-width="2"
+      stroke-linecap="round"
+      stroke-linejoin="round"
+    >
       {children}
     </svg>
   );
 }
 
-export const StopIcon = () => <Icon fill><path d="M8 2h8l6 6v8l-6 6H8l-6-6V8z" /></Icon>;
-export const WheelIcon = () => <Icon><circle cx="12" cy="12" r="9" /><circle cx="12" cy="12" r="2.5" /><path d="M3.5 10l6.2 1.2M20.5 10l-6.2 1.2M12 14.5V21" /></Icon>;
-export const KeyboardIcon = () => <Icon><rect x="2" y="6" width="20" height="12" rx="2" /><path d="M6 10h.01M10 10h.01M14 10h.01M18 10h.01M8 14h8" /></Icon>;
-export const CameraIcon = () => <Icon><path d="M3 8h4l2-3h6l2 3h4v11H3z" /><circle cx="12" cy="13" r="3.5" /></Icon>;
-export const CloseIcon = () => <Icon><path d="M6 6l12 12M18 6L6 18" /></Icon>;
-export const EnlargeIcon = () => <Icon><path d="M14 4h6v6M10 20H4v-6M20 4l-7 7M4 20l7-7" /></Icon>;
-export const ShrinkIcon = () => <Icon><path d="M20 10h-6V4M4 14h6v6M14 10l7-7M10 14l-7 7" /></Icon>;
-export const LockIcon = () => <Icon><rect x="5" y="11" width="14" height="9" rx="2" /><path d="M8 11V8a4 4 0 018 0v3" /></Icon>;
-export const PlusIcon = () => <Icon><path d="M12 5v14M5 12h14" /></Icon>;
-export const MinusIcon = () => <Icon><path d="M5 12h14" /></Icon>;
-export const PauseIcon = () => <Icon fill><path d="M6 5h4v14H6zM14 5h4v14h-4z" /></Icon>;
-export const PlayIcon = () => <Icon fill><path d="M7 4l13 8-13 8z" /></Icon>;
-export const TableIcon = () => <Icon><rect x="3" y="5" width="18" height="14" rx="1.5" /><path d="M3 10h18M9 10v9" /></Icon>;
-export const TrashIcon = () => <Icon><path d="M4 7h16M9 7V4h6v3M6 7l1 13h10l1-13" /></Icon>;
-export const LinkIcon = () => <Icon><path d="M2 9a15 15 0 0120 0M5.5 12.5a10 10 0 0113 0M9 16a5 5 0 016 0" /><path d="M12 19.5h.01" /></Icon>;
-export const WarnIcon = () => <Icon><path d="M12 3l10 18H2zM12 10v5M12 18h.01" /></Icon>;
-export const ChevronIcon = () => <Icon><path d="M8 10l4 4 4-4" /></Icon>;
-export const QrIcon = () => <Icon><path d="M4 4h6v6H4zM14 4h6v6h-6zM4 14h6v6H4zM14 14h3v3h-3zM20 14v.01M17 20v.01M20 17v3" /></Icon>;
+export const StopIcon = () => (
+  <Icon fill>
+    <path d="M8 2h8l6 6v8l-6 6H8l-6-6V8z" />
+  </Icon>
+);
+export const WheelIcon = () => (
+  <Icon>
+    <circle cx="12" cy="12" r="9" />
+    <circle cx="12" cy="12" r="2.5" />
+    <path d="M3.5 10l6.2 1.2M20.5 10l-6.2 1.2M12 14.5V21" />
+  </Icon>
+);
+export const KeyboardIcon = () => (
+  <Icon>
+    <rect x="2" y="6" width="20" height="12" rx="2" />
+    <path d="M6 10h.01M10 10h.01M14 10h.01M18 10h.01M8 14h8" />
+  </Icon>
+);
+export const CameraIcon = () => (
+  <Icon>
+    <path d="M3 8h4l2-3h6l2 3h4v11H3z" />
+    <circle cx="12" cy="13" r="3.5" />
+  </Icon>
+);
+export const CloseIcon = () => (
+  <Icon>
+    <path d="M6 6l12 12M18 6L6 18" />
+  </Icon>
+);
+export const EnlargeIcon = () => (
+  <Icon>
+    <path d="M14 4h6v6M10 20H4v-6M20 4l-7 7M4 20l7-7" />
+  </Icon>
+);
+export const ShrinkIcon = () => (
+  <Icon>
+    <path d="M20 10h-6V4M4 14h6v6M14 10l7-7M10 14l-7 7" />
+  </Icon>
+);
+export const LockIcon = () => (
+  <Icon>
+    <rect x="5" y="11" width="14" height="9" rx="2" />
+    <path d="M8 11V8a4 4 0 018 0v3" />
+  </Icon>
+);
+export const PlusIcon = () => (
+  <Icon>
+    <path d="M12 5v14M5 12h14" />
+  </Icon>
+);
+export const MinusIcon = () => (
+  <Icon>
+    <path d="M5 12h14" />
+  </Icon>
+);
+export const PauseIcon = () => (
+  <Icon fill>
+    <path d="M6 5h4v14H6zM14 5h4v14h-4z" />
+  </Icon>
+);
+export const PlayIcon = () => (
+  <Icon fill>
+    <path d="M7 4l13 8-13 8z" />
+  </Icon>
+);
+export const TableIcon = () => (
+  <Icon>
+    <rect x="3" y="5" width="18" height="14" rx="1.5" />
+    <path d="M3 10h18M9 10v9" />
+  </Icon>
+);
+export const TrashIcon = () => (
+  <Icon>
+    <path d="M4 7h16M9 7V4h6v3M6 7l1 13h10l1-13" />
+  </Icon>
+);
+export const LinkIcon = () => (
+  <Icon>
+    <path d="M2 9a15 15 0 0120 0M5.5 12.5a10 10 0 0113 0M9 16a5 5 0 016 0" />
+    <path d="M12 19.5h.01" />
+  </Icon>
+);
+export const WarnIcon = () => (
+  <Icon>
+    <path d="M12 3l10 18H2zM12 10v5M12 18h.01" />
+  </Icon>
+);
+export const ChevronIcon = () => (
+  <Icon>
+    <path d="M8 10l4 4 4-4" />
+  </Icon>
+);
+export const QrIcon = () => (
+  <Icon>
+    <path d="M4 4h6v6H4zM14 4h6v6h-6zM4 14h6v6H4zM14 14h3v3h-3zM20 14v.01M17 20v.01M20 17v3" />
+  </Icon>
+);
 
 /** The state of a lane or a desire: told by shape as well as colour. */
 export function StateMark({ state }: { state: string }) {
   return (
     <svg class={`mark mark-${state}`} viewBox="0 0 12 12" aria-hidden="true">
       {state === "fulfilled" && <circle cx="6" cy="6" r="5" fill="currentColor" />}
-      {state === "degraded" && <path d="M6 1a5 5 0 010 10z M6 1.7a4.3 4.3 0 100 8.6" fill="currentColor" fill-rule="evenodd" stroke="currentColor" stroke-width="1" />}
-      {state === "unfulfilled" && <path d="M2 2l8 8M10 2l-8 8" stroke="currentColor" stroke-width="2.4" stroke-linecap="round" />}
+      {state === "degraded" && (
+        <path
+          d="M6 1a5 5 0 010 10z M6 1.7a4.3 4.3 0 100 8.6"
+          fill="currentColor"
+          fill-rule="evenodd"
+          stroke="currentColor"
+          stroke-width="1"
+        />
+      )}
+      {state === "unfulfilled" && (
+        <path d="M2 2l8 8M10 2l-8 8" stroke="currentColor" stroke-width="2.4" stroke-linecap="round" />
+      )}
       {state === "inhibited" && <path d="M2 6h8" stroke="currentColor" stroke-width="2.6" stroke-linecap="round" />}
       {state === "undesired" && <circle cx="6" cy="6" r="4" fill="none" stroke="currentColor" stroke-width="1.5" />}
       {state === "needed" && <path d="M6 .8L11.2 6 6 11.2.8 6z" fill="currentColor" />}

@@ -22,7 +22,12 @@ export function Camera() {
 
   if (mode === "hidden") {
     return (
-      <button type="button" class="camera-show button" data-testid="camera-show" onClick={() => (store.camera.value = "inset")}>
+      <button
+        type="button"
+        class="camera-show button"
+        data-testid="camera-show"
+        onClick={() => (store.camera.value = "inset")}
+      >
         <CameraIcon /> Camera
       </button>
     );
@@ -30,8 +35,19 @@ export function Camera() {
   const { text, old, empty } = useCameraState();
   const large = mode === "large";
   return (
-    <figure class={`camera ${mode} ${old ? "old" : ""} ${empty ? "empty" : ""}`} data-testid="camera" data-stamp={camera.stamp.value ?? ""} aria-label="Camera picture">
-      <canvas ref={canvas} width={640} height={480} role="img" aria-label={empty ? text : "What the robot's camera sees"} />
+    <figure
+      class={`camera ${mode} ${old ? "old" : ""} ${empty ? "empty" : ""}`}
+      data-testid="camera"
+      data-stamp={camera.stamp.value ?? ""}
+      aria-label="Camera picture"
+    >
+      <canvas
+        ref={canvas}
+        width={640}
+        height={480}
+        role="img"
+        aria-label={empty ? text : "What the robot's camera sees"}
+      />
       {text && (
         <figcaption class={empty ? "camera-empty" : "camera-age"} data-testid="camera-text">
           {empty && <CameraIcon />}
@@ -49,7 +65,13 @@ export function Camera() {
         >
           {large ? <ShrinkIcon /> : <EnlargeIcon />}
         </button>
-        <button type="button" class="icon-button" data-testid="camera-hide" aria-label="Hide the camera picture" onClick={() => (store.camera.value = "hidden")}>
+        <button
+          type="button"
+          class="icon-button"
+          data-testid="camera-hide"
+          aria-label="Hide the camera picture"
+          onClick={() => (store.camera.value = "hidden")}
+        >
           <CloseIcon />
         </button>
       </div>
@@ -64,8 +86,11 @@ function useCameraState(): { text: string; old: boolean; empty: boolean } {
   const lane = store.rows.value.find((row) => row.class === CLASS);
   const age = stamp !== null && now !== null ? now - stamp : null;
   const old = age !== null && age > OLD_S;
-  if (store.hello.value && store.hello.value.channels.camera === false) return { text: "This robot has no camera.", old: false, empty: true };
-  if (lane && lane.divisor === null && (age === null || old)) return { text: `No picture. ${reasonText(lane.state, lane.text)}`, old, empty: true };
-  if (age === null) return { text: store.live.value ? "Waiting for the first picture…" : "No picture yet.", old: false, empty: true };
+  if (store.hello.value && store.hello.value.channels.camera === false)
+    return { text: "This robot has no camera.", old: false, empty: true };
+  if (lane && lane.divisor === null && (age === null || old))
+    return { text: `No picture. ${reasonText(lane.state, lane.text)}`, old, empty: true };
+  if (age === null)
+    return { text: store.live.value ? "Waiting for the first picture…" : "No picture yet.", old: false, empty: true };
   return { text: old ? `${number(age, 1)} s old` : "", old, empty: false };
 }

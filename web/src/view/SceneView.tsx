@@ -33,8 +33,19 @@ export function SceneView() {
   }, [live]);
 
   return (
-    <div class="scene" data-testid="scene" data-state={scene} onPointerLeave={() => drive.state.peek().command.held || takeKeyboardBack(frame.current)}>
-      <iframe ref={frame} src="./viser/" title="3D view of the robot and what it perceives" onLoad={loaded} tabIndex={-1} />
+    <div
+      class="scene"
+      data-testid="scene"
+      data-state={scene}
+      onPointerLeave={() => drive.state.peek().command.held || takeKeyboardBack(frame.current)}
+    >
+      <iframe
+        ref={frame}
+        src="./viser/"
+        title="3D view of the robot and what it perceives"
+        onLoad={loaded}
+        tabIndex={-1}
+      />
       {scene === "loading" && <p class="scene-note">Loading the 3D view…</p>}
       {scene === "missing" && (
         <div class="scene-note">
