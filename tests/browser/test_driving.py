@@ -28,6 +28,17 @@ def wait_driving(page: Page) -> None:
     page.locator("[data-testid=guard-state][data-state=driving]").wait_for()
 
 
+def wait_for_rest(robot: Robot) -> list[GuardRow]:
+    """Until the wheels, having moved, are given nothing; the rows up to the first still one of the latest stop."""
+    end = time.monotonic() + 5
+    while time.monotonic() < end:
+        rows = robot.wheels()
+        driven = [index for index, row in enumerate(rows) if moving(row)]
+        if driven and driven[-1] < len(rows) - 1:
+            return rows[: driven[-1] + 2]
+    raise AssertionError("the wheels were never still")
+
+
 def braking_begins(robot: Robot, after: float) -> float:
     """Monotonic time of the first row after ``after`` that is slower than the one before it."""
     rows = [row for row in robot.wheels() if row.monotonic_s >= after]
@@ -45,11 +56,12 @@ def test_held_key_drives_and_release_stops(robot: Robot, page: Page) -> None:
     page.wait_for_timeout(2_000)
     released = time.monotonic()
     page.keyboard.up("KeyW")
-    page.locator("[data-testid=guard-state][data-state=idle]").wait_for()
+    wait_for_rest(robot)
+    page.wait_for_timeout(200)
     after = robot.odometry()
     forward = math.hypot(after["x"] - before["x"], after["y"] - before["y"])
-    # 0.4 m/s2 up to 0.4 m/s, held for 2 s and a little, and the same slope down.
-    assert 0.5 < forward < 1.5
+    # 0.4 m/s2 up to the page's normal speed of about 0.2 m/s, held for 2 s and a little, and the same slope down.
+    assert 0.3 < forward < 0.9
     assert after["linear_mps"] == pytest.approx(0.0, abs=0.02)
     assert braking_begins(robot, released) - released < 0.1
 
@@ -60,7 +72,7 @@ def test_turning_left_is_to_the_left(robot: Robot, page: Page) -> None:
     wait_driving(page)
     page.wait_for_timeout(800)
     page.keyboard.up("KeyA")
-    page.locator("[data-testid=guard-state][data-state=idle]").wait_for()
+    wait_for_rest(robot)
     after = robot.odometry()
     assert after["theta"] > 0.3
     assert math.hypot(after["x"], after["y"]) < 0.1
@@ -80,10 +92,10 @@ def test_whatever_takes_the_page_away_stops(robot: Robot, page: Page, how: str) 
         )
     else:
         page.evaluate("name => window.dispatchEvent(new Event(name))", how)
-    page.locator("[data-testid=guard-state][data-state=idle]").wait_for()
+    stopped = wait_for_rest(robot)
     assert braking_begins(robot, lost) - lost < 0.2
     page.wait_for_timeout(300)
-    assert not moving(robot.wheels()[-1])
+    assert not any(map(moving, robot.wheels()[len(stopped) :]))
 
 
 def test_a_closed_tab_stops(robot: Robot, page: Page) -> None:
@@ -109,17 +121,6 @@ def test_a_frozen_page_stops(robot: Robot, page: Page) -> None:
                                        "while (Date.now() < end); }, 0)"})  # fmt: skip
     page.wait_for_timeout(1_000)
     assert braking_begins(robot, frozen) - frozen < 0.45
-
-
-def wait_for_rest(robot: Robot) -> list[GuardRow]:
-    """Until the wheels are given nothing; the rows up to the first that is still."""
-    end = time.monotonic() + 5
-    while time.monotonic() < end:
-        rows = robot.wheels()
-        driven = [index for index, row in enumerate(rows) if moving(row)]
-        if driven and driven[-1] < len(rows) - 1:
-            return rows[: driven[-1] + 2]
-    raise AssertionError("the wheels were never still")
 
 
 def test_a_frozen_runtime_stops(robot: Robot, page: Page) -> None:
@@ -166,11 +167,11 @@ def test_two_pages_share_one_wheel(robot: Robot, open_page: Callable[[], Page]) 
     wait_driving(first)
     wait_driving(second)
     first.keyboard.up("KeyW")
-    first.locator("[data-testid=guard-state][data-state=idle]").wait_for()
+    stopped = wait_for_rest(robot)
     second.keyboard.down("KeyW")
     expect(second.get_by_test_id("notice").first).to_be_visible()
     second.keyboard.up("KeyW")
-    assert not moving(robot.wheels()[-1])
+    assert not any(map(moving, robot.wheels()[len(stopped) :]))
     second.get_by_test_id("take-control").first.click()
     second.get_by_test_id("release-control").first.wait_for()
     second.keyboard.down("KeyW")
