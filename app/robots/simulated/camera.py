@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from app.geometry import Pose3
 from app.robots.config import KinectConfig
 from app.robots.simulated.body import CAMERA, PREFIX, VISUAL_GROUP
+from app.robots.simulated.gl import UNUSABLE_GL, GlUnavailable
 from app.robots.simulated.image_ring import SLOTS, ImageRing
 from app.robots.simulated.kinect import KinectNoise
 from app.robots.simulated.wire import ImageNotice
@@ -42,13 +43,19 @@ class Snapshot:
 
 
 class Camera:
-    """Draws one fixed camera of ``model``; make, use and :meth:`close` it in one thread."""
+    """Draws one fixed camera of ``model``; make, use and :meth:`close` it in one thread.
+
+    Raises GlUnavailable where there is no OpenGL to draw with.
+    """
 
     def __init__(self, model: mujoco.MjModel, width: int, height: int) -> None:
         self._model = copy.copy(model)  # its own: culling moves shapes between groups
         self._data = mujoco.MjData(self._model)
         self._viewport = mujoco.MjrRect(0, 0, width, height)
-        self._gl = mujoco.GLContext(width, height)
+        try:
+            self._gl = mujoco.GLContext(width, height)
+        except (ImportError, RuntimeError) as failure:
+            raise GlUnavailable(UNUSABLE_GL.format(why=str(failure).splitlines()[0])) from None
         self._gl.make_current()
         self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)

@@ -44,6 +44,7 @@ class SimulatedLink:
         self._receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in self._description.streams}
         self._wanted: set[str] = set()
         self._session: _Session | None = None
+        self._e_stop: str | None = None
         self.images_overwritten = 0
         self.commands_dropped = 0
 
@@ -60,22 +61,21 @@ class SimulatedLink:
     async def start(self) -> None:
         """Start the process and wait until its streams run. Raises LinkFailed, having released everything."""
         if self._session is not None:
-            raise LinkFailed("the simulated robot runs already")
+            if not self._session.ended:
+                raise LinkFailed("The simulated robot runs already.")
+            await self._release()
         if self._robot.streams.kinect is not None and (problem := check_gl()):
             raise LinkFailed(problem)
         session = await _Session.open(self._robot, self._receive)
         self._session = session
-        session.send(wire.Start(self._robot, self._world, self._clock_offset, frozenset(self._wanted)))
+        session.send(wire.Start(self._robot, self._world, self._clock_offset, frozenset(self._wanted), self._e_stop))
         try:
             async with asyncio.timeout(START_TIMEOUT_S):
                 await session.wait_running()
         except TimeoutError:
             await self._release()
             raise LinkFailed(f"The simulated robot did not start within {START_TIMEOUT_S:.0f} s.") from None
-        except LinkFailed:
-            await self._release()
-            raise
-        except asyncio.CancelledError:
+        except (LinkFailed, asyncio.CancelledError):
             await self._release()
             raise
 
@@ -123,12 +123,15 @@ class SimulatedLink:
         self._session.send(wire.Drive(twist.stamp, twist.linear_mps, twist.angular_radps))
 
     def e_stop(self, reason: str) -> None:
-        """Latch the emergency stop."""
+        """Latch the emergency stop, also beyond a restart of the link."""
+        if self._e_stop is None:
+            self._e_stop = reason
         if self._session is not None:
             self._session.send(wire.EStop(reason))
 
     def clear_e_stop(self) -> None:
         """Release the latch."""
+        self._e_stop = None
         if self._session is not None:
             self._session.send(wire.ClearEStop())
 
@@ -228,6 +231,11 @@ class _Session(asyncio.Protocol):
         session._watch = asyncio.create_task(session._watch_process(), name="simulated link")
         await asyncio.get_running_loop().create_connection(lambda: session, sock=ours)
         return session
+
+    @property
+    def ended(self) -> bool:
+        """Whether the process is gone."""
+        return self._ended.done()
 
     @property
     def unsent_bytes(self) -> int:

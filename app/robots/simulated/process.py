@@ -6,12 +6,9 @@ It ends when it is told to, when the other end of the socket closes, or when the
 from __future__ import annotations
 
 import ctypes
-import gc
 import os
 import signal
-import socket
 import sys
-import time
 
 _PR_SET_PDEATHSIG = 1
 
@@ -24,43 +21,11 @@ def main(arguments: list[str]) -> int:
         ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
     if parent != os.getppid():
         return 0
-    started = time.monotonic()
-    sys.setswitchinterval(0.001)
-    # Imported here, so that the lines above hold from the first moment
-    from app.errors import ConfigError
-    from app.robots.simulated.gl import check_gl
-    from app.robots.simulated.wire import Ready, Socket, Start
-    from app.robots.simulated.world_loop import WorldLoop
+    sys.setswitchinterval(0.001)  # the control loop is not to wait 5 ms for the camera's thread
 
-    sock = Socket(socket.socket(fileno=int(arguments[0])))
-    start = _wait_start(sock, Start)
-    if start is None:
-        return 0
-    if start.robot.streams.kinect is not None and (problem := check_gl()):
-        print(problem, file=sys.stderr)
-        return 1
-    try:
-        loop = WorldLoop(start, sock, int(arguments[1]))
-    except ConfigError as failure:
-        print(failure, file=sys.stderr)
-        return 1
-    signal.signal(signal.SIGTERM, lambda *_: loop.end())
-    gc.collect()
-    gc.freeze()  # the world stays: later collections need not look at it again
-    sock.send(Ready(setup_s=time.monotonic() - started))
-    loop.run()
-    return 0
+    from app.robots.simulated.serve import serve  # only now, so that the lines above hold from the first moment
 
-
-def _wait_start(sock: Socket, kind: type[Start]) -> Start | None:  # type: ignore[name-defined]  # noqa: F821
-    import select
-
-    while not sock.closed:
-        select.select([sock], [], [])
-        for frame in sock.receive():
-            if isinstance(frame, kind):
-                return frame
-    return None
+    return serve(int(arguments[0]), int(arguments[1]))
 
 
 if __name__ == "__main__":

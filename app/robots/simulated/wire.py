@@ -24,12 +24,15 @@ _READ_BYTES = 65536
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """Program to link, first: all the link needs. ``clock_offset`` makes the robot's clock of ``monotonic()``."""
+    """Program to link, first: all the link needs. ``clock_offset`` makes the robot's clock of ``monotonic()``;
+    ``e_stop`` is the reason of an emergency stop that is latched already, or None.
+    """
 
     robot: RobotConfig
     world: WorldConfig
     clock_offset: float
     demanded: frozenset[str]
+    e_stop: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

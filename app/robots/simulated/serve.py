@@ -1,0 +1,55 @@
+"""The life of the link's process: wait for its orders, build the world, run it to the end."""
+
+from __future__ import annotations
+
+import gc
+import select
+import signal
+import socket
+import sys
+import time
+
+from app.errors import ConfigError
+from app.robots.simulated.gl import GlUnavailable, check_gl
+from app.robots.simulated.wire import Ready, Socket, Start
+
+
+def serve(link_descriptor: int, memory_descriptor: int) -> int:
+    """Serve one program over the inherited descriptors; returns the process's exit status.
+
+    What a person can mend is said in one sentence on standard error; anything else leaves a traceback there.
+    """
+    sock = Socket(socket.socket(fileno=link_descriptor))
+    start = _wait_start(sock)
+    if start is None:
+        return 0
+    began = time.monotonic()
+    if start.robot.streams.kinect is not None and (problem := check_gl()):
+        return _refuse(problem)
+
+    from app.robots.simulated.world_loop import WorldLoop  # MuJoCo looks for its OpenGL library when it is imported
+
+    try:
+        loop = WorldLoop(start, sock, memory_descriptor)
+    except (ConfigError, GlUnavailable) as failure:
+        return _refuse(str(failure))
+    signal.signal(signal.SIGTERM, lambda *_: loop.end())
+    gc.collect()
+    gc.freeze()  # the world stays: later collections need not look at it again
+    sock.send(Ready(setup_s=time.monotonic() - began))
+    loop.run()
+    return 0
+
+
+def _refuse(sentence: str) -> int:
+    print(sentence, file=sys.stderr)
+    return 1
+
+
+def _wait_start(sock: Socket) -> Start | None:
+    while not sock.closed:
+        select.select([sock.fileno()], [], [])
+        for frame in sock.receive():
+            if isinstance(frame, Start):
+                return frame
+    return None
