@@ -31,7 +31,7 @@ export function Help() {
   if (!open) return null;
   return (
     <div class="sheet" role="dialog" aria-label="Shortcuts" data-testid="help-sheet">
-      <header>
+      <div class="sheet-head">
         <h2>Hands on the robot</h2>
         <button
           type="button"
@@ -42,7 +42,7 @@ export function Help() {
         >
           <CloseIcon />
         </button>
-      </header>
+      </div>
       <Keys title="Keyboard" keys={KEYS} />
       <Keys title="Gamepad" keys={PAD} />
       <Keys title="Lanes" keys={LANES} />

@@ -24,8 +24,8 @@ export function Tabs({ items }: { items: TabItem[] }) {
     document.getElementById(`tab-${next.id}`)?.focus();
   };
   return (
-    <div class="tabs panel">
-      <div class="tab-list" role="tablist" aria-label="Panels" data-own-arrows onKeyDown={move}>
+    <aside class="tabs panel" aria-label="Panels">
+      <div class="tab-list" role="tablist" data-own-arrows onKeyDown={move}>
         {items.map((item) => (
           <button
             key={item.id}
@@ -51,6 +51,6 @@ export function Tabs({ items }: { items: TabItem[] }) {
       <div class="tab-panel" id="tab-panel" role="tabpanel" aria-labelledby={`tab-${chosen.id}`} tabIndex={-1}>
         {chosen.content()}
       </div>
-    </div>
+    </aside>
   );
 }

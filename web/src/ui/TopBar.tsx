@@ -37,7 +37,7 @@ export function TopBar({ narrow }: { narrow: boolean }) {
   return (
     <header class={`top-bar ${stopped ? "stopped" : ""} ${phase}`}>
       <div class="brand">
-        <b>HBBA</b>
+        <h1>HBBA</h1>
         <span class="robot-name" data-testid="robot-name">
           {hello ? hello.robot.name : "No robot yet"}
           {hello?.robot.simulated && <i class="tag">simulated</i>}
