@@ -33,15 +33,16 @@ def test_a_moving_robot_with_late_odometry_places_a_code_by_the_images_own_stamp
         async with bench() as b:
             codes, landmarks = b.listen("codes"), b.listen("landmarks")
             start = b.clock.now()
-            sent = -0.05
+            late = 0.2  # s; the newest pose known when a code is found is wrong by 0.08 m
+            told = 0
             for shot in range(20):
                 at = shot * 0.25
                 b.feed("images", kinect_image(start + at, pose(at), {"stop": STOP}, seed=shot))
-                # Odometry comes 80 ms late, and the newest pose would be wrong by 0.1 m when it does.
-                while sent < at + 0.2:
-                    b.feed("odometry", Odometry(start + sent, pose(sent), 0.4, 0.05))
-                    sent += 0.01
-                    await b.clock.sleep(0.01)
+                while b.clock.now() < start + at + 0.25:
+                    stamp = 0.01 * told - late
+                    b.feed("odometry", Odometry(start + stamp, pose(stamp), 0.4, 0.05))
+                    told += 1
+                    await b.clock.sleep_until(start + stamp + late + 0.01)
             seen = [m for m in drain(codes) if m.codes]
             assert len(seen) >= 10
             assert seen[0].frame == "kinect_optical_frame"
