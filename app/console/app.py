@@ -19,7 +19,10 @@ from app.console.rest.attention import attention_router
 from app.console.rest.desires import desires_router
 from app.console.rest.program import program_router, robot_router
 from app.console.rest.session import session_router
+from app.console.rest.viewers import viewers_router
 from app.console.security import Door, Guarded
+from app.console.view.relay import view_router
+from app.console.view.view import View
 
 if TYPE_CHECKING:
     from app.system import System
@@ -27,26 +30,33 @@ if TYPE_CHECKING:
 API = "/api/v1"
 
 
-def create_app(system: System, *, static_dir: Path | None = None, token: str | None = None) -> FastAPI:
+def create_app(
+    system: System, *, static_dir: Path | None = None, token: str | None = None, early_view: bool = True
+) -> FastAPI:
     """The console of ``system``: REST and live stream under ``/api/v1``, the 3D view under ``/viser``, the page at /.
 
     ``static_dir`` holds the built page (default: where the build puts it). ``token`` None: whoever is on this computer
-    may use it, under a name of this computer; see :mod:`app.console.security`.
+    may use it, under a name of this computer; see :mod:`app.console.security`. ``early_view``: start the 3D view with
+    the program rather than with the first who looks.
     """
     hub = Hub(system)
+    view = View(system, early=early_view)
     door = Door(token)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         hub.open()
+        view.open()
         try:
             yield
         finally:
             hub.close()
+            await view.close()
 
     # FastAPI's own documentation pages load scripts from elsewhere; ours need nothing but this server.
     app = FastAPI(lifespan=lifespan, openapi_url=None, docs_url=None, redoc_url=None)
     app.state.hub = hub
+    app.state.view = view
     install_problem_handlers(app)
     api = APIRouter(prefix=API)
     for router in (
@@ -54,6 +64,7 @@ def create_app(system: System, *, static_dir: Path | None = None, token: str | N
         attention_router(system),
         robot_router(system, hub),
         program_router(system),
+        viewers_router(hub, view),
         session_router(door),
     ):
         api.include_router(router)
@@ -63,6 +74,7 @@ def create_app(system: System, *, static_dir: Path | None = None, token: str | N
         await live(websocket, hub, system.clock)
 
     app.include_router(api)
+    app.include_router(view_router(view))
     describe(app, API)
 
     install_page(app, static_dir or paths.static_dir())

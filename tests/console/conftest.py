@@ -44,7 +44,7 @@ def body(built: tuple[System, Body]) -> Body:
 @pytest.fixture
 def app(system: System, page: Path) -> FastAPI:
     """The console on loopback without a token."""
-    return create_app(system, static_dir=page)
+    return create_app(system, static_dir=page, early_view=False)
 
 
 @pytest.fixture

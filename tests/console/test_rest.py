@@ -44,6 +44,7 @@ def is_problem(response: httpx.Response, status: int, kind: str) -> dict[str, An
         ("/robot", models.RobotModel),
         ("/session", models.SessionModel),
         ("/health", models.HealthModel),
+        ("/viewers", models.ViewerList),
     ],
 )
 async def test_every_answer_has_the_shape_that_is_declared(

@@ -24,7 +24,7 @@ LIVE = "/api/v1/live"
 @pytest.fixture
 async def guarded(system: System, page: Path) -> AsyncIterator[str]:
     """The console, served with a token."""
-    async with served(create_app(system, static_dir=page, token=TOKEN)) as url:
+    async with served(create_app(system, static_dir=page, token=TOKEN, early_view=False)) as url:
         yield url
 
 
@@ -171,7 +171,7 @@ def test_a_taken_port_is_told_before_anything_starts() -> None:
 
 
 async def test_the_end_comes_within_a_second_though_sockets_are_open(system: System, page: Path) -> None:
-    async with served(create_app(system, static_dir=page)) as url:
+    async with served(create_app(system, static_dir=page, early_view=False)) as url:
         address = url.replace("http", "ws") + LIVE
         reading = await websockets.connect(address, proxy=None, max_queue=None, close_timeout=0.1)
         stalled = await websockets.connect(address, proxy=None, max_queue=1, close_timeout=0.1)

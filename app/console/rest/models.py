@@ -369,13 +369,31 @@ class SessionModel(Answer):
     token_needed: bool
 
 
-class ViewerModel(Answer):
-    """What a viewer of the 3D view is given."""
+class PageModel(Answer):
+    """A page on the live stream."""
+
+    operator: str
+    driving: bool
+    rtt_ms: float | None = Field(description="Last round trip that the page measured.")
+    waiting: int = Field(description="Frames that wait for it.")
+    sent: int = Field(description="Frames sent.")
+    replaced: int = Field(description="Frames replaced by a newer one of their kind before they could be sent.")
+
+
+class LookModel(Answer):
+    """A 3D view."""
 
     viewer: str
-    lag_ms: float | None
-    points: int
+    lag_ms: float | None = Field(description="From the robot to the drawn frame and back, smoothed.")
+    points: int = Field(description="Points it is sent of each cloud, so that the lag stays under 200 ms.")
     sent_bytes: int
+
+
+class ViewerList(Answer):
+    """Who watches."""
+
+    pages: list[PageModel]
+    views: list[LookModel]
 
 
 class HealthModel(Answer):

@@ -1,0 +1,45 @@
+"""Who watches, and how well they are served."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+from fastapi.responses import Response
+
+from app.console.live.hub import Hub
+from app.console.rest.answers import Json
+from app.console.rest.models import ViewerList
+from app.console.view.view import View
+
+
+def viewers_router(hub: Hub, view: View) -> APIRouter:
+    """Routes of ``/viewers``."""
+    router = APIRouter(tags=["session"])
+
+    @router.get("/viewers", response_model=ViewerList, summary="Who watches, and how well they are served")
+    async def list_viewers() -> Response:
+        driver = hub.driving.lease.driver
+        pages = []
+        for viewer in hub.viewers:
+            counters = viewer.outbox.statistics()
+            pages.append(
+                {
+                    "operator": viewer.operator,
+                    "driving": viewer.session == driver,
+                    "rtt_ms": viewer.rtt_ms,
+                    "waiting": counters.waiting,
+                    "sent": counters.taken,
+                    "replaced": counters.replaced,
+                }
+            )
+        views = [
+            {
+                "viewer": look.viewer,
+                "lag_ms": None if look.budget.lag_s is None else round(1e3 * look.budget.lag_s, 1),
+                "points": int(look.budget.points),
+                "sent_bytes": look.sent_bytes,
+            }
+            for look in view.looks
+        ]
+        return Json({"pages": pages, "views": views})
+
+    return router

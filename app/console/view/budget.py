@@ -1,0 +1,45 @@
+"""How many points a viewer is sent, from the lag that was measured of it: pure functions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+FEWEST_POINTS = 400
+MOST_POINTS = 76_800
+FIRST_POINTS = 4_000
+#: What was asked for and stands between the robot and the eye at most.
+TARGET_LAG_S = 0.2
+#: A viewer that does not answer for this long does not draw (a hidden tab, a stalled computer).
+SILENT_AFTER_S = 1.5
+
+#: Weight of a new measurement, which come 4 times a second.
+_SMOOTHING = 0.35
+_GROWTH = 1.10
+_COMFORT = 0.7
+_STEEPEST_CUT = 0.6
+
+
+@dataclass(frozen=True, slots=True)
+class PointBudget:
+    """``points`` a viewer gets of each cloud; its smoothed ``lag_s``, None before the first measurement."""
+
+    points: float = FIRST_POINTS
+    lag_s: float | None = None
+
+
+def measured(budget: PointBudget, lag_s: float) -> PointBudget:
+    """The budget after a measurement: it grows slowly well under the target and shrinks the faster the further over."""
+    smooth = lag_s if budget.lag_s is None else budget.lag_s + _SMOOTHING * (lag_s - budget.lag_s)
+    points = budget.points
+    # Judged by the better of the two: one late answer is no trend, and a trend that has ended must not cut on.
+    judged = min(smooth, lag_s)
+    if judged > TARGET_LAG_S:
+        points *= max(_STEEPEST_CUT, TARGET_LAG_S / judged)
+    elif smooth < _COMFORT * TARGET_LAG_S:
+        points *= _GROWTH
+    return PointBudget(min(max(points, FEWEST_POINTS), MOST_POINTS), smooth)
+
+
+def silent(budget: PointBudget) -> PointBudget:
+    """The budget of a viewer that did not answer in time."""
+    return replace(budget, points=max(FEWEST_POINTS, budget.points * _STEEPEST_CUT))

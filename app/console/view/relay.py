@@ -1,0 +1,183 @@
+"""``/viser/``: viser's page and its WebSocket behind our own door, and the pulse that measures each viewer's lag.
+
+From the page only camera messages go on to viser: the rest of its protocol (uploads, its public tunnel) is not for
+viewers.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import importlib.util
+import socket
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import msgspec
+import websockets
+from fastapi import APIRouter, WebSocket
+from fastapi.responses import HTMLResponse, Response
+from starlette.websockets import WebSocketDisconnect
+from websockets.asyncio.client import ClientConnection
+
+from app.console.view.budget import SILENT_AFTER_S
+from app.console.view.view import Look, View
+
+PULSE_PERIOD_S = 0.25
+#: What a viewer may say to viser.
+FORWARDED = frozenset({"ViewerCameraMessage"})
+_PROTOCOL = "viser-v"
+
+_INJECTED = (Path(__file__).parent / "inject.html").read_text(encoding="utf-8")
+
+
+class _Typed(msgspec.Struct):
+    """The part of viser's messages that tells what they are."""
+
+    type: str
+
+
+_typed = msgspec.msgpack.Decoder(_Typed)
+
+
+def allowed(frame: bytes) -> bool:
+    """Whether a frame of the page goes on to viser."""
+    try:
+        return _typed.decode(frame).type in FORWARDED
+    except msgspec.DecodeError:
+        return False
+
+
+def viewer_page() -> str:
+    """viser's page with our addition at the head. Reads a file; for a worker thread."""
+    found = importlib.util.find_spec("viser")
+    assert found is not None
+    assert found.origin is not None
+    page = (Path(found.origin).parent / "client" / "build" / "index.html").read_text(encoding="utf-8")
+    head, tag, rest = page.partition("<head>")
+    return head + tag + _INJECTED + rest
+
+
+def view_router(view: View) -> APIRouter:
+    """Routes of ``/viser``."""
+    router = APIRouter(include_in_schema=False)
+    pages: list[str] = []
+
+    @router.get("/viser")
+    @router.get("/viser/")
+    async def page() -> Response:
+        if not pages:
+            pages.append(await asyncio.to_thread(viewer_page))
+        return HTMLResponse(pages[0])
+
+    @router.websocket("/viser")
+    async def scene(websocket: WebSocket) -> None:
+        protocol = next((p for p in websocket.scope["subprotocols"] if p.startswith(_PROTOCOL)), None)
+        if protocol is None:
+            await websocket.close(1002)
+            return
+        await websocket.accept(subprotocol=protocol)
+        look = view.enter(_viewer(websocket))
+        try:
+            await _relay(websocket, view, look, protocol)
+        finally:
+            view.leave(look)
+
+    @router.websocket("/viser/pulse")
+    async def pulse(websocket: WebSocket) -> None:
+        await websocket.accept()
+        look = view.enter(_viewer(websocket))
+        try:
+            await _pulse(websocket, lambda round_trip_s: view.answered(look, round_trip_s))
+        except WebSocketDisconnect:
+            return
+        finally:
+            view.leave(look)
+
+    return router
+
+
+def _viewer(websocket: WebSocket) -> str:
+    """The viewer's own name for itself, which joins its two connections."""
+    given = websocket.query_params.get("viewer", "")
+    return given[:32] if given.isalnum() else "unnamed"
+
+
+async def _relay(websocket: WebSocket, view: View, look: Look, protocol: str) -> None:
+    """Carry frames both ways until either end closes."""
+    viser_port = await view.port()
+    sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    sock.setblocking(False)
+    # Bound before it connects: viser takes nobody whose port it was not told.
+    sock.bind(("127.0.0.1", 0))
+    port = sock.getsockname()[1]
+    view.admit(port, look.viewer)
+    try:
+        await asyncio.get_running_loop().sock_connect(sock, ("127.0.0.1", viser_port))
+        async with websockets.connect(
+            f"ws://127.0.0.1:{viser_port}",
+            sock=sock,
+            subprotocols=[websockets.Subprotocol(protocol)],
+            compression=None,
+            max_size=None,
+            # Nothing is hoarded here: viser itself keeps the newest until there is room.
+            max_queue=1,
+            ping_interval=None,
+            close_timeout=0.2,
+            proxy=None,
+        ) as viser:
+            tasks = [asyncio.create_task(_down(viser, websocket, look)), asyncio.create_task(_up(websocket, viser))]
+            try:
+                await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+            finally:
+                for task in tasks:
+                    task.cancel()
+                await asyncio.wait(tasks)
+            for task in tasks:
+                if not task.cancelled():
+                    task.result()
+    finally:
+        view.dismiss(port)
+        sock.close()
+
+
+async def _down(viser: ClientConnection, websocket: WebSocket, look: Look) -> None:
+    try:
+        async for frame in viser:
+            began = time.monotonic()
+            if isinstance(frame, bytes):
+                await websocket.send_bytes(frame)
+                look.sent_bytes += len(frame)
+            # How long it waited for room: what is sent now will arrive that much late.
+            look.drain_s = max(time.monotonic() - began, 0.8 * look.drain_s)
+        await websocket.close(1012)
+    except WebSocketDisconnect:
+        return
+
+
+async def _up(websocket: WebSocket, viser: ClientConnection) -> None:
+    try:
+        while True:
+            frame = await websocket.receive_bytes()
+            if allowed(frame):
+                await viser.send(frame)
+    except (WebSocketDisconnect, websockets.ConnectionClosed):
+        return
+
+
+async def _pulse(websocket: WebSocket, answered: Callable[[float | None], None]) -> None:
+    """Ask the page again and again for an answer from its next frame, and time it."""
+    number = 0
+    while True:
+        number += 1
+        began = time.monotonic()
+        await websocket.send_text(str(number))
+        try:
+            async with asyncio.timeout(SILENT_AFTER_S):
+                while await websocket.receive_text() != str(number):
+                    pass
+        except TimeoutError:
+            answered(None)
+            continue
+        answered(time.monotonic() - began)
+        await asyncio.sleep(max(0.0, PULSE_PERIOD_S - (time.monotonic() - began)))

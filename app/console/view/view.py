@@ -1,0 +1,189 @@
+"""The 3D view as the console sees it: who looks, what they are fed, and how many points each bears."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from app.console.taps import Tap
+from app.console.view.budget import PointBudget, measured, silent
+from app.console.view.painter import Painter
+from app.geometry import Pose2
+from app.messages import JointState, Landmarks, LaserScan, Odometry, PointCloud
+from app.pose_buffer import PoseBuffer
+
+if TYPE_CHECKING:
+    from app.system import System
+
+PERIOD_S = 0.04
+#: Scans and joints are drawn every so many periods: 8 Hz.
+SLOW_BEATS = 3
+STOP_WITHIN_S = 0.8
+
+
+@dataclass(slots=True, eq=False)
+class Look:
+    """One open view. ``drain_s`` is how long its last frame waited for room towards it."""
+
+    viewer: str
+    budget: PointBudget = field(default_factory=PointBudget)
+    drain_s: float = 0.0
+    sent_bytes: int = 0
+    connections: int = 0
+
+
+class View:
+    """``open`` with the program, ``close`` at its end. viser starts with the first look, or at once if ``early``."""
+
+    def __init__(self, system: System, *, early: bool) -> None:
+        self._system = system
+        self._early = early
+        self._looks: dict[str, Look] = {}
+        #: Local ports of our relay's connections to viser, with whose they are. Read in viser's thread.
+        self._ports: dict[int, str] = {}
+        self._painter: Painter | None = None
+        self._port: asyncio.Future[int] | None = None
+        self._watching = ExitStack()
+        self._feeding: asyncio.Task[None] | None = None
+        self._poses = PoseBuffer(span_s=2.0)
+        self._odometry: Odometry | None = None
+        self._scan: LaserScan | None = None
+        self._joints: JointState | None = None
+
+    # --- Life --------------------------------------------------------------------------------------------------------
+
+    def open(self) -> None:
+        """The program runs."""
+        if self._early:
+            self._start()
+
+    async def close(self) -> None:
+        """End viser and its thread."""
+        self._stop_feeding()
+        if self._painter is not None:
+            self._painter.stop()
+            await asyncio.to_thread(self._painter.join, STOP_WITHIN_S)
+
+    async def port(self) -> int:
+        """viser's port on 127.0.0.1, once it listens."""
+        return await asyncio.shield(self._start())
+
+    def _start(self) -> asyncio.Future[int]:
+        if self._port is None:
+            loop = asyncio.get_running_loop()
+            self._port = port = loop.create_future()
+
+            def ready(number: int) -> None:
+                loop.call_soon_threadsafe(port.set_result, number)
+
+            model = self._system.link.description.model_path
+            self._painter = Painter(model, self._ports.get, self.points_of, ready)
+            self._painter.start()
+        return self._port
+
+    # --- Who looks ---------------------------------------------------------------------------------------------------
+
+    @property
+    def looks(self) -> tuple[Look, ...]:
+        """Every open view."""
+        return tuple(self._looks.values())
+
+    def points_of(self, viewer: str) -> int:
+        """How many points of a cloud this viewer bears; may be asked in any thread."""
+        look = self._looks.get(viewer)
+        return int(look.budget.points) if look is not None else 0
+
+    def enter(self, viewer: str) -> Look:
+        """A connection of ``viewer`` opens; there may be several (scene and pulse)."""
+        if not self._looks:
+            self._start_feeding()
+        look = self._looks.setdefault(viewer, Look(viewer))
+        look.connections += 1
+        return look
+
+    def leave(self, look: Look) -> None:
+        """A connection of it ended."""
+        look.connections -= 1
+        if look.connections == 0:
+            del self._looks[look.viewer]
+            if not self._looks:
+                self._stop_feeding()
+
+    def admit(self, port: int, viewer: str) -> None:
+        """Our relay will connect to viser from the local ``port`` on behalf of ``viewer``."""
+        self._ports[port] = viewer
+
+    def dismiss(self, port: int) -> None:
+        """That connection is over."""
+        self._ports.pop(port, None)
+
+    def answered(self, look: Look, round_trip_s: float | None) -> None:
+        """The viewer answered a pulse from its next frame, or not in time (None)."""
+        look.budget = (
+            silent(look.budget) if round_trip_s is None else measured(look.budget, round_trip_s + look.drain_s)
+        )
+
+    # --- What they are fed, only while somebody looks ----------------------------------------------------------------
+
+    def _start_feeding(self) -> None:
+        graph = self._system.graph
+        handlers: dict[str, Callable[[Any], None]] = {
+            "odometry": self._on_odometry,
+            "joints": self._on_joints,
+            "scan": self._on_scan,
+            "point_cloud": self._on_cloud,
+            "landmarks": self._on_landmarks,
+        }
+        for name, handler in handlers.items():
+            if name in graph.channels:
+                self._watching.callback(Tap(graph.channel(name), f"console.view.{name}", handler).close)
+        self._feeding = asyncio.create_task(self._feed(), name="console view")
+
+    def _stop_feeding(self) -> None:
+        self._watching.close()
+        if self._feeding is not None:
+            self._feeding.cancel()
+            self._feeding = None
+
+    def _on_odometry(self, message: Odometry) -> None:
+        self._poses.add(message.stamp, message.X_OB)
+        self._odometry = message
+
+    def _on_joints(self, message: JointState) -> None:
+        self._joints = message
+
+    def _on_scan(self, message: LaserScan) -> None:
+        self._scan = message
+
+    def _on_cloud(self, message: PointCloud) -> None:
+        if self._painter is not None:
+            self._painter.post("cloud", message)
+
+    def _on_landmarks(self, message: Landmarks) -> None:
+        if self._painter is not None:
+            self._painter.post("landmarks", message)
+
+    async def _feed(self) -> None:
+        beat = 0
+        while True:
+            beat += 1
+            if self._painter is not None:
+                self._post(self._painter, slow=beat % SLOW_BEATS == 0)
+            await self._system.clock.sleep(PERIOD_S)
+
+    def _post(self, painter: Painter, *, slow: bool) -> None:
+        if self._odometry is not None:
+            painter.post("robot", self._odometry.X_OB)
+            self._odometry = None
+        if slow and self._scan is not None:
+            # A moment after it came, when odometry has reached its stamp.
+            pose: Pose2 | None = self._poses.at(self._scan.stamp)
+            if pose is not None:
+                painter.post("scan", (self._scan, pose))
+            self._scan = None
+        if slow and self._joints is not None:
+            painter.post("joints", self._joints)
+            self._joints = None
