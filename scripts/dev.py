@@ -225,10 +225,10 @@ def lint() -> int:
     """Everything that reads the sources without running them."""
     return first_failure(
         [
-            [PYTHON, "-m", "ruff", "check", "--quiet", "."],
-            [PYTHON, "-m", "ruff", "format", "--quiet", "--check", "."],
-            [PYTHON, "-m", "mypy", "--no-error-summary"],
-            [VENV / "bin" / "lint-imports", "--no-logo"],
+            ["ruff", "check", "--quiet", "--output-format=concise", "."],
+            ["ruff", "format", "--quiet", "--output-format=concise", "--check", "."],
+            ["mypy", "--no-error-summary"],
+            ["lint-imports", "--no-logo"],
         ]
     )
 
@@ -272,12 +272,12 @@ def clean() -> int:
     return 0
 
 
-def first_failure(commands: list[list[object]]) -> int:
-    """Run all ``commands``; the status of the first that failed, or 0."""
+def first_failure(commands: list[list[str]]) -> int:
+    """Run all ``commands`` of the environment; the status of the first that failed, or 0."""
     statuses = []
-    for command in commands:
-        say(f"running {Path(str(command[2] if command[1] == '-m' else command[0])).name}")
-        statuses.append(run(command))
+    for name, *arguments in commands:
+        say("running " + " ".join(word for word in (name, *arguments) if word[0] not in "-."))
+        statuses.append(run([VENV / "bin" / name, *arguments]))
     return next((status for status in statuses if status), 0)
 
 

@@ -90,7 +90,8 @@ def install_packages(node: Node, root: Path = ROOT) -> None:
 
 def run_npm(node: Node, *arguments: str, root: Path = ROOT) -> str:
     """Run npm in ``web/`` and return its output. Raises PageFailed."""
-    environment = {**os.environ, "PATH": f"{node.binary.parent}{os.pathsep}{os.environ.get('PATH', '')}"}
+    path = f"{node.binary.parent}{os.pathsep}{os.environ.get('PATH', '')}"
+    environment = {**os.environ, "PATH": path, "NO_COLOR": "1"}
     done = subprocess.run(
         [*node.npm, *arguments, "--loglevel=error"],
         cwd=root / "web",
