@@ -6,7 +6,7 @@ import math
 
 from playwright.sync_api import Page
 
-from tests.browser.conftest import Robot
+from tests.browser.running import Robot
 
 REACH_M = 0.15
 

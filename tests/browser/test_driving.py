@@ -12,7 +12,7 @@ import pytest
 from playwright.sync_api import CDPSession, Page, expect
 
 from app.robots.simulated.guard_log import GuardRow
-from tests.browser.conftest import Robot
+from tests.browser.running import Robot
 
 #: What the guard's ramp adds to the moment of the stop: 0.4 m/s at 0.4 m/s2, as an ordinary command brakes.
 BRAKING_S = 1.0

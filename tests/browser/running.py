@@ -1,0 +1,149 @@
+"""The whole program as a process, with its guard's log: for the browser tests and the benchmark of driving."""
+
+from __future__ import annotations
+
+import json
+import math
+import queue
+import re
+import subprocess
+import sys
+import threading
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from app.geometry import Pose2
+from app.paths import config_dir
+from app.robots.config import load_robot_config
+from app.robots.simulated.guard_log import GuardRow, read_guard_log
+from app.robots.simulated.world_config import WorldConfig
+from app.yaml_source import parse
+
+CHROMIUM = Path("/usr/bin/chromium")
+CHROMIUM_ARGUMENTS = [
+    "--no-sandbox",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+START_WITHIN_S = 60
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A running program: its address, and what a test may know that no module does."""
+
+    url: str
+    guard_log: Path
+    start: Pose2
+    posters: dict[str, tuple[float, float, float]]
+    process: subprocess.Popen[str]
+
+    def request(self, method: str, path: str, body: Any = None) -> tuple[int, str, Any]:
+        """One REST call: status, content type, decoded body."""
+        data = None if body is None else json.dumps(body).encode()
+        request = urllib.request.Request(
+            f"{self.url}/api/v1{path}", data, {"Content-Type": "application/json"}, method=method
+        )
+        try:
+            with urllib.request.urlopen(request, timeout=10) as answer:
+                text = answer.read()
+                return answer.status, answer.headers.get("content-type", ""), json.loads(text) if text else None
+        except urllib.error.HTTPError as refusal:
+            with refusal:
+                return refusal.code, refusal.headers.get("content-type", ""), json.loads(refusal.read())
+
+    def get(self, path: str) -> Any:
+        """The body of a GET."""
+        return self.request("GET", path)[2]
+
+    def odometry(self) -> dict[str, float]:
+        """Pose and twist as the wheels tell."""
+        odometry: dict[str, float] = self.get("/robot")["odometry"]
+        return odometry
+
+    def wheels(self) -> list[GuardRow]:
+        """Everything the wheels were given so far."""
+        return read_guard_log(self.guard_log)
+
+    def true_place(self, text: str) -> tuple[float, float, float]:
+        """Where the poster that says ``text`` hangs, in ``odom`` as it would be without drift."""
+        x, y, z = self.posters[text]
+        seen = self.start.inverse() @ Pose2(x, y, 0.0)
+        return seen.x, seen.y, z
+
+
+@contextmanager
+def running_robot(folder: Path) -> Iterator[Robot]:
+    """``hbba run`` on a free port, its files in ``folder``; stopped at the end."""
+    guard_log = folder / "guard.log"
+    program, start = _program(folder, guard_log)
+    world = parse(config_dir() / "worlds" / "lab.yaml", WorldConfig)
+    process = subprocess.Popen(
+        [Path(sys.executable).with_name("hbba"), "run", "--config", program, "--port", "0"],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    lines: queue.Queue[str] = queue.Queue()
+    output: list[str] = []
+    reader = threading.Thread(target=_read, args=(process, lines, output), daemon=True)
+    reader.start()
+    try:
+        posters = {p.text: (p.at[0], p.at[1], p.height) for p in world.posters}
+        yield Robot(_address(lines, output), guard_log, start, posters, process)
+    finally:
+        process.terminate()
+        process.wait(10)
+        reader.join()
+        assert process.stdout is not None
+        process.stdout.close()
+
+
+def _program(folder: Path, guard_log: Path) -> tuple[Path, Pose2]:
+    """The lab's program with the guard's log turned on, written to ``folder``; and where the robot starts."""
+    config = config_dir()
+    body = yaml.safe_load((config / "robots" / "irl1_tr.yaml").read_text())
+    body |= {
+        "guard_log": str(guard_log),
+        "model": str(config / "robots" / body["model"]),
+        "world": str(config / "worlds" / "lab.yaml"),
+    }
+    (folder / "robot.yaml").write_text(yaml.safe_dump(body))
+    program = yaml.safe_load((config / "lab.yaml").read_text())
+    program |= {
+        "robot": "robot.yaml",
+        "channels": str(config / program["channels"]),
+        "strategies": [str(config / file) for file in program["strategies"]],
+    }
+    path = folder / "program.yaml"
+    path.write_text(yaml.safe_dump(program))
+    start = load_robot_config(folder / "robot.yaml").start
+    return path, Pose2(start.x, start.y, math.radians(start.heading_deg))
+
+
+def _read(process: subprocess.Popen[str], lines: queue.Queue[str], output: list[str]) -> None:
+    assert process.stdout is not None
+    for line in process.stdout:
+        output.append(line)
+        lines.put(line)
+    lines.put("")
+
+
+def _address(lines: queue.Queue[str], output: list[str]) -> str:
+    end = time.monotonic() + START_WITHIN_S
+    while line := lines.get(timeout=max(0.1, end - time.monotonic())):
+        if found := re.search(r"HBBA is up: (\S+)", line):
+            return found[1]
+    raise AssertionError("the program did not come up:\n" + "".join(output))
