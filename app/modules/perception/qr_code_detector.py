@@ -12,7 +12,8 @@ camera's pose X_BC and into ``odom`` by X_OB, both of the image's own stamp, and
 
     p_OQ = X_OB X_BC p_CQ        p ← p + P / (P + R) · (p_OQ − p)        σ(r) = σ₀ + k r²
 
-``upscale`` (a second try on the enlarged image) is a parameter of the desire FindQRCodes.
+Landmarks that stay where they are, are told again once a second while they are seen, for their counts. ``upscale`` (a
+second try on the enlarged image) is a parameter of the desire FindQRCodes.
 """
 
 from __future__ import annotations

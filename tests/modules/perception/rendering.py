@@ -65,17 +65,21 @@ def _draw(color: NDArray[np.float32], depth: NDArray[np.float64], text: str, X_C
     corners = KINECT.project(X_CQ.transform(square)).astype(np.float32)
     edge = side - 0.5
     flat = np.array([(-0.5, -0.5), (edge, -0.5), (edge, edge), (-0.5, edge)], np.float32)
-    size = (KINECT.width, KINECT.height)
-    # Four times the resolution, then averaged: as a sensor's pixel averages what falls on it.
-    fine = cv2.getPerspectiveTransform(flat, corners * 4 + 1.5)
+    # Only the box around the poster is drawn, at four times the resolution and then averaged, as a sensor's pixel
+    # averages what falls on it.
+    u0, v0 = np.clip(np.floor(corners.min(axis=0)).astype(int) - 2, 0, (KINECT.width - 1, KINECT.height - 1))
+    u1, v1 = np.clip(np.ceil(corners.max(axis=0)).astype(int) + 3, 1, (KINECT.width, KINECT.height))
+    size = (int(u1 - u0), int(v1 - v0))
     big = (size[0] * 4, size[1] * 4)
+    fine = cv2.getPerspectiveTransform(flat, ((corners - (u0, v0)) * 4 + 1.5).astype(np.float32))
     drawn = cv2.warpPerspective(page.astype(np.float32), fine, big, flags=cv2.INTER_LINEAR, borderValue=-1.0)
     inside = cv2.warpPerspective(np.ones(page.shape, np.float32), fine, big, flags=cv2.INTER_NEAREST)
     share = cv2.resize(inside, size, interpolation=cv2.INTER_AREA)
     value = cv2.resize(np.where(inside > 0, np.clip(drawn, 0, 255), 0), size, interpolation=cv2.INTER_AREA)
-    color[:] = color * (1 - share) + value
-    v, u = np.mgrid[: KINECT.height, : KINECT.width]
+    box = (slice(v0, v1), slice(u0, u1))
+    color[box] = color[box] * (1 - share) + value
+    v, u = np.mgrid[v0:v1, u0:u1]
     rays = KINECT.back_project(np.stack((u, v), -1).astype(float), np.ones(u.shape))
     normal = X_CQ.rotation[:, 2]
     along = (normal @ X_CQ.translation) / (rays @ normal)
-    depth[share > 0.5] = along[share > 0.5]
+    depth[box] = np.where(share > 0.5, along, depth[box])

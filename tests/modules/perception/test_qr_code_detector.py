@@ -101,12 +101,17 @@ def test_landmarks_are_told_when_added_or_moved_and_outlive_a_restart() -> None:
             assert await look(0.0) == [], "the same again is not"
             (moved,) = await look(0.5)
             assert moved.landmarks[0].sightings == 3
+            x = moved.landmarks[0].p_OQ[0] - still["stop"].translation[0]
+            assert await look(x) == []
+            await b.clock.sleep(1.0)
+            (again,) = await look(x)
+            assert again.landmarks[0].sightings == 5
             # A message that cannot be an image makes the module fail; its next life goes on where this one was.
             b.feed("images", None)
             await b.clock.sleep(2.0)
             assert b.supervisor.states["Tested"].restarts == 1
             (later,) = await look(0.1)
-            assert [(m.text, m.sightings) for m in later.landmarks] == [("stop", 4)]
+            assert [(m.text, m.sightings) for m in later.landmarks] == [("stop", 6)]
 
     run_virtual(main())
 

@@ -135,7 +135,7 @@ def test_diagonals_cross_where_perspective_puts_the_centre() -> None:
 REFERENCE = Path(os.environ.get("HBBA_REFERENCE_DATA") or Path(__file__).parents[4] / "shared" / "data") / "zxing_qr"
 
 
-@pytest.mark.parametrize(("name", "least"), [("qrcode-1", 20), ("qrcode-2", 32), ("qrcode-3", 42)])
+@pytest.mark.parametrize(("name", "least"), [("qrcode-1", 20), ("qrcode-2", 33), ("qrcode-3", 42)])
 def test_real_photographs(name: str, least: int) -> None:
     """ZXing's black-box photographs: the published bar of its own decoder is 17 of 20, 32 of 35, 38 of 42."""
     folder = REFERENCE / name
