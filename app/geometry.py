@@ -150,7 +150,7 @@ class CameraModel:
         return np.stack((u, v), axis=-1)
 
     def back_project(self, pixels: FloatArray, depth: FloatArray) -> FloatArray:
-        """Points (..., 3) in the optical frame of ``pixels`` (..., 2) at ``depth`` (...) metres along the optical axis."""
+        """Points (..., 3) in the optical frame of ``pixels`` (..., 2) at ``depth`` (...), m along the optical axis."""
         x = (pixels[..., 0] - self.cx) / self.fx * depth
         y = (pixels[..., 1] - self.cy) / self.fy * depth
         return np.stack((x, y, depth), axis=-1)

@@ -207,7 +207,9 @@ class Landmarks:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointCloud:
-    """Coloured points of one depth image: ``points`` (N, 3) float32 m in ``base_link`` at ``stamp``; ``colors`` (N, 3) uint8.
+    """Coloured points of one depth image.
+
+    ``points`` (N, 3) float32, m in ``base_link`` at ``stamp``; ``colors`` (N, 3) uint8, RGB.
 
     ``X_OB`` is the pose of that ``base_link`` in ``odom`` at the same ``stamp``: drawn with it, a cloud stays where
     it was seen however late it comes (thesis 3.4: the cloud was drawn with a newer head pose than its own).

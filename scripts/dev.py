@@ -27,7 +27,6 @@ ROOT = page.ROOT
 VENV = ROOT / ".venv"
 STAMP = VENV / "installed.json"
 PYTHON = VENV / "bin" / "python"
-CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 MESA_DRIVERS = ("*/dri/swrast_dri.so", "*/libgallium-*.so", "dri/swrast_dri.so", "libgallium-*.so")
 JUNK = [
     ".venv",
@@ -172,8 +171,11 @@ def node_or_install() -> page.Node:
 
 def install_debian_packages() -> None:
     """Chromium for the browser tests and Mesa for the simulated camera: installed where we may, else named."""
+    sys.path.insert(0, str(ROOT))
+    from app.commands.doctor import find_chromium  # needs the standard library alone
+
     missing: dict[str, str] = {}
-    if not os.environ.get("HBBA_CHROMIUM") and not any(map(shutil.which, CHROMIUM_NAMES)):
+    if find_chromium() is None:
         missing["chromium"] = "the browser tests"
     if ctypes.util.find_library("EGL") is None:
         missing["libegl1"] = "the simulated camera"
