@@ -3,6 +3,7 @@
 import { batch } from "@preact/signals";
 import { LiveConnection } from "../protocol/live";
 import { Problem, Rest } from "../protocol/rest";
+import { tokenIn } from "../protocol/token";
 import type { FromRobot, ToRobot } from "../protocol/types";
 import type { Store } from "./store";
 
@@ -42,9 +43,10 @@ export class Session {
     await this.enter();
   }
 
-  /** Asks whether we may, then connects; shows the login when we may not. */
+  /** Asks whether we may, then connects; shows the login when we may not and the address holds no token that opens. */
   async enter(): Promise<void> {
-    if (await this.refused()) this.store.link.value = { phase: "login", wasDriving: false, retryAt: 0 };
+    if ((await this.refused()) && !(await this.logInByAddress()))
+      this.store.link.value = { phase: "login", wasDriving: false, retryAt: 0 };
     else this.live.open();
   }
 
@@ -71,6 +73,19 @@ export class Session {
   clearEStop(): void {
     this.stopOwed = false;
     this.send({ type: "clear_e_stop" });
+  }
+
+  private async logInByAddress(): Promise<boolean> {
+    const token = tokenIn(location.hash);
+    if (token === null) return false;
+    // Not to be left in the history, nor in a link that somebody copies.
+    history.replaceState(null, "", location.pathname + location.search);
+    try {
+      await this.rest.logIn(token);
+      return true;
+    } catch {
+      return false;
+    }
   }
 
   private async refused(): Promise<boolean> {

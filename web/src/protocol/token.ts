@@ -1,0 +1,4 @@
+/** The token that `hbba run` prints behind the # of its address, or null; null too where there is none to read. */
+export function tokenIn(hash: string): string | null {
+  return new URLSearchParams(hash.replace(/^#/, "")).get("token") || null;
+}
