@@ -49,9 +49,7 @@ WHITE: Vector = (0.88, 0.88, 0.86)
 def furnish(
     kind: str, size: Vector | None, material: str | None, rng: Generator, materials: frozenset[str]
 ) -> list[Part]:
-    """The parts of one piece. Raises KeyError naming the kinds there are."""
-    if kind not in _KINDS:
-        raise KeyError(f"there is no furniture of kind {kind!r}; there are {', '.join(sorted(_KINDS))}")
+    """The parts of one piece of a kind in :data:`KINDS`; a surface whose material is missing gets a colour."""
     build, usual_size, usual_material, usual_color = _KINDS[kind]
     surface: str | Vector = material or (usual_material if usual_material in materials else usual_color)
     return build(Order(size or usual_size, surface, rng))
@@ -289,3 +287,6 @@ _KINDS: dict[str, _Kind] = {
     "robot_arm": (_robot_arm, (0.6, 0.5, 1.6), "dark_steel", (0.3, 0.32, 0.35)),
     "extinguisher": (_extinguisher, (0.15, 0.15, 0.45), "red", (0.75, 0.08, 0.07)),
 }
+
+KINDS = tuple(sorted(_KINDS))
+"""Every kind of furniture there is."""

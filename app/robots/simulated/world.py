@@ -14,7 +14,6 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from app.errors import ConfigError
 from app.geometry import Pose3
 from app.robots.simulated.furniture import Part, Vector, furnish
 from app.robots.simulated.textures import Texture, poster_page, texture
@@ -43,10 +42,7 @@ _LEAF = "door"
 
 
 def build_world(config: WorldConfig) -> mujoco.MjSpec:
-    """The world without a robot. The same configuration gives the same world.
-
-    Raises ConfigError for furniture of an unknown kind.
-    """
+    """The world without a robot. The same configuration gives the same world."""
     spec = mujoco.MjSpec()
     spec.modelname = config.name
     spec.option.timestep = TIMESTEP_S
@@ -201,11 +197,7 @@ class _Builder:
         X_WP = Pose3.from_translation_rpy((*item.at, item.z), (0.0, 0.0, math.radians(item.yaw_deg)))
         rng = np.random.default_rng([self._config.seed, number])
         materials = frozenset(self._config.materials)
-        try:
-            parts = furnish(item.kind, item.size, item.material, rng, materials)
-        except KeyError as failure:
-            raise ConfigError(str(failure.args[0]), key=f"objects[{number}].kind") from None
-        for index, part in enumerate(parts):
+        for index, part in enumerate(furnish(item.kind, item.size, item.material, rng, materials)):
             if isinstance(part.material, str) and part.material not in materials:
                 part = Part(part.shape, part.at, part.size, (0.5, 0.5, 0.5), part.rpy, part.solid)
             self._geom(part, X_WP, name=f"{item.kind}{number}.{index}")

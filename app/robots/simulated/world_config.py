@@ -8,7 +8,10 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+
+from app.robots.simulated.furniture import KINDS
+from app.yaml_source import suggestion
 
 LETTER_WIDTH_M, LETTER_HEIGHT_M = 0.2159, 0.2794
 """US Letter in portrait."""
@@ -106,6 +109,13 @@ class ObjectConfig(_Model):
     size: tuple[Positive, Positive, Positive] | None = None
     material: str | None = None
     z: float = 0.0
+
+    @field_validator("kind")
+    @classmethod
+    def _kind_exists(cls, kind: str) -> str:
+        if kind not in KINDS:
+            raise ValueError(f"there is no furniture of this kind; {suggestion(kind, KINDS)}")
+        return kind
 
 
 class PosterConfig(_Model):
