@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import logging
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -11,6 +13,16 @@ from importlinter import cli as import_linter
 ROOT = Path(__file__).resolve().parent.parent
 
 
+@pytest.fixture
+def _logging_survives() -> Iterator[None]:
+    """import-linter's set-up of logging disables every logger there is, and the tests after it would hear nothing."""
+    yield
+    for logger in logging.root.manager.loggerDict.values():
+        if isinstance(logger, logging.Logger):
+            logger.disabled = False
+
+
+@pytest.mark.usefixtures("_logging_survives")
 def test_every_room_imports_only_rooms_below_it(capsys: pytest.CaptureFixture[str]) -> None:
     status = import_linter.lint_imports(str(ROOT / "pyproject.toml"), no_cache=True)
     assert status == import_linter.EXIT_STATUS_SUCCESS, capsys.readouterr().out
