@@ -19,6 +19,7 @@ export function SceneView() {
     }
     setScene("shown");
     keepReconnecting(inner);
+    dress(inner.document);
     drive.listenIn(inner);
   };
   const reload = () => {
@@ -72,6 +73,21 @@ function pageOf(frame: HTMLIFrameElement | null): (Window & typeof globalThis) |
 function keepReconnecting(inner: Window): void {
   inner.document.hasFocus = () => true;
   inner.dispatchEvent(new Event("focus"));
+}
+
+/**
+ * What viser shows over its scene and the page has no room for: its notices, which lie under the camera picture, and on
+ * a phone its panel, which would cover the scene (it is drawn with these inline styles and has no name).
+ */
+const DRESS = `
+  .mantine-Notifications-root { display: none !important; }
+  [style*="position: fixed"][style*="width: 20em"][style*="max-height: 60%"] { display: none !important; }
+`;
+
+function dress(page: Document): void {
+  const style = page.createElement("style");
+  style.textContent = DRESS;
+  page.head.append(style);
 }
 
 /** When the pointer leaves the view, the keyboard comes back to the page, unless something is typed over there. */
