@@ -20,6 +20,8 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 _SHORTEST_SLEEP_S = 1e-6
+#: A task that never waits for more than the next turn of the loop must not keep threads' results out for ever.
+_LONGEST_SPIN = 100
 
 
 class Clock(Protocol):
@@ -132,24 +134,28 @@ class _JumpingSelector(selectors.DefaultSelector):
     """Instead of waiting for a timer, moves the loop's time to it, unless a thread still owes a result."""
 
     loop: VirtualTimeLoop
+    _turns = 0
 
     def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
-        if timeout is not None and timeout <= 0:
-            return super().select(timeout)
-        # Every task waits. Results are handed over one by one and in the order they were asked for, not as they come.
         jobs = self.loop.jobs
+        spinning = timeout is not None and timeout <= 0
+        self._turns = self._turns + 1 if spinning else 0
+        if spinning and not (jobs and self._turns > _LONGEST_SPIN):
+            return super().select(0)
+        # Every task waits. Results are handed over one by one and in the order they were asked for, not as they come.
         while jobs:
             if jobs[0].future.done():
                 jobs.popleft()
             elif jobs[0].result.done():
                 jobs.popleft().deliver()
+                self._turns = 0
                 return super().select(0)
             elif ready := super().select(self.loop.patience_s):
                 return ready
             else:
                 jobs.popleft().give_up()
-        if timeout is None:
-            return super().select(None)
+        if timeout is None or spinning:
+            return super().select(timeout)
         ready = super().select(0)
         if not ready:
             self.loop.virtual_time += timeout

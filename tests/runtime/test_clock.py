@@ -65,6 +65,18 @@ def test_a_thread_that_never_comes_back_holds_time_up_only_for_so_long() -> None
     assert run_virtual(scenario(), patience_s=0.02) == pytest.approx(3600)
 
 
+def test_a_task_that_spins_keeps_no_result_out() -> None:
+    async def scenario() -> int:
+        turns = 0
+        task = asyncio.create_task(asyncio.to_thread(int))
+        while not task.done():
+            turns += 1
+            await asyncio.sleep(0)
+        return turns
+
+    assert run_virtual(scenario()) == run_virtual(scenario()) > 0
+
+
 def test_two_runs_are_the_same() -> None:
     async def scenario() -> list[tuple[str, float]]:
         clock = VirtualClock()
