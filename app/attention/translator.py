@@ -396,7 +396,11 @@ class IntentionTranslator:
             if not self._timer.is_set():
                 self._workspace.expire()
                 if self._preferred_since is not None:
+                    # Its moment has come, and stays in the past until the answer is there: asking again at every turn
+                    # of the loop would only make each answer outdated.
+                    answered = self._progress
                     self._touch()
+                    await answered.wait()
 
     # --- Inside ------------------------------------------------------------------------------------------------------
 
