@@ -20,6 +20,7 @@ from app.messages import GroundTruth, Image, LaserScan, LinkStatus, Odometry, Tw
 from app.robots.config import RobotConfig
 from app.robots.simulated import link as link_module
 from app.robots.simulated.gl import MISSING_EGL
+from app.robots.simulated.guard_log import read_guard_log
 from app.robots.simulated.link import SimulatedLink
 from app.robots.simulated.world_config import WorldConfig
 from tests.robots.conftest import needs_gl
@@ -87,9 +88,10 @@ async def blind(robot: RobotConfig, hall: WorldConfig) -> AsyncIterator[Listener
 
 @needs_gl
 async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
-    robot: RobotConfig, lab: WorldConfig
+    robot: RobotConfig, lab: WorldConfig, tmp_path: Path
 ) -> None:
-    link = SimulatedLink(robot, lab, OFFSET)
+    guard_log = tmp_path / "guard.log"
+    link = SimulatedLink(robot.model_copy(update={"guard_log": guard_log}), lab, OFFSET)
     listener = Listener(link)
     started = time.monotonic()
     await link.start()
@@ -117,6 +119,10 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
             rate = (len(listener.messages[name]) - marks[name]) / (wall * world_rate)
             low = 0.3 if name == "kinect" else 0.85  # a busy computer may cost pictures, never the rest
             assert low * description.rate_hz <= rate <= 1.15 * description.rate_hz + 1, name
+        rows = await asyncio.to_thread(read_guard_log, guard_log)
+        decided = np.array([row.monotonic_s for row in rows if begin < row.monotonic_s < begin + wall])
+        assert len(decided) / wall > 100  # drawing does not hold up the guard
+        assert np.percentile(np.diff(decided), 95) < 0.050
         assert cpu / wall < 0.9  # measured 0.45 of a core
         for stream, messages in listener.messages.items():
             stamps = [m.stamp for m in messages]
