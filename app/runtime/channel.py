@@ -63,9 +63,9 @@ class Subscription(Generic[M]):
     """One consumer's end of a channel. Take messages with ``receive`` or ``async for``; one task at a time."""
 
     __slots__ = (
-        "_age_s", "_attended", "_capacity", "_closed", "_discarded", "_dropped", "_inbox", "_lossless", "_now",
-        "_on_close", "_on_filter", "_overflowed", "_passed", "_received", "_room", "_taken", "_waiter", "busy_since",
-        "filter", "name",
+        "_age_s", "_attended", "_capacity", "_closed", "_discarded", "_dropped", "_inbox", "_now",
+        "_on_close", "_on_filter", "_overflowed", "_passed", "_received", "_room", "_waiter",
+        "filter", "lossless", "name", "taken",
     )  # fmt: skip
 
     def __init__(
@@ -82,11 +82,9 @@ class Subscription(Generic[M]):
             raise ValueError(f"the inbox of {name} needs room for at least 1 message, not {capacity}")
         self.name = name
         self.filter = RateFilter(divisor, self._filter_changed)
-        #: When the inbox last became non-empty or was last taken from, whichever is later; None while empty.
-        self.busy_since: float | None = None
         self._now = now
         self._capacity = capacity
-        self._lossless = lossless
+        self.lossless = lossless
         self._on_filter = on_filter
         self._on_close = on_close
         self._inbox: deque[M] = deque()
@@ -95,7 +93,9 @@ class Subscription(Generic[M]):
         self._closed = False
         self._attended = True
         self._overflowed = 0
-        self._received = self._passed = self._dropped = self._discarded = self._taken = 0
+        self._received = self._passed = self._dropped = self._discarded = 0
+        #: How many messages the consumer has taken.
+        self.taken = 0
         self._age_s: float | None = None
 
     def offer(self, message: M) -> None:
@@ -107,7 +107,7 @@ class Subscription(Generic[M]):
         inbox = self._inbox
         if len(inbox) >= self._capacity:
             self._dropped += 1
-            if self._lossless:
+            if self.lossless:
                 self._overflowed += 1
                 return
             inbox.popleft()
@@ -117,8 +117,6 @@ class Subscription(Generic[M]):
             self._waiter = None
             if not waiter.done():
                 waiter.set_result(None)
-        if self.busy_since is None:
-            self.busy_since = self._now()
 
     async def receive(self) -> M:
         """Wait for a message and take it; a wait that is cancelled loses none.
@@ -144,18 +142,23 @@ class Subscription(Generic[M]):
         if not inbox:
             raise WouldBlock(f"{self.name}: no message waits")
         message = inbox.popleft()
-        self._taken += 1
-        now = self._now()
-        self._age_s = now - message.stamp
-        self.busy_since = now if inbox else None
+        self.taken += 1
+        self._age_s = self._now() - message.stamp
         if self._room is not None:
             self._room.set()
         return message
+
+    @property
+    def waiting(self) -> bool:
+        """Whether a message waits to be taken."""
+        return bool(self._inbox)
 
     def __aiter__(self) -> Subscription[M]:
         return self
 
     async def __anext__(self) -> M:
+        if self._inbox and not self._overflowed:
+            return self.receive_nowait()
         try:
             return await self.receive()
         except ChannelClosed:
@@ -163,7 +166,7 @@ class Subscription(Generic[M]):
 
     def has_room(self) -> bool:
         """Whether a message that passes the filter now would be stored without loss (``send`` waits for this)."""
-        return not self._lossless or len(self._inbox) < self._capacity or self._closed or not self._attended
+        return not self.lossless or len(self._inbox) < self._capacity or self._closed or not self._attended
 
     async def wait_room(self) -> None:
         """Wait until :meth:`has_room`."""
@@ -200,13 +203,12 @@ class Subscription(Generic[M]):
     def adopt(self) -> int:
         """Take over from a consumer that is gone, with what waits; returns how many messages a lossless inbox lost.
 
-        Whoever still waits here is cancelled, the loss counts as known, and the time that messages waited starts now.
+        Whoever still waits here is cancelled, and the loss counts as known.
         """
         self._attended = True
         if self._waiter is not None:
             self._waiter.cancel()
             self._waiter = None
-        self.busy_since = self._now() if self._inbox else None
         lost, self._overflowed = self._overflowed, 0
         return lost
 
@@ -214,7 +216,6 @@ class Subscription(Generic[M]):
         if not self.filter.is_open:
             self._discarded += len(self._inbox)
             self._inbox.clear()
-            self.busy_since = None
             if self._room is not None:
                 self._room.set()
         self._on_filter()
@@ -227,7 +228,7 @@ class Subscription(Generic[M]):
             decimated=self._received - self._passed,
             dropped=self._dropped,
             discarded=self._discarded,
-            taken=self._taken,
+            taken=self.taken,
             depth=len(self._inbox),
             capacity=self._capacity,
             age_s=self._age_s,
@@ -245,6 +246,7 @@ class Channel(Generic[M]):
         self.latest: M | None = None
         self._now = now
         self._subscriptions: tuple[Subscription[M], ...] = ()
+        self._lossless: tuple[Subscription[M], ...] = ()
         #: How many messages were published so far.
         self.published = 0
         self._closed = False
@@ -265,15 +267,21 @@ class Channel(Generic[M]):
 
         Raises InboxOverflow after ``deadline_s``, having given it to nobody.
         """
+        for subscription in self._lossless:
+            if not subscription.has_room():
+                await self._wait_room(deadline_s)
+                break
+        self.publish(message)
+
+    async def _wait_room(self, deadline_s: float) -> None:
         try:
             async with asyncio.timeout(deadline_s):
                 # From the start after each wait: meanwhile, another that had room may have been filled.
-                while full_one := next((s for s in self._subscriptions if not s.has_room()), None):
+                while full_one := next((s for s in self._lossless if not s.has_room()), None):
                     await full_one.wait_room()
         except TimeoutError:
-            full = ", ".join(s.name for s in self._subscriptions if not s.has_room())
+            full = ", ".join(s.name for s in self._lossless if not s.has_room())
             raise InboxOverflow(f"{self.name}: no room within {deadline_s} s at {full}") from None
-        self.publish(message)
 
     def subscribe(self, name: str, *, capacity: int = 1, lossless: bool = False, divisor: float = 1) -> Subscription[M]:
         """Add a consumer called ``name`` with an inbox of ``capacity`` messages behind a filter of ``divisor``.
@@ -285,15 +293,13 @@ class Channel(Generic[M]):
         subscription: Subscription[M] = Subscription(
             name, self._now, capacity, lossless, divisor, self._update_wanted, self.unsubscribe
         )
-        self._subscriptions = (*self._subscriptions, subscription)
-        self._update_wanted()
+        self._set_subscriptions((*self._subscriptions, subscription))
         return subscription
 
     def unsubscribe(self, subscription: Subscription[M]) -> None:
         """Remove and close a consumer; unknown ones are ignored, so that it may be called twice."""
-        self._subscriptions = tuple(s for s in self._subscriptions if s is not subscription)
         subscription.end()
-        self._update_wanted()
+        self._set_subscriptions(tuple(s for s in self._subscriptions if s is not subscription))
 
     def close(self) -> None:
         """End the stream: consumers drain what waits, then see ChannelClosed."""
@@ -320,6 +326,11 @@ class Channel(Generic[M]):
                 self._wanted_callbacks.remove(callback)
 
         return end
+
+    def _set_subscriptions(self, subscriptions: tuple[Subscription[M], ...]) -> None:
+        self._subscriptions = subscriptions
+        self._lossless = tuple(s for s in subscriptions if s.lossless)
+        self._update_wanted()
 
     def _update_wanted(self) -> None:
         wanted = any(s.filter.is_open for s in self._subscriptions)

@@ -28,26 +28,28 @@ class ProgressWatch:
         self._limit_s = limit_s
         self._looked_at = now
         self._given_s = 0.0
-        #: By what may be stuck: the stamp of its last progress, and the time given when that stamp was first seen.
-        self._seen: dict[str, tuple[float, float]] = {}
+        #: By what may be stuck: a mark that changes with its progress, when that mark was first seen, and the time
+        #: given until then.
+        self._seen: dict[str, tuple[float, float, float]] = {}
 
     def look(self, now: float) -> str | None:
         """What the module is stuck on, in words, or None."""
         self._given_s += min(now - self._looked_at, LONGEST_STEP_S)
         self._looked_at = now
-        seen: dict[str, tuple[float, float]] = {}
+        seen: dict[str, tuple[float, float, float]] = {}
         stuck = None
-        for what, stamp, limit_s in self._marks():
+        for what, mark, limit_s in self._marks():
             before = self._seen.get(what)
-            seen[what] = before if before is not None and before[0] == stamp else (stamp, self._given_s)
-            if stuck is None and self._given_s - seen[what][1] > limit_s:
-                stuck = f"{what} for {now - stamp:.1f} s"
+            seen[what] = before if before is not None and before[0] == mark else (mark, now, self._given_s)
+            _, since, given_s = seen[what]
+            if stuck is None and self._given_s - given_s > limit_s:
+                stuck = f"{what} for {now - since:.1f} s"
         self._seen = seen
         return stuck
 
     def _marks(self) -> Iterator[tuple[str, float, float]]:
         for port in self._inputs:
-            if port.connected and (since := port.subscription.busy_since) is not None:
-                yield f"messages wait at {port.name} and none was taken", since, self._limit_s
+            if port.connected and port.subscription.waiting:
+                yield f"messages wait at {port.name} and none was taken", port.subscription.taken, self._limit_s
         for name, (stamp, period_s) in self._ticks.items():
             yield f"its periodic {name} did not come round", stamp, max(HUNG_PERIODS * period_s, self._limit_s)

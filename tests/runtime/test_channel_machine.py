@@ -134,7 +134,7 @@ class ChannelMachine(RuleBasedStateMachine):
             assert (s.received, s.passed, s.dropped, s.discarded, s.taken, s.depth) == (
                 model.received, model.passed, model.dropped, model.discarded, model.taken, len(model.inbox)
             )  # fmt: skip
-            assert (subscription.busy_since is None) == (not model.inbox)
+            assert subscription.waiting == bool(model.inbox)
             if model.lossless:
                 assert subscription.has_room() == (len(model.inbox) < model.capacity)
 
