@@ -31,7 +31,7 @@ def scan_points(scan: LaserScan) -> NDArray[np.float32]:
 def colors_along_x(points: NDArray[Any]) -> NDArray[np.uint8]:
     """Colours (N, 3) uint8 of ``points`` (N, 3) in ``base_link``: red at the robot, blue :data:`FAR_M` ahead."""
     far = np.clip(points[:, :1].astype(np.float64) / FAR_M, 0.0, 1.0)
-    return (_RED + far * (_BLUE - _RED)).astype(np.uint8)
+    return np.asarray(_RED + far * (_BLUE - _RED), np.uint8)
 
 
 def thinned(count: int, most: int) -> NDArray[np.intp]:

@@ -6,6 +6,7 @@ to close them is not part of its public interface; all of that is in this file.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from typing import Any
 
@@ -27,9 +28,13 @@ class ViewHost:
         came: Callable[[str, viser.ClientHandle], None],
         left: Callable[[str], None],
     ) -> None:
+        # A viewer may leave while it is drawn for: viser's warning of that says nothing.
+        warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
         # viser prints a banner with an address that nobody is to use; it alone uses rich.
         rich.get_console().quiet = True
         self.server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+        # viser wakes its own loop from other threads in a way that asyncio's debug mode takes for an error.
+        self.server._event_loop.set_debug(False)
         self._admitted = admitted
         self._viewers: dict[int, str] = {}
         sockets = self.server._websock_server

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import logging
+import asyncio
 import queue
-import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-log = logging.getLogger("hbba.view")
+from app.runtime.worker import ModuleWorker
+
+if TYPE_CHECKING:
+    from app.console.view.host import ViewHost
 
 Kind = Literal["robot", "joints", "scan", "cloud", "landmarks"]
 
@@ -46,11 +48,13 @@ class Painter:
         self._bell: queue.SimpleQueue[bool] = queue.SimpleQueue()
         self._rung = False
         self._drawn = self._replaced = 0
-        self._thread = threading.Thread(target=self._run, name="view", daemon=True)
+        #: viser's server; set before ``ready`` is called.
+        self.host: ViewHost | None = None
+        self._worker = ModuleWorker("3D view")
 
-    def start(self) -> None:
-        """Begin; returns at once."""
-        self._thread.start()
+    def start(self) -> asyncio.Future[None]:
+        """Begin; returns at once. The future is done when the thread has ended, with its exception if it failed."""
+        return asyncio.wrap_future(self._worker.submit(self._run))
 
     def post(self, kind: Kind, message: Any) -> None:
         """Have ``message`` drawn instead of the last of its kind that still waits."""
@@ -62,10 +66,7 @@ class Painter:
     def stop(self) -> None:
         """Let the thread stop viser and end."""
         self._bell.put(False)
-
-    def join(self, timeout_s: float) -> None:
-        """Wait until it has ended."""
-        self._thread.join(timeout_s)
+        self._worker.shutdown()
 
     def statistics(self) -> PainterStatistics:
         """The counters now."""
@@ -85,7 +86,7 @@ class Painter:
         from app.console.view.host import ViewHost
         from app.console.view.scene import Scene
 
-        host = ViewHost(self._admitted, self._visit, lambda viewer: self._visit(viewer, None))
+        self.host = host = ViewHost(self._admitted, self._visit, lambda viewer: self._visit(viewer, None))
         try:
             scene = Scene(host.server, self._model, self._points_of)
             self._ready(host.port)

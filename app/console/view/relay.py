@@ -106,6 +106,9 @@ def _viewer(websocket: WebSocket) -> str:
 async def _relay(websocket: WebSocket, view: View, look: Look, protocol: str) -> None:
     """Carry frames both ways until either end closes."""
     viser_port = await view.port()
+    if viser_port is None:
+        await websocket.close(1011, "the 3D view failed")
+        return
     sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     sock.setblocking(False)
     # Bound before it connects: viser takes nobody whose port it was not told.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -17,6 +18,8 @@ from app.pose_buffer import PoseBuffer
 
 if TYPE_CHECKING:
     from app.system import System
+
+log = logging.getLogger("hbba.view")
 
 PERIOD_S = 0.04
 #: Scans and joints are drawn every so many periods: 8 Hz.
@@ -46,6 +49,7 @@ class View:
         self._ports: dict[int, str] = {}
         self._painter: Painter | None = None
         self._port: asyncio.Future[int] | None = None
+        self._ended: asyncio.Future[None] | None = None
         self._watching = ExitStack()
         self._feeding: asyncio.Task[None] | None = None
         self._poses = PoseBuffer(span_s=2.0)
@@ -65,11 +69,15 @@ class View:
         self._stop_feeding()
         if self._painter is not None:
             self._painter.stop()
-            await asyncio.to_thread(self._painter.join, STOP_WITHIN_S)
+            assert self._ended is not None
+            await asyncio.wait({self._ended}, timeout=STOP_WITHIN_S)
 
-    async def port(self) -> int:
-        """viser's port on 127.0.0.1, once it listens."""
-        return await asyncio.shield(self._start())
+    async def port(self) -> int | None:
+        """viser's port on 127.0.0.1, once it listens; None if it failed to."""
+        port = self._start()
+        assert self._ended is not None
+        await asyncio.wait({port, self._ended}, return_when=asyncio.FIRST_COMPLETED)
+        return port.result() if port.done() else None
 
     def _start(self) -> asyncio.Future[int]:
         if self._port is None:
@@ -81,8 +89,16 @@ class View:
 
             model = self._system.link.description.model_path
             self._painter = Painter(model, self._ports.get, self.points_of, ready)
-            self._painter.start()
+            self._ended = self._painter.start()
+            self._ended.add_done_callback(self._painter_ended)
         return self._port
+
+    def _painter_ended(self, ended: asyncio.Future[None]) -> None:
+        if not ended.cancelled() and (failure := ended.exception()) is not None:
+            log.error(
+                "the 3D view failed: %s: %s; a reload of the page starts it anew", type(failure).__name__, failure
+            )
+            self._painter = self._port = None
 
     # --- Who looks ---------------------------------------------------------------------------------------------------
 

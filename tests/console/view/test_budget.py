@@ -1,0 +1,66 @@
+"""The point budget: what a viewer is sent follows the lag that was measured of it."""
+
+from __future__ import annotations
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.console.view.budget import (
+    FEWEST_POINTS,
+    FIRST_POINTS,
+    MOST_POINTS,
+    TARGET_LAG_S,
+    PointBudget,
+    measured,
+    silent,
+)
+
+
+def test_a_fast_viewer_is_given_everything_in_time() -> None:
+    budget = PointBudget()
+    steps = 0
+    while budget.points < MOST_POINTS:
+        before = budget.points
+        budget = measured(budget, 0.02)
+        assert budget.points <= 1.11 * before, "it rises smoothly"
+        steps += 1
+    # 4 measurements a second.
+    assert steps <= 40
+
+
+def test_a_silent_viewer_is_sent_the_least() -> None:
+    budget = PointBudget(points=MOST_POINTS)
+    for _ in range(12):
+        budget = silent(budget)
+    assert budget.points == FEWEST_POINTS
+
+
+def test_it_settles_where_the_lag_is_under_the_target() -> None:
+    """A viewer whose lag is 20 ms and 20 µs a point: 9,000 points are 200 ms."""
+    budget = PointBudget(points=60_000)
+    lags = []
+    for _ in range(200):
+        lag = 0.02 + 20e-6 * budget.points
+        lags.append(lag)
+        budget = measured(budget, lag)
+    assert max(lags[12:]) < 1.1 * TARGET_LAG_S
+    assert sum(lags[50:]) / 150 < TARGET_LAG_S
+    assert 5_000 < budget.points < 9_500
+
+
+def test_one_late_answer_is_no_trend() -> None:
+    budget = PointBudget()
+    for _ in range(20):
+        budget = measured(budget, 0.03)
+    before = budget.points
+    budget = measured(budget, 0.5)
+    assert budget.points >= before
+
+
+@given(st.lists(st.one_of(st.none(), st.floats(0, 10))))
+def test_it_stays_within_its_bounds(lags: list[float | None]) -> None:
+    budget = PointBudget()
+    assert budget.points == FIRST_POINTS
+    for lag in lags:
+        budget = silent(budget) if lag is None else measured(budget, lag)
+        assert FEWEST_POINTS <= budget.points <= MOST_POINTS

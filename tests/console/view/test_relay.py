@@ -1,0 +1,240 @@
+"""viser behind our own door: really served, really relayed."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import math
+from collections.abc import AsyncIterator, Iterable
+from typing import Any
+
+import httpx
+import msgspec
+import numpy as np
+import psutil
+import pytest
+import viser
+import websockets
+import zstandard
+from fastapi import FastAPI
+from viser import _messages
+
+from app.console.view.relay import allowed
+from app.console.view.view import View
+from app.geometry import Pose2, Pose3
+from app.messages import Landmark, Landmarks, LaserScan, Odometry, PointCloud
+from app.system import System
+from tests.console.program import Body
+
+PROTOCOL = f"viser-v{viser.__version__}"
+CAMERA = _messages.ViewerCameraMessage(
+    wxyz=(1.0, 0.0, 0.0, 0.0),
+    position=(0.0, 0.0, 1.0),
+    fov=1.0,
+    near=0.01,
+    far=100.0,
+    image_height=400,
+    image_width=640,
+    look_at=(0.0, 0.0, 0.0),
+    up_direction=(0.0, 0.0, 1.0),
+)
+# viser's own threads take locks and files as they like; only our event loop must not wait.
+pytestmark = pytest.mark.filterwarnings("default::DeprecationWarning")
+
+
+def pack(message: _messages.Message) -> bytes:
+    """A message as viser's page sends it."""
+    return msgspec.msgpack.encode(message.as_serializable_dict())
+
+
+def unpack(frame: bytes) -> list[dict[str, Any]]:
+    """The messages of one frame as viser's page reads them."""
+    size = int.from_bytes(frame[8:16], "little")
+    window = msgspec.msgpack.decode(zstandard.ZstdDecompressor().decompress(frame[16 : 16 + size]))
+    return list(window["messages"])
+
+
+class Viewer:
+    """viser's page without a browser."""
+
+    def __init__(self, connection: websockets.ClientConnection) -> None:
+        self.connection = connection
+        self.seen: list[dict[str, Any]] = []
+
+    async def until(self, *wanted: tuple[str, str | None]) -> None:
+        """Read until each wanted (message type, node name) has come."""
+        left = set(wanted)
+        async with asyncio.timeout(20):
+            while left:
+                for message in unpack(await self.connection.recv()):
+                    self.seen.append(message)
+                    left -= {(message["type"], message.get("name")), (message["type"], None)}
+
+
+@contextlib.asynccontextmanager
+async def looking(url: str, name: str = "abc", **options: Any) -> AsyncIterator[Viewer]:
+    """A page that looks, known to viser as soon as it has told its camera."""
+    async with websockets.connect(
+        f"{url.replace('http', 'ws')}/viser?viewer={name}",
+        subprotocols=[websockets.Subprotocol(PROTOCOL)],
+        max_queue=None,
+        max_size=None,
+        proxy=None,
+        close_timeout=1,
+        **options,
+    ) as connection:
+        await connection.send(pack(CAMERA))
+        yield Viewer(connection)
+
+
+@pytest.fixture
+def view(app: FastAPI) -> View:
+    found: View = app.state.view
+    return found
+
+
+async def test_the_page_is_visers_with_our_addition_before_its_code(url: str) -> None:
+    async with httpx.AsyncClient(base_url=url) as client:
+        response = await client.get("/viser/")
+    assert response.status_code == 200
+    assert response.headers["content-type"].startswith("text/html")
+    assert "frame-ancestors 'self'" in response.headers["content-security-policy"]
+    page = response.text
+    assert page.index("document.hasFocus = () => true") < page.index("data-p=")
+    assert "<title>Viser</title>" in page
+
+
+async def test_a_viewer_is_shown_the_robot_and_what_it_perceives(url: str, system: System, body: Body) -> None:
+    async with looking(url) as viewer:
+        await viewer.until(("GridMessage", "/odom/floor"), ("MeshMessage", None), ("PointCloudMessage", "/odom/cloud"))
+        feeding = asyncio.create_task(feed(system, body))
+        await viewer.until(
+            ("SetPositionMessage", "/odom"),
+            ("SceneNodeUpdateMessage", "/odom/scan"),
+            ("SceneNodeUpdateMessage", "/odom/cloud"),
+            ("BoxMessage", "/odom/landmark_0"),
+            ("LabelMessage", "/odom/landmark_0/text"),
+        )
+        feeding.cancel()
+    moved = [m["position"] for m in viewer.seen if m["type"] == "SetPositionMessage" and m["name"] == "/odom"]
+    # The world hangs below the robot's inverse pose: 1 m ahead and turned left by 90° is 1 m to the right, behind.
+    inverse = Pose2(1.0, 0.0, math.pi / 2).inverse()
+    np.testing.assert_allclose(moved[-1], (inverse.x, inverse.y, 0.0), atol=1e-6)
+    clouds = [m["position"] for m in viewer.seen if m["type"] == "SetPositionMessage" and m["name"] == "/odom/cloud"]
+    # In the pose of its own instant, not in the newest.
+    np.testing.assert_allclose(clouds[-1], (0.25, 0.5, 0.0), atol=1e-6)
+
+
+async def feed(system: System, body: Body) -> None:
+    """A robot that has moved on since its cloud was seen."""
+    ranges = np.full(720, 2.0, np.float32)
+    points = np.zeros((100, 3), np.float32)
+    colors = np.zeros((100, 3), np.uint8)
+    while True:
+        now = system.clock.now()
+        body.emit("odometry", Odometry(now, Pose2(1.0, 0.0, math.pi / 2), 0.0, 0.0))
+        scan = LaserScan(now, "l", ranges, ranges, -1.57, 0.0044, 0.1, 30.0, 0.0125, Pose3.identity())
+        body.emit("hokuyo", scan)
+        system.graph.channel("point_cloud").publish(PointCloud(now - 0.1, points, colors, Pose2(0.25, 0.5, 0.0)))
+        system.graph.channel("landmarks").publish(Landmarks(now, (Landmark("A", (1, 2, 1.4), 0.1, 1, now, now),)))
+        await asyncio.sleep(0.05)
+
+
+async def test_a_cloud_is_thinned_to_what_its_viewer_bears(url: str, system: System, body: Body, view: View) -> None:
+    async with looking(url) as viewer:
+        await viewer.until(("PointCloudMessage", "/odom/cloud"))
+        look = view.looks[0]
+        for _ in range(20):
+            view.answered(look, None)
+        points = np.zeros((50_000, 3), np.float32)
+        cloud = PointCloud(system.clock.now(), points, points.astype(np.uint8), Pose2(3.0, 0.0, 0.0))
+        before = look.sent_bytes
+        system.graph.channel("point_cloud").publish(cloud)
+        await viewer.until(("SetPositionMessage", "/odom/cloud"))
+        assert look.sent_bytes - before < 9 * view.points_of("abc") + 4_000
+
+
+async def test_the_laser_is_listened_to_only_while_somebody_looks(url: str, system: System, view: View) -> None:
+    channel = system.graph.channel("scan")
+    assert not channel.wanted
+    async with looking(url) as viewer:
+        await viewer.until(("MeshMessage", None))
+        assert channel.wanted
+        assert [look.viewer for look in view.looks] == ["abc"]
+        rested = asyncio.Event()
+        channel.on_wanted(lambda wanted: None if wanted else rested.set())
+    async with asyncio.timeout(5):
+        await rested.wait()
+    assert view.looks == ()
+
+
+async def test_the_pulse_measures_the_lag(url: str, view: View) -> None:
+    address = f"{url.replace('http', 'ws')}/viser/pulse?viewer=abc"
+    async with websockets.connect(address, proxy=None, close_timeout=1) as pulse:
+        for _ in range(3):
+            await pulse.send(await pulse.recv())
+        await pulse.recv()
+        (look,) = view.looks
+        assert look.budget.lag_s is not None
+        assert 0 < look.budget.lag_s < 0.2
+        async with httpx.AsyncClient(base_url=url) as client:
+            views = (await client.get("/api/v1/viewers")).json()["views"]
+        assert views[0]["lag_ms"] == pytest.approx(1e3 * look.budget.lag_s, abs=0.1)
+
+
+def test_only_camera_messages_go_on_to_viser() -> None:
+    assert allowed(pack(CAMERA))
+    refused: Iterable[_messages.Message] = (_messages.ShareUrlRequest(), _messages.ShareUrlDisconnect())
+    assert not any(allowed(pack(message)) for message in refused)
+    assert not allowed(b"")
+    assert not allowed(b"\xc1")
+    assert not allowed(msgspec.msgpack.encode({"type": 3}))
+    assert not allowed(msgspec.msgpack.encode([1]))
+
+
+async def test_no_viewer_can_open_a_tunnel(url: str, view: View) -> None:
+    """Neither through the relay, nor past it: viser itself has no ear for it any more."""
+    async with looking(url) as viewer:
+        await viewer.until(("MeshMessage", None))
+        assert view._painter is not None
+        handlers = view._painter.host.server._websock_server._incoming_handlers
+        assert _messages.ViewerCameraMessage in handlers or handlers
+        assert _messages.ShareUrlRequest not in handlers
+        assert _messages.ShareUrlDisconnect not in handlers
+        await viewer.connection.send(pack(_messages.ShareUrlRequest()))
+        await viewer.connection.send(pack(CAMERA))
+        assert view._painter.host.server._share_tunnel is None
+
+
+async def test_viser_takes_nobody_but_our_relay(url: str, view: View) -> None:
+    """A page elsewhere can reach any port of this computer's loopback; without our relay it is shown out."""
+    port = await view.port()
+    async with websockets.connect(
+        f"ws://127.0.0.1:{port}",
+        subprotocols=[websockets.Subprotocol(PROTOCOL)],
+        origin=websockets.Origin("http://evil.example"),
+        proxy=None,
+        close_timeout=1,
+    ) as stranger:
+        with pytest.raises(websockets.ConnectionClosed) as closed:
+            await stranger.recv()
+        assert closed.value.rcvd is not None
+        assert closed.value.rcvd.code == 1008
+
+
+async def test_pages_of_others_see_nothing(url: str) -> None:
+    with pytest.raises(websockets.InvalidStatus) as refusal:
+        async with looking(url, origin=websockets.Origin("http://evil.example")):
+            pass
+    assert refusal.value.response.status_code == 403
+
+
+async def test_no_port_is_open_to_the_world(url: str, view: View) -> None:
+    await view.port()
+    listening = [
+        connection.laddr.ip
+        for connection in psutil.Process().net_connections(kind="inet")
+        if connection.status == psutil.CONN_LISTEN
+    ]
+    assert len(listening) >= 2
+    assert set(listening) == {"127.0.0.1"}
