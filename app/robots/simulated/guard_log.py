@@ -1,8 +1,13 @@
-"""The guard's own record, for tests and for finding out afterwards: one row per decision, straight to the file."""
+"""The guard's own record, for tests and for finding out afterwards: one row per decision.
+
+Writing to a disk can block for a second when the disk is busy, so a thread does it: the guard only leaves rows.
+"""
 
 from __future__ import annotations
 
+import queue
 import struct
+import threading
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,18 +24,27 @@ class GuardRow:
 
 
 class GuardLog:
-    """Appends rows to a file, unbuffered: what is written stays though the process be killed."""
+    """Appends rows to a file, unbuffered; :meth:`write` never waits."""
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("wb", buffering=0)
+        self._rows: queue.SimpleQueue[bytes | None] = queue.SimpleQueue()
+        self._thread = threading.Thread(target=self._run, name="guard log", daemon=True)
+        self._thread.start()
 
     def write(self, monotonic_s: float, linear_mps: float, angular_radps: float) -> None:
         """Append one row."""
-        self._file.write(_ROW.pack(monotonic_s, linear_mps, angular_radps))
+        self._rows.put(_ROW.pack(monotonic_s, linear_mps, angular_radps))
 
-    def close(self) -> None:
-        """Close the file."""
-        self._file.close()
+    def close(self, timeout_s: float = 0.3) -> None:
+        """Write what is left, waiting no longer than ``timeout_s``."""
+        self._rows.put(None)
+        self._thread.join(timeout_s)
+
+    def _run(self) -> None:
+        with self._file:
+            while (row := self._rows.get()) is not None:
+                self._file.write(row)
 
 
 def read_guard_log(path: Path) -> list[GuardRow]:

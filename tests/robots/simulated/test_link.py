@@ -110,14 +110,17 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
         cpu = sum(process.cpu_times()[:2]) - cpu
         statuses: list[LinkStatus] = listener.messages["status"][marks["status"] + 20 :]
         world_rate = float(np.mean([status.world_rate for status in statuses]))
-        if os.getloadavg()[0] < 1.5:
+        load = os.getloadavg()[0]
+        if load < 1.5:
             assert world_rate == pytest.approx(1.0, abs=0.01)
-        assert 0.5 < world_rate < 1.2  # a busy computer slows the world down
+        assert 0.3 < world_rate < 1.2  # a busy computer slows the world down
         for name, description in link.description.streams.items():
             if name == "status":
                 continue
             rate = (len(listener.messages[name]) - marks[name]) / (wall * world_rate)
-            low = 0.3 if name == "kinect" else 0.85  # a busy computer may cost pictures, never the rest
+            low = 0.85
+            if name == "kinect":  # a busy computer costs pictures before anything else
+                low = 0.7 if load < 3 else 0.05
             assert low * description.rate_hz <= rate <= 1.15 * description.rate_hz + 1, name
         rows = await asyncio.to_thread(read_guard_log, guard_log)
         decided = np.array([row.monotonic_s for row in rows if begin < row.monotonic_s < begin + wall])
