@@ -133,15 +133,6 @@ def produced(problem: Problem, selected: Collection[str], cls: str) -> float:
     return sum(s.utility for s in problem.strategies if s.cls == cls and s.name in selected)
 
 
-def coverage(problem: Problem, selected: Collection[str], cls: str) -> float:
-    """Σ_s a_s (v_sk - l_sk): what they produce for ``cls`` less what they require of it, to a thousandth."""
-    total = 0.0
-    for strategy in problem.strategies:
-        if strategy.name in selected:
-            total += (strategy.utility if strategy.cls == cls else 0.0) - strategy.requires.get(cls, 0.0)
-    return round(total, 3)
-
-
 def used(problem: Problem, selected: Collection[str]) -> dict[str, float]:
     """Σ_s a_s c_sj of each resource, to a thousandth."""
     use = dict.fromkeys(problem.capacities, 0.0)
@@ -157,25 +148,31 @@ def assess(problem: Problem, selected: Collection[str], *, relaxed: Collection[s
 
     γ4 is not asked of the classes in ``relaxed``.
     """
-    chosen = [s for s in problem.strategies if s.name in selected]
-    if len(chosen) != len(set(selected)):
+    wanted = frozenset(selected)
+    chosen = [s for s in problem.strategies if s.name in wanted]
+    if len(chosen) != len(wanted):
         return None
-    use = used(problem, selected)
+    use = used(problem, wanted)
     if any(use[resource] > capacity for resource, capacity in problem.capacities.items()):
         return None
-    if any(exclusive(one, other) for index, one in enumerate(chosen) for other in chosen[index + 1 :]):
-        return None
-    served = {s.cls for s in chosen}
-    required = {cls for s in chosen for cls, amount in s.requires.items() if amount > 0}
+    made: dict[str, float] = {}
+    needed: dict[str, float] = {}
+    for index, strategy in enumerate(chosen):
+        if strategy.cls in made and any(exclusive(strategy, other) for other in chosen[:index]):
+            return None
+        made[strategy.cls] = made.get(strategy.cls, 0.0) + strategy.utility
+        for cls, amount in strategy.requires.items():
+            if amount > 0:
+                needed[cls] = needed.get(cls, 0.0) + amount
     fulfilled: list[str] = []
     omega = 0.0
-    for cls in dict.fromkeys([*(s.cls for s in problem.strategies), *problem.desires, *required]):
+    for cls in dict.fromkeys([*(s.cls for s in problem.strategies), *problem.desires, *needed]):
         desire = problem.desires.get(cls)
         if desire is not None and desire.utility == 0:
-            if cls in served or cls in required:
+            if cls in made or cls in needed:
                 return None
             continue
-        cover = coverage(problem, selected, cls)
+        cover = round(made.get(cls, 0.0) - needed.get(cls, 0.0), 3)
         if cover < 0:
             return None
         if desire is None:
@@ -183,7 +180,7 @@ def assess(problem: Problem, selected: Collection[str], *, relaxed: Collection[s
         if cover >= desire.utility:
             fulfilled.append(cls)
             omega += problem.weights.intensity * desire.intensity
-            omega += problem.weights.utility * produced(problem, selected, cls)
+            omega += problem.weights.utility * made.get(cls, 0.0)
         elif desire.security and cls not in relaxed:
             return None
     if problem.weights.spare:

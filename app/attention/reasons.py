@@ -7,7 +7,7 @@ the alternative is given only if the optimum then serves the class as promised.
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from itertools import combinations
 
@@ -23,14 +23,15 @@ def explain(
     *,
     time_limit_s: float = 0.1,
     resources: Mapping[str, Resource] | None = None,
+    give_up: Callable[[], bool] = lambda: False,
 ) -> dict[str, Reason]:
     """A reason for each desired class, in the problem's order.
 
     Alternatives are searched for the unfulfilled first, then for the more intense, until the time is over; 0 searches
-    none. ``resources`` gives the units that texts use.
+    none. ``resources`` gives the units that texts use. ``give_up`` is asked before each step and ends the search too.
     """
     deadline = time.perf_counter() + time_limit_s
-    search = _Search(problem, deadline, resources or {})
+    search = _Search(problem, deadline, resources or {}, give_up)
     reasons: dict[str, Reason] = {}
     order = sorted(problem.desires.values(), key=lambda d: (d.cls in selection.fulfilled, -d.intensity))
     for desire in order:
@@ -120,10 +121,13 @@ def _inhibitors(problem: Problem, cls: str) -> list[str]:
 class _Search:
     """Solves variants of a problem until a deadline."""
 
-    def __init__(self, problem: Problem, deadline: float, resources: Mapping[str, Resource]) -> None:
+    def __init__(
+        self, problem: Problem, deadline: float, resources: Mapping[str, Resource], give_up: Callable[[], bool]
+    ) -> None:
         self.problem = problem
         self.deadline = deadline
         self.resources = resources
+        self.give_up = give_up
 
     def alternatives(self, cls: str, at_least: float) -> tuple[Alternative, ...]:
         """What would give ``cls`` at least that utility: more of one resource, or one desire less."""
@@ -168,7 +172,7 @@ class _Search:
     def _got(self, problem: Problem, cls: str) -> tuple[float, Selection | None]:
         """The utility ``cls`` gets at the optimum of ``problem``; 0 when the time is over."""
         left = self.deadline - time.perf_counter()
-        if left <= 0:
+        if left <= 0 or self.give_up():
             return 0.0, None
         try:
             selection = solve(problem, time_limit_s=left)

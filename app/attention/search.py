@@ -19,6 +19,9 @@ from dataclasses import dataclass
 from itertools import combinations
 from operator import itemgetter
 
+import numpy as np
+from numpy.typing import NDArray
+
 from app.attention.instance import Answer, Infeasible, Instance
 
 _MOST_OPTIONS = 64
@@ -26,8 +29,10 @@ _MOST_OPTIONS = 64
 _SMALL = 400
 """Below so many combinations of options the multipliers cost more than they save."""
 _BEAM = 12
+_SWEEPS = 3
 _MOST_LABELS = 20_000
 
+Floats = NDArray[np.float64]
 _Node = tuple["_Option", "_Node | None"]
 _Label = tuple[int, int, _Node | None]
 """(use of the first resource, loss, the options taken)"""
@@ -72,8 +77,9 @@ def solve_search(instance: Instance, deadline: float, *, most_labels: int = _MOS
     multipliers = [0] * len(choice.capacities)
     if combinations_ > _SMALL and choice.capacities:
         multipliers = _multipliers(choice, instance.omega_unit)
-        choice = _ordered(choice, multipliers)
-        known, _, _ = _search(choice, multipliers, None, _BEAM, deadline)
+        choice, multipliers = _ordered(choice, multipliers)
+        # Short, and never cut off: there is always something to keep when the time is over.
+        known, _, _ = _search(choice, multipliers, None, _BEAM, float("inf"))
     found, cut, finished = _search(choice, multipliers, known and known[0], most_labels, deadline)
     result = found or known
     if result is None:
@@ -199,8 +205,6 @@ def _search(
     cut: int | None = None
     front: dict[tuple[int, ...], list[_Label]] = {(0,) * (size - 1): [(0, 0, None)]}
     for step, group in enumerate(groups):
-        if time.perf_counter() > deadline:
-            return None, cut, False
         limits = [c - low for c, low in zip(capacities, future_low[step + 1], strict=True)]
         floors = [c - high for c, high in zip(capacities, future_high[step + 1], strict=True)]
         limit, floor = limits[0], floors[0]
@@ -209,6 +213,8 @@ def _search(
         following: dict[tuple[int, ...], list[_Label]] = {}
         for key, labels in front.items():
             for option in group:
+                if time.perf_counter() > deadline:
+                    return None, cut, False
                 fits = True
                 fresh_key = []
                 for used, cost, (most, least) in zip(key, option.costs[1:], rest, strict=True):
@@ -291,40 +297,39 @@ def _relaxed(choice: _Choice, multipliers: Sequence[int]) -> int:
 def _multipliers(choice: _Choice, unit: int) -> list[int]:
     """Multipliers near those of the greatest Lagrangian bound, found one resource at a time by bisection on its slack.
 
-    Any multipliers ≥ 0 give a valid bound; better ones only cut more.
+    Any multipliers ≥ 0 give a valid bound; better ones only cut more. In Ω per unit of the resource meanwhile.
     """
-    losses = [[option.loss / unit for option in group] for group in choice.groups]
-    costs = [[option.costs for option in group] for group in choice.groups]
+    widest = max(len(group) for group in choice.groups)
     size = len(choice.capacities)
-    found = [0.0] * size
-
-    def excess(j: int, at: float) -> float:
-        """Use beyond capacity of resource j when its multiplier is ``at`` and every class takes its best option."""
-        total = -float(choice.capacities[j])
-        for group_losses, group_costs in zip(losses, costs, strict=True):
-            best, best_cost = float("inf"), 0
-            for loss, cost in zip(group_losses, group_costs, strict=True):
-                reduced = loss + at * cost[j]
-                for i, m in enumerate(found):
-                    if m and i != j:
-                        reduced += m * cost[i]
-                if reduced < best - 1e-12 or (reduced < best + 1e-12 and cost[j] < best_cost):
-                    best, best_cost = reduced, cost[j]
-            total += best_cost
-        return total
-
-    for _ in range(2):
+    losses = np.full((len(choice.groups), widest), np.inf)
+    costs = np.zeros((size, len(choice.groups), widest))
+    for row, group in enumerate(choice.groups):
+        for column, option in enumerate(group):
+            losses[row, column] = option.loss / unit
+            costs[:, row, column] = option.costs
+    rows = np.arange(len(choice.groups))
+    found = np.zeros(size)
+    for sweep in range(_SWEEPS):
         for j in range(size):
-            if excess(j, 0.0) <= 0:
+            mine = costs[j]
+            others = losses + np.tensordot(found, costs, axes=1) - found[j] * mine
+
+            def excess(
+                at: float, others: Floats = others, mine: Floats = mine, capacity: int = choice.capacities[j]
+            ) -> float:
+                """Use beyond capacity when every class takes its best option at this multiplier."""
+                best = np.argmin(others + at * mine, axis=1)
+                return float(mine[rows, best].sum()) - capacity
+
+            if excess(0.0) <= 0:
                 found[j] = 0.0
                 continue
-            high = 1e-6
-            while excess(j, high) > 0 and high < 1e6:
-                high *= 8
-            low = 0.0
-            for _ in range(16):
+            low, high = 0.0, max(2 * found[j], 1e-6)
+            while high < 1e9 and excess(high) > 0:
+                low, high = high, high * 8
+            for _ in range(10 + 4 * sweep):
                 middle = (low + high) / 2
-                if excess(j, middle) > 0:
+                if excess(middle) > 0:
                     low = middle
                 else:
                     high = middle
@@ -332,11 +337,25 @@ def _multipliers(choice: _Choice, unit: int) -> list[int]:
     return [int(m * 2**40) * unit >> 40 for m in found]
 
 
-def _ordered(choice: _Choice, multipliers: Sequence[int]) -> _Choice:
-    """Classes in the order that keeps labels few: the least decided last."""
+def _ordered(choice: _Choice, multipliers: Sequence[int]) -> tuple[_Choice, list[int]]:
+    """Resources by how many classes use them, the first counting in full; classes so that labels stay few.
 
-    def regret(group: list[_Option]) -> int:
+    Classes that share a resource of few users stand together, so that what it has left is soon no longer told apart;
+    then the others, the least decided last.
+    """
+    size = len(choice.capacities)
+    users = [sum(any(option.costs[j] for option in group) for group in choice.groups) for j in range(size)]
+    dims = sorted(range(size), key=lambda j: -users[j])
+
+    def place(group: list[_Option]) -> tuple[int, int]:
         reduced = sorted(o.loss + sum(m * c for m, c in zip(multipliers, o.costs, strict=True)) for o in group)
-        return reduced[1] - reduced[0] if len(reduced) > 1 else 1 << 4096
+        regret = reduced[1] - reduced[0] if len(reduced) > 1 else 1 << 4096
+        rarest = max((n for n, j in enumerate(dims) if n and any(o.costs[j] for o in group)), default=0)
+        return (-rarest, -regret)
 
-    return _Choice(sorted(choice.groups, key=regret, reverse=True), choice.capacities, choice.best)
+    groups = [
+        [_Option(o.loss, tuple(o.costs[j] for j in dims), o.strategies) for o in group]
+        for group in sorted(choice.groups, key=place)
+    ]
+    ordered = _Choice(groups, tuple(choice.capacities[j] for j in dims), choice.best)
+    return ordered, [multipliers[j] for j in dims]

@@ -143,7 +143,7 @@ class IntentionTranslator:
         self._progress = asyncio.Event()
         self._timer = asyncio.Event()
         self._late = 0
-        self._preferred_since: float | None = None
+        self._hold_until: float | None = None
         self._failing = False
         self._counts = dict.fromkeys(("solved", "recalled", "discarded", "failures", "held", "applied"), 0)
         self._changed.set()
@@ -298,24 +298,22 @@ class IntentionTranslator:
         current = self._current
         before = current.selection.strategies if current is not None else ()
         if not (limits.gain or limits.dwell_s) or set(best.strategies) == set(before):
-            self._preferred_since = None
+            self._hold_until = None
             return best
         # Solved among what is on already, the answer is all of it only if it still holds and nothing of it is useless.
         among = replace(problem, strategies=tuple(s for s in problem.strategies if s.name in before))
         stay: Selection = await self._offload(solve, among)
         loses = any(produced(problem, best.strategies, cls) < produced(problem, before, cls) for cls in stay.fulfilled)
         if set(stay.strategies) != set(before) or stay.relaxed != best.relaxed or not loses:
-            self._preferred_since = None
+            self._hold_until = None
             return best
         now = self._clock.now()
-        if self._preferred_since is None:
-            self._preferred_since = now
-        lasted = now - self._preferred_since
-        if limits.gain and best.omega - stay.omega > limits.gain:
-            self._preferred_since = None
-            return best
-        if limits.dwell_s and lasted >= limits.dwell_s:
-            self._preferred_since = None
+        if self._hold_until is None:
+            self._hold_until = now + limits.dwell_s
+        gained = limits.gain and best.omega - stay.omega > limits.gain
+        lasted = limits.dwell_s and now >= self._hold_until
+        if gained or lasted:
+            self._hold_until = None
             return best
         self._counts["held"] += 1
         self._timer.set()
@@ -363,7 +361,7 @@ class IntentionTranslator:
     async def _explain(self, problem: Problem, selection: Selection, version: int) -> None:
         """Complete the reasons beside the loop; newer desires make them pointless."""
         if self._explain_limit_s > 0:
-            reasons = await self._offload(self._reasons, problem, selection)
+            reasons = await self._offload(self._reasons, problem, selection, version)
             if version != self._version or self._current is None:
                 return
             if reasons != self._current.reasons:
@@ -372,16 +370,22 @@ class IntentionTranslator:
         self._explained = version
         self._tell_progress()
 
-    def _reasons(self, problem: Problem, selection: Selection) -> dict[str, Reason]:
-        return explain(problem, selection, time_limit_s=self._explain_limit_s, resources=self.table.resources)
+    def _reasons(self, problem: Problem, selection: Selection, version: int) -> dict[str, Reason]:
+        return explain(
+            problem,
+            selection,
+            time_limit_s=self._explain_limit_s,
+            resources=self.table.resources,
+            give_up=lambda: version != self._version,
+        )
 
     async def _keep_time(self) -> None:
         """Let desires expire, and look again at a switch held back once it has lasted."""
         while True:
             self._timer.clear()
             wakes = [self._workspace.next_expiry]
-            if self._preferred_since is not None and self._hysteresis.dwell_s:
-                wakes.append(self._preferred_since + self._hysteresis.dwell_s)
+            if self._hysteresis.dwell_s:
+                wakes.append(self._hold_until)
             due = min((stamp for stamp in wakes if stamp is not None), default=None)
             if due is None:
                 await self._timer.wait()
@@ -395,7 +399,7 @@ class IntentionTranslator:
                 woken.cancel()
             if not self._timer.is_set():
                 self._workspace.expire()
-                if self._preferred_since is not None:
+                if self._hold_until is not None and self._clock.now() >= self._hold_until:
                     # Its moment has come, and stays in the past until the answer is there: asking again at every turn
                     # of the loop would only make each answer outdated.
                     answered = self._progress

@@ -105,3 +105,9 @@ def test_every_alternative_is_true(p: Problem) -> None:
             assert cls in then.fulfilled
             assert math.isclose(produced(changed, then.strategies, cls), alternative.utility)
             assert alternative.utility > got
+
+
+def test_a_search_given_up_offers_nothing_it_has_not_checked() -> None:
+    p = problem([desire("GoTo", 8), desire("LocateFaces", 8)], TABLE_4_4, CPU)
+    selection = solve(p)
+    assert explain(p, selection, time_limit_s=5, give_up=lambda: True) == explain(p, selection, time_limit_s=0)
