@@ -12,6 +12,8 @@ export const PRESETS = [
   { name: "Normal", factor: 0.65 },
   { name: "Full", factor: 1 },
 ] as const;
+/** A tick may come this much early, or the next chance would make it late. */
+const EARLY_MS = 5;
 const PRESET_KEY = "hbba.preset";
 
 /** Where the keyboard is when it cannot drive. */
@@ -25,6 +27,7 @@ export class DriveController {
   private chosenPad: PadReading["chosen"] = null;
   private padStop = false;
   private polling = false;
+  private beatAt = 0;
 
   constructor(
     private readonly store: Store,
@@ -35,7 +38,8 @@ export class DriveController {
 
   start(): void {
     effect(() => this.input({ type: "allow", allowed: this.refusal.value === null }));
-    window.setInterval(() => this.input({ type: "tick" }), TICK_MS);
+    window.setInterval(() => this.beat(), TICK_MS);
+    this.session.onChance = () => this.beat();
     this.listen(window);
     window.addEventListener("blur", () => this.release());
     window.addEventListener("pagehide", () => this.release(true));
@@ -69,6 +73,14 @@ export class DriveController {
     const { state, send } = flush(this.state.peek());
     this.state.value = state;
     for (const command of send) this.session.send({ type: "drive", ...command });
+  }
+
+  /** The tick of the held command: not more often than it is wanted, however many chances there are. */
+  private beat(): void {
+    const now = performance.now();
+    if (now - this.beatAt < TICK_MS - EARLY_MS) return;
+    this.beatAt = now;
+    this.input({ type: "tick" });
   }
 
   grasp(axes: Axes): void {

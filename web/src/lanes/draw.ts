@@ -2,7 +2,8 @@
 
 import type { RobotEvent } from "../protocol/types";
 import { Columns, type Span, toColumns } from "./columns";
-import { CAPACITY, type Lane, type LaneHistory } from "./history";
+import type { Lane, LaneHistory } from "./history";
+import { spells } from "./spells";
 import { tickStep } from "./viewport";
 
 export const COLORS = {
@@ -165,23 +166,12 @@ export class LanePainter {
   private ribbon(history: LaneHistory, lane: Lane, span: Span, ratio: number, top: number): void {
     const { context: c } = this;
     const perSecond = span.width / ratio / (span.to - span.from);
-    const stop = history.at(span.to);
-    let began = 0;
-    let state: string | undefined;
-    const close = (stamp: number) => {
+    spells(history, lane, span, (state, from, to) => {
       if (state !== "unfulfilled" && state !== "degraded") return;
-      const left = Math.max(0, (began - span.from) * perSecond);
+      const left = Math.max(0, (from - span.from) * perSecond);
       c.fillStyle = COLORS[state];
-      c.fillRect(left, top, Math.max(1, (stamp - span.from) * perSecond - left), 2);
-    };
-    for (let number = Math.max(history.first, history.at(span.from)); number <= stop && number >= 0; number++) {
-      const slot = number % CAPACITY;
-      if (lane.state[slot] === state) continue;
-      close(history.stamps[slot]!);
-      state = lane.state[slot];
-      began = history.stamps[slot]!;
-    }
-    if (stop >= 0) close(Math.min(span.to, history.stamps[stop % CAPACITY]! + 0.2));
+      c.fillRect(left, top, Math.max(1, (to - span.from) * perSecond - left), 2);
+    });
   }
 
   private marks(scene: Scene, height: number): void {

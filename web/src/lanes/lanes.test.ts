@@ -2,6 +2,7 @@ import { describe, expect, test } from "vitest";
 import type { LaneRow } from "../protocol/types";
 import { Columns, toColumns } from "./columns";
 import { CAPACITY, LaneHistory } from "./history";
+import { spells } from "./spells";
 import { edges, INITIAL, LONGEST_S, pan, SHORTEST_S, stepZoom, TRAIL_S, togglePause, zoom } from "./viewport";
 
 const START = 1_790_000_000;
@@ -100,6 +101,39 @@ describe("columns", () => {
     toColumns(history, history.lanes.get("QR")!.rate, { from: START - 5, to: START + 25, width: 300 }, columns);
     expect([...columns.x.subarray(0, columns.length)]).toEqual([50, 250]);
     expect(columns.end[0]).toBeCloseTo(60, 3);
+  });
+});
+
+describe("spells", () => {
+  function visited(history: LaneHistory, from: number, to: number) {
+    const seen: [string, number, number][] = [];
+    spells(history, history.lanes.get("QR")!, { from: START + from, to: START + to }, (state, a, b) =>
+      seen.push([state, Number((a - START).toFixed(2)), Number((b - START).toFixed(2))]),
+    );
+    return seen;
+  }
+
+  test("each stretch of one state is one spell, cut at the right edge", () => {
+    const history = filled(100, (i) => [row({ state: i < 40 ? "fulfilled" : "degraded" })]);
+    expect(visited(history, 0, 4)).toEqual([
+      ["fulfilled", 0, 2],
+      ["degraded", 2, 4],
+    ]);
+    expect(visited(history, 2.5, 3)).toEqual([["degraded", 2.5, 3]]);
+  });
+
+  test("a silence ends a spell, even when the state is the same after it", () => {
+    const history = filled(20, () => [row({ state: "degraded" })]);
+    history.push({ stamp: START + 30, rows: [row({ state: "degraded" })] });
+    expect(visited(history, 0, 30.5)).toEqual([
+      ["degraded", 0, 1.95],
+      ["degraded", 30, 30.5],
+    ]);
+    expect(visited(history, 10, 29)).toEqual([]);
+  });
+
+  test("nothing before the first sample", () => {
+    expect(visited(filled(1, () => [row()]), -20, -10)).toEqual([]);
   });
 });
 

@@ -14,6 +14,8 @@ export class Session {
   readonly rest: Rest;
   /** Called with each binary frame, at arrival. */
   onPicture: (frame: ArrayBuffer) => void = () => undefined;
+  /** Called at every chance the page gets: each frame, each message. Timers starve first when it is busy drawing. */
+  onChance: () => void = () => undefined;
   /** Called when the robot has greeted a new connection. */
   onHello: () => void = () => undefined;
   private readonly live: LiveConnection;
@@ -36,6 +38,7 @@ export class Session {
     window.setInterval(() => this.watch(), 100);
     window.setInterval(() => this.refresh(), 250);
     const frame = () => {
+      this.onChance();
       this.apply();
       requestAnimationFrame(frame);
     };
@@ -110,6 +113,7 @@ export class Session {
 
   private receive(message: FromRobot): void {
     const at = performance.now();
+    this.onChance();
     if (message.type === "hello") this.store.clock.reset();
     if ("stamp" in message && typeof message.stamp === "number" && message.type !== "load")
       this.store.clock.heard(message.stamp, at / 1000);

@@ -2,6 +2,7 @@
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import { useApp } from "../state/context";
+import { paced, SHARES, startPace } from "./pace";
 
 type Scene = "loading" | "shown" | "missing";
 
@@ -9,7 +10,18 @@ export function SceneView() {
   const { store, drive } = useApp();
   const frame = useRef<HTMLIFrameElement>(null);
   const [scene, setScene] = useState<Scene>("loading");
+  const [step, setStep] = useState(0);
   const live = store.live.value;
+  useEffect(() => {
+    if (scene !== "shown" || new URLSearchParams(location.search).get("scene") === "full") return;
+    let pace = startPace(performance.now(), step);
+    let request = requestAnimationFrame(function frame(now) {
+      pace = document.hidden ? startPace(now, pace.step) : paced(pace, now);
+      if (pace.step !== step) setStep(pace.step);
+      else request = requestAnimationFrame(frame);
+    });
+    return () => cancelAnimationFrame(request);
+  }, [scene, step]);
 
   const loaded = () => {
     const inner = pageOf(frame.current);
@@ -38,6 +50,7 @@ export function SceneView() {
       class="scene"
       data-testid="scene"
       data-state={scene}
+      data-share={SHARES[step]}
       onPointerLeave={() => drive.state.peek().command.held || takeKeyboardBack(frame.current)}
     >
       <iframe
@@ -46,6 +59,7 @@ export function SceneView() {
         title="3D view of the robot and what it perceives"
         onLoad={loaded}
         tabIndex={-1}
+        style={shrunk(SHARES[step]!)}
       />
       {scene === "loading" && <p class="scene-note">Loading the 3D view…</p>}
       {scene === "missing" && (
@@ -58,6 +72,12 @@ export function SceneView() {
       )}
     </div>
   );
+}
+
+/** Drawn at `share` of the resolution, shown at the full size. */
+function shrunk(share: number): Record<string, string> {
+  if (share === 1) return {};
+  return { width: `${100 * share}%`, height: `${100 * share}%`, transform: `scale(${1 / share})`, transformOrigin: "0 0" };
 }
 
 function pageOf(frame: HTMLIFrameElement | null): (Window & typeof globalThis) | null {
