@@ -8,7 +8,6 @@ from contextlib import AsyncExitStack, asynccontextmanager
 
 from ezmsg.core.graphcontext import GraphContext
 from ezmsg.core.graphserver import GraphServer
-from ezmsg.core.netprotocol import Address
 from ezmsg.core.pubclient import Publisher
 from ezmsg.core.subclient import Subscriber
 
@@ -16,20 +15,20 @@ TOPIC = "BENCHMARK"
 
 
 @asynccontextmanager
-async def ezmsg_server() -> AsyncIterator[Address]:
+async def ezmsg_server() -> AsyncIterator[tuple[str, int]]:
     """A graph server in a thread of this process, on a free port of this computer."""
     logging.getLogger("ezmsg").setLevel(logging.ERROR)  # it warns of the back-pressure that is wanted here
     server = GraphServer(name="ezmsg graph server")
     server.start(("127.0.0.1", 0))
     try:
-        yield server.address
+        yield server.address.host, server.address.port
     finally:
         server.stop()
 
 
 @asynccontextmanager
 async def ezmsg_ends(
-    address: Address, consumers: int, capacity: int
+    address: tuple[str, int], consumers: int, capacity: int
 ) -> AsyncIterator[tuple[Publisher, list[Subscriber]]]:
     """One publisher with ``capacity`` buffers, connected with ``consumers`` subscribers."""
     async with AsyncExitStack() as stack:

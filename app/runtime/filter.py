@@ -21,15 +21,18 @@ def check_divisor(divisor: float) -> float:
 
 
 class RateFilter:
-    """Counts messages and lets one in ``divisor`` pass."""
+    """Counts messages and lets one in ``divisor`` pass.
 
-    __slots__ = ("_divisor", "_reload", "_skip", "on_change")
+    ``skip`` messages are still to be stopped before one passes; after it, ``reload`` of them.
+    """
+
+    __slots__ = ("_divisor", "on_change", "reload", "skip")
 
     def __init__(self, divisor: float = 1, on_change: Callable[[float, float], None] | None = None) -> None:
         self.on_change = on_change
         self._divisor = check_divisor(divisor)
-        self._reload = divisor - 1
-        self._skip: float = CLOSED if divisor == CLOSED else 0
+        self.reload = divisor - 1
+        self.skip: float = CLOSED if divisor == CLOSED else 0
 
     @property
     def divisor(self) -> float:
@@ -43,8 +46,8 @@ class RateFilter:
         if check_divisor(divisor) == before:
             return
         self._divisor = divisor
-        self._reload = divisor - 1
-        self._skip = CLOSED if divisor == CLOSED else 0
+        self.reload = divisor - 1
+        self.skip = CLOSED if divisor == CLOSED else 0
         if self.on_change is not None:
             self.on_change(before, divisor)
 
@@ -56,8 +59,8 @@ class RateFilter:
     def offer(self) -> bool:
         """Count one message; True if it passes."""
         # A closed filter skips infinitely many: inf - 1 is inf, so one test serves every φ.
-        if self._skip == 0:
-            self._skip = self._reload
+        if self.skip == 0:
+            self.skip = self.reload
             return True
-        self._skip -= 1
+        self.skip -= 1
         return False
