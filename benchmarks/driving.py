@@ -16,9 +16,10 @@ from statistics import quantiles
 
 from playwright.sync_api import Page, sync_playwright
 
+from app.commands.doctor import find_chromium
 from app.robots.simulated.guard_log import GuardRow
 from benchmarks.report import Row, print_table, row
-from tests.browser.running import CHROMIUM, CHROMIUM_ARGUMENTS, Robot, running_robot
+from tests.browser.running import CHROMIUM_ARGUMENTS, Robot, running_robot
 
 # The page writes down, on the computer's wall clock, when each event of the drive key came.
 _LISTEN = """
@@ -35,7 +36,7 @@ def measure(presses: int) -> list[Row]:
     """Latencies (ms) of ``presses`` presses and releases."""
     offset = time.time() - time.monotonic()
     with tempfile.TemporaryDirectory() as folder, running_robot(Path(folder)) as robot, sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=CHROMIUM_ARGUMENTS)
+        browser = playwright.chromium.launch(executable_path=find_chromium(), args=CHROMIUM_ARGUMENTS)
         page = browser.new_page(viewport={"width": 1000, "height": 640})
         page.goto(robot.url)
         page.locator("[data-testid=connection][data-phase=live]").wait_for()

@@ -12,14 +12,15 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, Playwright, sync_playwright
 
+from app.commands.doctor import find_chromium
 from app.robots.simulated.gl import check_gl
-from tests.browser.running import CHROMIUM, CHROMIUM_ARGUMENTS, Robot, running_robot
+from tests.browser.running import CHROMIUM_ARGUMENTS, Robot, running_robot
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Every test of this folder is a browser test, blocks while it waits for the page, and needs what it drives."""
     here = Path(__file__).parent
-    missing = None if CHROMIUM.exists() else "Chromium is missing: install Debian's package `chromium`"
+    missing = None if find_chromium() else "Chromium is missing: install Debian's package `chromium`"
     missing = missing or check_gl()
     for item in items:
         if here in item.path.parents:
@@ -50,7 +51,7 @@ def playwright() -> Iterator[Playwright]:
 @pytest.fixture(scope="module")
 def browser(playwright: Playwright) -> Iterator[Browser]:
     """One Chromium for a file's tests."""
-    chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=CHROMIUM_ARGUMENTS)
+    chromium = playwright.chromium.launch(executable_path=find_chromium(), args=CHROMIUM_ARGUMENTS)
     yield chromium
     chromium.close()
 

@@ -27,7 +27,6 @@ from app.robots.simulated.guard_log import GuardRow, read_guard_log
 from app.robots.simulated.world_config import WorldConfig
 from app.yaml_source import parse
 
-CHROMIUM = Path("/usr/bin/chromium")
 CHROMIUM_ARGUMENTS = [
     "--no-sandbox",
     "--disable-quic",
