@@ -1,8 +1,8 @@
 """The camera's thread: draws the world as the Kinect sees it, colour and depth in one pass, into the image ring.
 
 Drawing takes longer than a control step and releases the interpreter's lock, so it has a thread of its own; the control
-loop only leaves it a snapshot and picks up finished pictures. A snapshot that finds the thread busy is skipped and
-counted. The OpenGL context lives and dies in this thread, as it must.
+loop only leaves it a snapshot when it is free and picks up finished pictures: a computer too slow for the rate gives
+fewer pictures, never late ones. The OpenGL context lives and dies in this thread, as it must.
 """
 
 from __future__ import annotations
@@ -31,6 +31,8 @@ from app.robots.simulated.world import OUT_OF_REACH_GROUP, WORLD_GROUP
 _MAX_GEOMS = 4000
 _SHOWN_GROUPS = (WORLD_GROUP, OUT_OF_REACH_GROUP, VISUAL_GROUP)
 _CULLED_GROUP = 5
+_STILL = 1e-6
+"""What counts as not having moved, in metres and radians: a hundredth of a millimetre at the end of the corridor."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,6 +53,7 @@ class Camera:
     def __init__(self, model: mujoco.MjModel, width: int, height: int) -> None:
         self._model = copy.copy(model)  # its own: culling moves shapes between groups
         self._data = mujoco.MjData(self._model)
+        self.drawn = 0
         self._viewport = mujoco.MjrRect(0, 0, width, height)
         try:
             self._gl = mujoco.GLContext(width, height)
@@ -76,11 +79,22 @@ class Camera:
         self._depth = np.zeros((height, width), dtype=np.float32)
         near = model.vis.map.znear * model.stat.extent
         far = model.vis.map.zfar * model.stat.extent
+        # The depth buffer is affine in 1/z, with 0 at the far plane and 1 at the near one
         self._scale, self._offset = (far - near) / (far * near), 1.0 / far
 
     def draw(self, qpos: NDArray[np.float64]) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
-        """Colour (H, W, 3) uint8 RGB and inverse depth (H, W) float32 1/m along the optical axis, row 0 on top."""
-        self._data.qpos[:] = qpos
+        """Colour (H, W, 3) uint8 RGB and inverse depth (H, W) float32 1/m along the optical axis, row 0 on top.
+
+        Only the robot moves here: while it stands still the last picture is given again, undrawn.
+        """
+        if np.abs(qpos - self._data.qpos).max() > _STILL or not self.drawn:
+            self._data.qpos[:] = qpos
+            self._draw()
+            self.drawn += 1
+        inverse = np.asarray(self._depth[::-1] * np.float32(self._scale) + np.float32(self._offset))
+        return self._color[::-1], inverse
+
+    def _draw(self) -> None:
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
         self._model.geom_group[:] = np.where(self._in_view(), self._groups, _CULLED_GROUP)
@@ -90,9 +104,6 @@ class Camera:
         self._gl.make_current()
         mujoco.mjr_render(self._viewport, self._scene, self._context)
         mujoco.mjr_readPixels(self._color, self._depth, self._viewport, self._context)
-        # The buffer is affine in 1/z, with 0 at the far plane and 1 at the near one
-        inverse = np.asarray(self._depth[::-1] * np.float32(self._scale) + np.float32(self._offset))
-        return self._color[::-1], inverse
 
     def _in_view(self) -> NDArray[np.bool_]:
         """Which shapes (ngeom,) may touch the view: their bounding spheres against its five planes."""
@@ -130,7 +141,6 @@ class CameraThread:
         self._thread = threading.Thread(target=self._run, name="camera", daemon=True)
         self.finished: deque[ImageNotice] = deque(maxlen=SLOTS - 1)
         self.failure: BaseException | None = None
-        self.skipped = 0
         self._thread.start()
 
     def wait_ready(self, timeout_s: float) -> None:
@@ -140,12 +150,14 @@ class CameraThread:
         if self.failure is not None:
             raise self.failure
 
+    @property
+    def busy(self) -> bool:
+        """Whether the last snapshot is not finished yet."""
+        return self._busy
+
     def request(self, snapshot: Snapshot) -> None:
-        """Have ``snapshot`` drawn, unless the last one is not finished."""
+        """Have ``snapshot`` drawn; not while ``busy``."""
         with self._condition:
-            if self._busy:
-                self.skipped += 1
-                return
             self._busy = True
             self._snapshot = snapshot
             self._condition.notify()

@@ -175,10 +175,11 @@ class WorldLoop:
                 self._laser.begin(stamp)
             if self._laser.sweeping and (scan := self._laser.advance(stamp)) is not None:
                 self._send("hokuyo", scan, mono)
-        if self._camera is not None and "kinect" in self._wanted and self._schedules["kinect"].due(time_s):
+        camera = self._camera if "kinect" in self._wanted else None
+        if camera is not None and not camera.busy and self._schedules["kinect"].due(time_s):
             measured = dict(zip(self._simulation.joints, self._measured_joints(), strict=True))
             X_BC = self._kinematics.pose(self._robot.streams.kinect.link, measured)  # type: ignore[union-attr]
-            self._camera.request(Snapshot(stamp, self._simulation.data.qpos.copy(), X_BC))
+            camera.request(Snapshot(stamp, self._simulation.data.qpos.copy(), X_BC))
 
     def _measured_joints(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
         true = self._simulation.joint_positions()

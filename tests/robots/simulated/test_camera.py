@@ -148,3 +148,16 @@ def test_the_lab_looks_like_a_place(eye: Eye, pose: tuple[float, float, float]) 
 def test_the_robot_does_not_see_itself_looking_ahead(eye: Eye) -> None:
     _, _, inverse = eye.look(Pose2(11.1, 4.6, math.pi / 2))
     assert inverse.max() < 1.0
+
+
+def test_a_still_robot_sees_the_same_picture_with_fresh_noise_and_a_moved_one_another(eye: Eye) -> None:
+    here, aside = Pose2(11.1, 4.6, 1.5), Pose2(11.1, 4.6001, 1.5)
+    first, _, first_depth = eye.look(here)
+    drawn = eye.camera.drawn
+    again, _, again_depth = eye.look(here)
+    assert eye.camera.drawn == drawn
+    np.testing.assert_array_equal(first_depth, again_depth)
+    assert not np.array_equal(first, again)
+    _, _, moved_depth = eye.look(aside)
+    assert eye.camera.drawn == drawn + 1
+    assert not np.array_equal(first_depth, moved_depth)
