@@ -2,12 +2,15 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from contextlib import suppress
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from app.messages import Twist
 from app.runtime.channel import Channel
-from app.runtime.clock import VirtualClock, in_virtual_time
+from app.runtime.clock import VirtualClock, in_virtual_time, run_virtual
 from app.runtime.errors import ChannelClosed, InboxOverflow, WouldBlock
 from app.runtime.filter import CLOSED
 
@@ -194,6 +197,44 @@ async def test_a_cancelled_receive_loses_no_message(make: Make) -> None:
     with pytest.raises(asyncio.CancelledError):
         await waiting
     assert (await inbox.receive()).linear_mps == 1
+
+
+@given(st.lists(st.sampled_from(["publish", "cancel", "turn", "adopt"]), max_size=60), st.booleans())
+def test_however_receives_are_cancelled_nothing_is_lost_doubled_or_out_of_order(
+    actions: list[str], lossless: bool
+) -> None:
+    async def scenario() -> None:
+        numbers = channel()
+        inbox = numbers.subscribe("inbox", capacity=100, lossless=lossless)
+        taken: list[float] = []
+        published = 0
+
+        async def take() -> None:
+            while True:
+                taken.append((await inbox.receive()).linear_mps)
+
+        task = asyncio.create_task(take())
+        for action in actions:
+            if action == "publish":
+                numbers.publish(Twist(0.0, float(published), 0.0))
+                published += 1
+            elif action == "turn":
+                await asyncio.sleep(0)
+            else:
+                # The old consumer dies, in whatever state; another takes over at once.
+                task.cancel()
+                if action == "adopt":
+                    inbox.adopt()
+                else:
+                    await asyncio.wait({task})
+                task = asyncio.create_task(take())
+        numbers.close()
+        with suppress(ChannelClosed):
+            await task
+        assert taken == list(range(published))
+        assert inbox.statistics().taken == published
+
+    run_virtual(scenario())
 
 
 @in_virtual_time

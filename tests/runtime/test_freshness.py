@@ -211,14 +211,14 @@ async def test_switching_attention_never_raises_a_false_alarm_and_a_lost_source_
         await look_for(10)
         graph.filters.apply({"Detector.images": CLOSED})
         await look_for(10)
-        assert watch.latest["images"].state == "closed"
+        assert str(watch.latest["images"].state) == "closed"
         graph.filters.apply({"Detector.images": 1})
         await look_for(3)
         assert set(seen) <= {("images", "waiting"), ("images", "live"), ("images", "closed")}
         assert "stale" not in [f.state for n, f in watch.latest.items() if n in ("images", "found")]
         graph.modules["Sensor"].module.broken = True  # type: ignore[attr-defined]
         await look_for(0.4)
-        assert watch.latest["images"].state == "stale"
+        assert str(watch.latest["images"].state) == "stale"
         await look_for(5)
     said = [record.getMessage() for record in caplog.records if "channel images" in record.getMessage()]
     assert said[0].startswith("channel images is stale: its newest message is 0.")

@@ -1,10 +1,10 @@
 from __future__ import annotations
 
 import asyncio
+import io
 import threading
 import time
 from collections.abc import Callable
-from typing import Any
 
 import pytest
 
@@ -113,7 +113,7 @@ def test_the_meter_knows_whose_step_it_is() -> None:
         seen.append((meter.stepping, other.stepping))
 
     async def scenario() -> None:
-        task = asyncio.create_task(MeteredCoroutine(step(), meter))  # type: ignore[arg-type]
+        task = asyncio.create_task(MeteredCoroutine(step(), meter))
         await asyncio.sleep(0)
         assert not meter.stepping
         await task
@@ -133,21 +133,16 @@ async def test_a_metered_coroutine_behaves_as_the_one_inside() -> None:
         return value
 
     assert await MeteredCoroutine(body(3), meter) == 3
-    task: asyncio.Task[int] = asyncio.create_task(MeteredCoroutine(body(4), meter), name="named")  # type: ignore[arg-type]
+    task: asyncio.Task[int] = asyncio.create_task(MeteredCoroutine(body(4), meter), name="named")
     assert "named" in repr(task)
-    task.print_stack(file=_Nowhere())
+    task.print_stack(file=io.StringIO())
     assert await task == 4
     with pytest.raises(ValueError, match="negative"):
-        await asyncio.create_task(MeteredCoroutine(body(-1), meter))  # type: ignore[arg-type]
-    cancelled = asyncio.create_task(MeteredCoroutine(body(5), meter))  # type: ignore[arg-type]
+        await asyncio.create_task(MeteredCoroutine(body(-1), meter))
+    cancelled = asyncio.create_task(MeteredCoroutine(body(5), meter))
     await asyncio.sleep(0.5)
     cancelled.cancel()
     with pytest.raises(asyncio.CancelledError):
         await cancelled
     never_begun = MeteredCoroutine(body(6), meter)
     never_begun.close()
-
-
-class _Nowhere:
-    def write(self, text: Any) -> int:
-        return len(text)

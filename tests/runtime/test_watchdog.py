@@ -33,7 +33,7 @@ async def test_a_module_that_blocks_the_loop_is_named_once_and_its_recovery_too(
 
     async with LoopWatchdog(meters, report, limit_s=0.1, period_s=0.02) as watchdog:
         await asyncio.sleep(0)
-        await asyncio.create_task(MeteredCoroutine(blocking_step(0.3), meters["Busy"]))  # type: ignore[arg-type]
+        await asyncio.create_task(MeteredCoroutine(blocking_step(0.3), meters["Busy"]))
         await both.wait()
         statistics = watchdog.statistics()
     first, second = reports
@@ -57,7 +57,7 @@ async def test_the_innermost_frame_of_the_project_is_blamed() -> None:
 
     async with LoopWatchdog({}, report, limit_s=0.1, period_s=0.02):
         await asyncio.sleep(0)
-        await asyncio.create_task(MeteredCoroutine(blocking_step(0.3), CpuMeter()))  # type: ignore[arg-type]
+        await asyncio.create_task(MeteredCoroutine(blocking_step(0.3), CpuMeter()))
         blockage = await caught
     assert blockage.module == ""
     assert "app/runtime/load.py" in blockage.where
