@@ -158,22 +158,21 @@ class SourceWatch:
 
 
 class ModuleReport:
-    """Load and counters of every module; :meth:`sample` is called once for each load window (1 s)."""
+    """Load and counters of every module; CPU per message is taken between two calls of :meth:`sample`."""
 
     def __init__(self, system: System) -> None:
         self._system = system
-        self._taken: dict[str, int] = {}
+        self._counted: dict[str, tuple[int, int]] = {}
         self._message_cpu_us: dict[str, float | None] = {}
 
     def sample(self) -> list[dict[str, Any]]:
-        """Close the window for CPU per message, and report."""
-        load = self._system.load.latest
+        """Measure CPU per message since the last call (or the start), and report."""
         for name, slot in self._system.graph.modules.items():
             taken = sum(p.subscription.statistics().taken for p in slot.context.inputs.values() if p.connected)
-            messages = taken - self._taken.get(name, taken)
-            self._taken[name] = taken
-            cpu_us = 1e4 * load.modules.get(name, 0.0) * load.window_s
-            self._message_cpu_us[name] = round(cpu_us / messages, 1) if messages > 0 else None
+            before_ns, before = self._counted.get(name, (0, 0))
+            self._counted[name] = (slot.context.meter.cpu_ns, taken)
+            cpu_us = 1e-3 * (slot.context.meter.cpu_ns - before_ns)
+            self._message_cpu_us[name] = round(cpu_us / (taken - before), 1) if taken > before else None
         return self.modules()
 
     def modules(self) -> list[dict[str, Any]]:

@@ -386,6 +386,7 @@ class LookModel(Answer):
     viewer: str
     lag_ms: float | None = Field(description="From the robot to the drawn frame and back, smoothed.")
     points: int = Field(description="Points it is sent of each cloud, so that the lag stays under 200 ms.")
+    period_ms: float = Field(description="Time left between two updates, so that its page keeps time for its keys.")
     sent_bytes: int
 
 

@@ -66,12 +66,17 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
 def program_router(system: System) -> APIRouter:
     """Routes of ``/modules``, ``/channels`` and ``/health``."""
     router = APIRouter(tags=["program"])
-    report = reports.ModuleReport(system)
 
     @router.get("/modules", response_model=ModuleList, summary="Modules, their load and counters")
     async def list_modules() -> Response:
         load = system.load.latest
-        return Json({"stamp": load.stamp, "process_cpu": round(load.process, 2), "modules": report.modules()})
+        return Json(
+            {
+                "stamp": load.stamp,
+                "process_cpu": round(load.process, 2),
+                "modules": reports.ModuleReport(system).sample(),
+            }
+        )
 
     @router.get("/modules/{name}", response_model=ModuleModel, summary="One module", responses=problems(404))
     async def get_module(name: Annotated[str, Path(examples=["QRCodeDetector"])]) -> Response:
@@ -79,7 +84,7 @@ def program_router(system: System) -> APIRouter:
         if slot is None:
             known = ", ".join(system.graph.modules)
             raise Problem(404, "no-such-module", f"No module is called {name}; there are: {known}.")
-        return Json(report.module(slot))
+        return Json(reports.ModuleReport(system).module(slot))
 
     @router.get("/channels", response_model=ChannelList, summary="Channels and how fresh they are")
     async def list_channels() -> Response:

@@ -36,6 +36,7 @@ def viewers_router(hub: Hub, view: View) -> APIRouter:
                 "viewer": look.viewer,
                 "lag_ms": None if look.budget.lag_s is None else round(1e3 * look.budget.lag_s, 1),
                 "points": int(look.budget.points),
+                "period_ms": round(1e3 * look.budget.period_s, 1),
                 "sent_bytes": look.sent_bytes,
             }
             for look in view.looks

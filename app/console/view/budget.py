@@ -1,4 +1,4 @@
-"""How many points a viewer is sent, from the lag that was measured of it: pure functions."""
+"""How many points a viewer is sent and how often, from what was measured of it: pure functions."""
 
 from __future__ import annotations
 
@@ -19,17 +19,35 @@ _COMFORT = 0.7
 _STEEPEST_CUT = 0.6
 
 
+#: Between two updates of a view that draws at ease, and of one that hardly draws at all.
+SHORTEST_PERIOD_S = 0.04
+LONGEST_PERIOD_S = 1.0
+#: Two frames that take up to this long are drawn at ease.
+_EASY_FRAMES_S = 0.05
+#: A view gets this share of the time it takes to draw for other things: its page's keys and clocks.
+_REST = 3.0
+
+
 @dataclass(frozen=True, slots=True)
 class PointBudget:
-    """``points`` a viewer gets of each cloud; its smoothed ``lag_s``, None before the first measurement."""
+    """``points`` a viewer gets of each cloud; its smoothed ``lag_s``, and ``frames_s`` that two of its frames take."""
 
     points: float = FIRST_POINTS
     lag_s: float | None = None
+    frames_s: float = _EASY_FRAMES_S
+
+    @property
+    def period_s(self) -> float:
+        """The time to leave between two updates."""
+        if self.frames_s <= _EASY_FRAMES_S:
+            return SHORTEST_PERIOD_S
+        return min(_REST * self.frames_s, LONGEST_PERIOD_S)
 
 
-def measured(budget: PointBudget, lag_s: float) -> PointBudget:
+def measured(budget: PointBudget, lag_s: float, frames_s: float = 0.0) -> PointBudget:
     """The budget after a measurement: it grows slowly well under the target and shrinks the faster the further over."""
     smooth = lag_s if budget.lag_s is None else budget.lag_s + _SMOOTHING * (lag_s - budget.lag_s)
+    frames = budget.frames_s + _SMOOTHING * (frames_s - budget.frames_s)
     points = budget.points
     # Judged by the better of the two: one late answer is no trend, and a trend that has ended must not cut on.
     judged = min(smooth, lag_s)
@@ -37,9 +55,10 @@ def measured(budget: PointBudget, lag_s: float) -> PointBudget:
         points *= max(_STEEPEST_CUT, TARGET_LAG_S / judged)
     elif smooth < _COMFORT * TARGET_LAG_S:
         points *= _GROWTH
-    return PointBudget(min(max(points, FEWEST_POINTS), MOST_POINTS), smooth)
+    return PointBudget(min(max(points, FEWEST_POINTS), MOST_POINTS), smooth, frames)
 
 
 def silent(budget: PointBudget) -> PointBudget:
     """The budget of a viewer that did not answer in time."""
-    return replace(budget, points=max(FEWEST_POINTS, budget.points * _STEEPEST_CUT))
+    frames = budget.frames_s + _SMOOTHING * (SILENT_AFTER_S - budget.frames_s)
+    return replace(budget, points=max(FEWEST_POINTS, budget.points * _STEEPEST_CUT), frames_s=frames)

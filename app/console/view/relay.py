@@ -88,7 +88,7 @@ def view_router(view: View) -> APIRouter:
         await websocket.accept()
         look = view.enter(_viewer(websocket))
         try:
-            await _pulse(websocket, lambda round_trip_s: view.answered(look, round_trip_s))
+            await _pulse(websocket, lambda round_trip_s, frames_s: view.answered(look, round_trip_s, frames_s))
         except WebSocketDisconnect:
             return
         finally:
@@ -160,16 +160,24 @@ async def _down(viser: ClientConnection, websocket: WebSocket, look: Look) -> No
 
 async def _up(websocket: WebSocket, viser: ClientConnection) -> None:
     try:
-        while True:
-            frame = await websocket.receive_bytes()
-            if allowed(frame):
+        while (frame := await _received(websocket)) is not None:
+            if isinstance(frame, bytes) and allowed(frame):
                 await viser.send(frame)
-    except (WebSocketDisconnect, websockets.ConnectionClosed):
+    except websockets.ConnectionClosed:
         return
 
 
-async def _pulse(websocket: WebSocket, answered: Callable[[float | None], None]) -> None:
-    """Ask the page again and again for an answer from its next frame, and time it."""
+async def _received(websocket: WebSocket) -> str | bytes | None:
+    """What the page says next; None when it has gone."""
+    message = await websocket.receive()
+    if message["type"] == "websocket.disconnect":
+        return None
+    frame: str | bytes = message.get("bytes") or message.get("text") or ""
+    return frame
+
+
+async def _pulse(websocket: WebSocket, answered: Callable[[float | None, float], None]) -> None:
+    """Ask the page again and again for an answer two frames on, and time it; ends with the connection."""
     number = 0
     while True:
         number += 1
@@ -177,10 +185,19 @@ async def _pulse(websocket: WebSocket, answered: Callable[[float | None], None])
         await websocket.send_text(str(number))
         try:
             async with asyncio.timeout(SILENT_AFTER_S):
-                while await websocket.receive_text() != str(number):
-                    pass
+                while (frames_s := _answer(frame := await _received(websocket), number)) is None:
+                    if frame is None:
+                        return
         except TimeoutError:
-            answered(None)
+            answered(None, 0.0)
             continue
-        answered(time.monotonic() - began)
+        answered(time.monotonic() - began, frames_s)
         await asyncio.sleep(max(0.0, PULSE_PERIOD_S - (time.monotonic() - began)))
+
+
+def _answer(frame: str | bytes | None, number: int) -> float | None:
+    """The time (s) two frames took, from an answer ``number milliseconds``; None if it is not the answer awaited."""
+    first, _, second = frame.partition(" ") if isinstance(frame, str) else ("", "", "")
+    if first != str(number):
+        return None
+    return min(float(second) / 1e3, SILENT_AFTER_S) if second.replace(".", "", 1).isdecimal() else 0.0

@@ -1,15 +1,14 @@
 """What is drawn: floor, robot, laser, clouds, posters. Lives in one worker thread: viser is too slow for the loop.
 
-The camera follows the robot without being moved: everything of the world hangs below a frame with the robot's inverse
-pose, so the robot stays at the origin and orbit and zoom stay the viewer's. Node names are fixed; what moves often
-belongs to one viewer (its client's scene), so that viser keeps nothing of it.
+Each viewer has a scene of its own (viser keeps nothing of what it was sent, and each is drawn at its own pace). The
+camera follows the robot without being moved: everything of the world hangs below a frame with the robot's inverse pose,
+so the robot stays at the origin and orbit and zoom stay the viewer's. Node names are fixed, nothing is removed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,119 +16,95 @@ import viser
 from numpy.typing import NDArray
 
 from app.console.view.body import Body
-from app.console.view.drawing import colors_along_x, moved, point_size, pose_arrays, scan_points, thinned
+from app.console.view.drawing import colors_along_x, grid_lines, moved, point_size, pose_arrays, scan_points, thinned
+from app.console.view.world import World
 from app.geometry import Pose2
-from app.messages import JointState, Landmarks, LaserScan, PointCloud
+from app.messages import Landmarks
 
 WORLD = "/odom"
 _POSTER_M = (0.22, 0.22, 0.28)
 _SCAN_SIZE_M = 0.045
 
 
-@dataclass(slots=True)
-class _ViewerNodes:
-    """What one viewer is shown of its own."""
+def set_stage(server: viser.ViserServer) -> None:
+    """What all viewers have in common."""
+    server.scene.set_up_direction("+z")
+    server.scene.configure_default_lights(enabled=True, cast_shadow=False)
+    server.initial_camera.position = (-3.2, 0.0, 2.6)
+    server.initial_camera.look_at = (1.2, 0.0, 0.6)
+    server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, control_width="small")
+    server.gui.main_panel.minimize()
 
-    client: viser.ClientHandle
-    scan: viser.PointCloudHandle
-    cloud: viser.PointCloudHandle
 
+class ViewerScene:
+    """The scene of one viewer, drawn on its ``client``."""
 
-class Scene:
-    """Draws on ``server``; ``points_of(viewer)`` tells how many points of a cloud a viewer bears."""
+    def __init__(self, client: viser.ClientHandle, body: Body) -> None:
+        self._client = client
+        self._drawn = World()
+        self._posters: list[tuple[viser.BoxHandle, viser.LabelHandle]] = []
+        scene = client.scene
+        with client.atomic():
+            self._world = scene.add_frame(WORLD, show_axes=False)
+            for name, step, color, thickness in (("fine", 1.0, (38, 47, 60), 1.0), ("coarse", 5.0, (72, 86, 106), 1.5)):
+                lines = grid_lines(40.0, step)
+                scene.add_line_segments(
+                    f"{WORLD}/floor_{name}", lines, color, thickness=thickness, thickness_units="screen"
+                )
+            scene.add_frame(f"{WORLD}/origin", axes_length=0.4, axes_radius=0.012)
+            self._body = body.add_to(scene, "/base_link")
+            self._scan = self._points("scan", _SCAN_SIZE_M)
+            self._cloud = self._points("cloud", point_size(0))
 
-    def __init__(self, server: viser.ViserServer, model: Path, points_of: Callable[[str], int]) -> None:
-        self._server = server
-        self._points_of = points_of
-        self._viewers: dict[str, _ViewerNodes] = {}
-        self._pose: Pose2 | None = None
-        self._posters: list[tuple[Any, Any]] = []
-        scene = server.scene
-        scene.set_up_direction("+z")
-        scene.configure_default_lights(enabled=True, cast_shadow=False)
-        server.initial_camera.position = (-3.2, 0.0, 2.6)
-        server.initial_camera.look_at = (1.2, 0.0, 0.6)
-        server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, control_width="small")
-        server.gui.main_panel.minimize()
-        self._world = scene.add_frame(WORLD, show_axes=False)
-        scene.add_grid(
-            f"{WORLD}/floor",
-            width=60.0,
-            height=60.0,
-            cell_size=0.5,
-            section_size=2.5,
-            cell_color=(52, 62, 76),
-            section_color=(84, 98, 118),
-            fade_distance=30.0,
-            plane_color=(18, 23, 30),
-            plane_opacity=0.85,
-            shadow_opacity=0.0,
-        )
-        scene.add_frame(f"{WORLD}/origin", axes_length=0.4, axes_radius=0.012)
-        self._body = Body(scene, model, "/base_link")
-
-    # --- Viewers -----------------------------------------------------------------------------------------------------
-
-    def viewer_came(self, viewer: str, client: viser.ClientHandle) -> None:
-        """Give a new viewer its own nodes."""
-        nothing = np.zeros((0, 3), np.float32)
-        self._viewers[viewer] = _ViewerNodes(
-            client,
-            self._points(client, "scan", nothing, _SCAN_SIZE_M),
-            self._points(client, "cloud", nothing, 0.02),
-        )
-
-    def _points(
-        self, client: viser.ClientHandle, name: str, points: NDArray[np.float32], size: float
-    ) -> viser.PointCloudHandle:
-        return client.scene.add_point_cloud(
+    def _points(self, name: str, size: float) -> viser.PointCloudHandle:
+        # viser's page takes no empty cloud: one point, unseen, until there are more.
+        return self._client.scene.add_point_cloud(
             f"{WORLD}/{name}",
-            points,
-            np.zeros((0, 3), np.uint8),
+            np.zeros((1, 3), np.float32),
+            np.zeros((1, 3), np.uint8),
             point_size=size,
             point_shape="circle" if name == "scan" else "square",
             point_shading="flat",
             precision="float16",
+            visible=False,
         )
 
-    def viewer_left(self, viewer: str) -> None:
-        """Forget a viewer."""
-        self._viewers.pop(viewer, None)
+    def draw(self, world: World, points: int) -> int:
+        """Bring the scene up to ``world``, in one step, with at most so many ``points`` of the cloud.
 
-    # --- What changes ------------------------------------------------------------------------------------------------
+        Returns how many parts were new.
+        """
+        before, self._drawn = self._drawn, world
+        new = 0
+        with self._client.atomic():
+            if world.joints is not None and world.joints is not before.joints:
+                self._body.move(dict(zip(world.joints.names, world.joints.positions, strict=True)))
+                new += 1
+            if world.landmarks is not None and world.landmarks is not before.landmarks:
+                self._draw_landmarks(world.landmarks)
+                new += 1
+            if world.scan is not None and world.scan is not before.scan:
+                scan, X_OB = world.scan
+                hits = scan_points(scan)
+                _place(self._scan, hits, colors_along_x(hits), X_OB)
+                new += 1
+            if world.cloud is not None and world.cloud is not before.cloud:
+                chosen = thinned(len(world.cloud.points), points)
+                self._cloud.point_size = point_size(len(chosen))
+                _place(self._cloud, world.cloud.points[chosen], world.cloud.colors[chosen], world.cloud.X_OB)
+                new += 1
+            if world.robot is not None and moved(before.robot, world.robot):
+                wxyz, position = pose_arrays(world.robot.inverse())
+                self._world.wxyz, self._world.position = np.array(wxyz), np.array(position)
+                new += 1
+            elif before.robot is not None:
+                # Many small moves make a large one.
+                self._drawn = replace(world, robot=before.robot)
+        return new
 
-    def robot(self, X_OB: Pose2) -> None:
-        """The robot is at ``X_OB`` now: the world moves under it."""
-        if not moved(self._pose, X_OB):
-            return
-        self._pose = X_OB
-        wxyz, position = pose_arrays(X_OB.inverse())
-        with self._server.atomic():
-            self._world.wxyz = wxyz
-            self._world.position = position
-
-    def joints(self, message: JointState) -> None:
-        """The body's joints as measured."""
-        with self._server.atomic():
-            self._body.move(dict(zip(message.names, message.positions, strict=True)))
-
-    def scan(self, seen: tuple[LaserScan, Pose2]) -> None:
-        """A scan, in the pose of its own instant."""
-        message, X_OB = seen
-        points = scan_points(message)
-        for nodes in self._viewers.values():
-            _draw(nodes.client, nodes.scan, points, colors_along_x(points), X_OB)
-
-    def cloud(self, message: PointCloud) -> None:
-        """A point cloud, in the pose of its own instant, thinned to what each viewer bears."""
-        for viewer, nodes in self._viewers.items():
-            chosen = thinned(len(message.points), self._points_of(viewer))
-            nodes.cloud.point_size = point_size(len(chosen))
-            _draw(nodes.client, nodes.cloud, message.points[chosen], message.colors[chosen], message.X_OB)
-
-    def landmarks(self, message: Landmarks) -> None:
-        """The posters found: a card with its text at each."""
-        scene = self._server.scene
+    def _draw_landmarks(self, message: Landmarks) -> None:
+        """A card with its text at each poster found."""
+        scene = self._client.scene
         for number, landmark in enumerate(message.landmarks):
             if number == len(self._posters):
                 node = f"{WORLD}/landmark_{number}"
@@ -137,24 +112,50 @@ class Scene:
                 label = scene.add_label(f"{node}/text", landmark.text, position=(0, 0, 0.3), anchor="bottom-center")
                 self._posters.append((card, label))
             card, label = self._posters[number]
-            card.position = landmark.p_OQ
+            card.position = np.array(landmark.p_OQ)
             card.visible = True
             label.text = landmark.text
         for card, _ in self._posters[len(message.landmarks) :]:
             card.visible = False
 
 
-def _draw(
-    client: viser.ClientHandle,
-    node: viser.PointCloudHandle,
-    points: NDArray[Any],
-    colors: NDArray[np.uint8],
-    X_OB: Pose2,
-) -> None:
-    """Points, colours and pose in one step: never one instant's points in another's pose."""
-    wxyz, position = pose_arrays(X_OB)
-    with client.atomic():
-        node.points = points.astype(np.float16)
-        node.colors = colors
-        node.wxyz = wxyz
-        node.position = position
+def _place(node: viser.PointCloudHandle, points: NDArray[Any], colors: NDArray[np.uint8], X_OB: Pose2) -> None:
+    """Points, colours and pose together: never one instant's points in another's pose."""
+    node.visible = len(points) > 0
+    if len(points) > 0:
+        wxyz, position = pose_arrays(X_OB)
+        node.points, node.colors = points.astype(np.float16), colors
+        node.wxyz, node.position = np.array(wxyz), np.array(position)
+
+
+class Scene:
+    """The scenes of all viewers; each is drawn when its time has come."""
+
+    def __init__(self, server: viser.ViserServer, body: Body) -> None:
+        set_stage(server)
+        self._body = body
+        self._viewers: dict[str, ViewerScene] = {}
+        self._due: dict[str, float] = {}
+
+    def viewer_came(self, viewer: str, client: viser.ClientHandle) -> None:
+        """Give a new viewer its scene."""
+        self._viewers[viewer] = ViewerScene(client, self._body)
+        self._due[viewer] = 0.0
+
+    def viewer_left(self, viewer: str) -> None:
+        """Forget a viewer."""
+        self._viewers.pop(viewer, None)
+        self._due.pop(viewer, None)
+
+    def draw(self, world: World, now: float, pace: Mapping[str, tuple[int, float]]) -> int:
+        """Draw for each viewer whose time has come; ``pace`` gives its points and the period (s) between two updates.
+
+        Returns how many parts were drawn.
+        """
+        drawn = 0
+        for viewer, scene in self._viewers.items():
+            points, period_s = pace.get(viewer, (0, 1.0))
+            if now >= self._due[viewer]:
+                self._due[viewer] = now + period_s
+                drawn += scene.draw(world, points)
+        return drawn

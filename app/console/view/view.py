@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from app.console.taps import Tap
 from app.console.view.budget import PointBudget, measured, silent
 from app.console.view.painter import Painter
+from app.console.view.world import World
 from app.geometry import Pose2
 from app.messages import JointState, Landmarks, LaserScan, Odometry, PointCloud
 from app.pose_buffer import PoseBuffer
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 log = logging.getLogger("hbba.view")
 
 PERIOD_S = 0.04
-#: Scans and joints are drawn every so many periods: 8 Hz.
+#: Scans and joints are taken every so many periods: 8 Hz.
 SLOW_BEATS = 3
 STOP_WITHIN_S = 0.8
 
@@ -56,6 +57,8 @@ class View:
         self._odometry: Odometry | None = None
         self._scan: LaserScan | None = None
         self._joints: JointState | None = None
+        self._cloud: PointCloud | None = None
+        self._landmarks: Landmarks | None = None
 
     # --- Life --------------------------------------------------------------------------------------------------------
 
@@ -76,7 +79,8 @@ class View:
         """viser's port on 127.0.0.1, once it listens; None if it failed to."""
         port = self._start()
         assert self._ended is not None
-        await asyncio.wait({port, self._ended}, return_when=asyncio.FIRST_COMPLETED)
+        either: set[asyncio.Future[Any]] = {port, self._ended}
+        await asyncio.wait(either, return_when=asyncio.FIRST_COMPLETED)
         return port.result() if port.done() else None
 
     def _start(self) -> asyncio.Future[int]:
@@ -88,7 +92,7 @@ class View:
                 loop.call_soon_threadsafe(port.set_result, number)
 
             model = self._system.link.description.model_path
-            self._painter = Painter(model, self._ports.get, self.points_of, ready)
+            self._painter = Painter(model, self._ports.get, self.pace, ready)
             self._ended = self._painter.start()
             self._ended.add_done_callback(self._painter_ended)
         return self._port
@@ -107,10 +111,12 @@ class View:
         """Every open view."""
         return tuple(self._looks.values())
 
-    def points_of(self, viewer: str) -> int:
-        """How many points of a cloud this viewer bears; may be asked in any thread."""
-        look = self._looks.get(viewer)
-        return int(look.budget.points) if look is not None else 0
+    def pace(self) -> dict[str, tuple[int, float]]:
+        """By viewer, how many points of a cloud it bears, and how long (s) to wait between two updates.
+
+        May be asked in any thread.
+        """
+        return {look.viewer: (int(look.budget.points), look.budget.period_s) for look in self.looks}
 
     def enter(self, viewer: str) -> Look:
         """A connection of ``viewer`` opens; there may be several (scene and pulse)."""
@@ -136,11 +142,12 @@ class View:
         """That connection is over."""
         self._ports.pop(port, None)
 
-    def answered(self, look: Look, round_trip_s: float | None) -> None:
-        """The viewer answered a pulse from its next frame, or not in time (None)."""
-        look.budget = (
-            silent(look.budget) if round_trip_s is None else measured(look.budget, round_trip_s + look.drain_s)
-        )
+    def answered(self, look: Look, round_trip_s: float | None, frames_s: float = 0.0) -> None:
+        """The viewer answered a pulse two frames on, which took it ``frames_s``, or not in time (None)."""
+        if round_trip_s is None:
+            look.budget = silent(look.budget)
+        else:
+            look.budget = measured(look.budget, round_trip_s + look.drain_s, frames_s)
 
     # --- What they are fed, only while somebody looks ----------------------------------------------------------------
 
@@ -156,6 +163,8 @@ class View:
         for name, handler in handlers.items():
             if name in graph.channels:
                 self._watching.callback(Tap(graph.channel(name), f"console.view.{name}", handler).close)
+        if "landmarks" in graph.channels:
+            self._landmarks = graph.channel("landmarks").latest
         self._feeding = asyncio.create_task(self._feed(), name="console view")
 
     def _stop_feeding(self) -> None:
@@ -175,31 +184,23 @@ class View:
         self._scan = message
 
     def _on_cloud(self, message: PointCloud) -> None:
-        if self._painter is not None:
-            self._painter.post("cloud", message)
+        self._cloud = message
 
     def _on_landmarks(self, message: Landmarks) -> None:
-        if self._painter is not None:
-            self._painter.post("landmarks", message)
+        self._landmarks = message
 
     async def _feed(self) -> None:
         beat = 0
+        scan: tuple[LaserScan, Pose2] | None = None
+        joints: JointState | None = None
         while True:
             beat += 1
+            if beat % SLOW_BEATS == 0:
+                joints = self._joints
+                # A moment after it came, when odometry has reached its stamp.
+                if self._scan is not None and (pose := self._poses.at(self._scan.stamp)) is not None:
+                    scan = (self._scan, pose)
+            robot = None if self._odometry is None else self._odometry.X_OB
             if self._painter is not None:
-                self._post(self._painter, slow=beat % SLOW_BEATS == 0)
+                self._painter.show(World(robot, joints, scan, self._cloud, self._landmarks))
             await self._system.clock.sleep(PERIOD_S)
-
-    def _post(self, painter: Painter, *, slow: bool) -> None:
-        if self._odometry is not None:
-            painter.post("robot", self._odometry.X_OB)
-            self._odometry = None
-        if slow and self._scan is not None:
-            # A moment after it came, when odometry has reached its stamp.
-            pose: Pose2 | None = self._poses.at(self._scan.stamp)
-            if pose is not None:
-                painter.post("scan", (self._scan, pose))
-            self._scan = None
-        if slow and self._joints is not None:
-            painter.post("joints", self._joints)
-            self._joints = None

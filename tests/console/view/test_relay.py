@@ -106,7 +106,9 @@ async def test_the_page_is_visers_with_our_addition_before_its_code(url: str) ->
 
 async def test_a_viewer_is_shown_the_robot_and_what_it_perceives(url: str, system: System, body: Body) -> None:
     async with looking(url) as viewer:
-        await viewer.until(("GridMessage", "/odom/floor"), ("MeshMessage", None), ("PointCloudMessage", "/odom/cloud"))
+        await viewer.until(
+            ("LineSegmentsMessage", "/odom/floor_fine"), ("MeshMessage", None), ("PointCloudMessage", "/odom/cloud")
+        )
         feeding = asyncio.create_task(feed(system, body))
         await viewer.until(
             ("SetPositionMessage", "/odom"),
@@ -151,7 +153,7 @@ async def test_a_cloud_is_thinned_to_what_its_viewer_bears(url: str, system: Sys
         before = look.sent_bytes
         system.graph.channel("point_cloud").publish(cloud)
         await viewer.until(("SetPositionMessage", "/odom/cloud"))
-        assert look.sent_bytes - before < 9 * view.points_of("abc") + 4_000
+        assert look.sent_bytes - before < 9 * view.pace()["abc"][0] + 4_000
 
 
 async def test_the_laser_is_listened_to_only_while_somebody_looks(url: str, system: System, view: View) -> None:
@@ -172,7 +174,7 @@ async def test_the_pulse_measures_the_lag(url: str, view: View) -> None:
     address = f"{url.replace('http', 'ws')}/viser/pulse?viewer=abc"
     async with websockets.connect(address, proxy=None, close_timeout=1) as pulse:
         for _ in range(3):
-            await pulse.send(await pulse.recv())
+            await pulse.send(f"{await pulse.recv()} 33.4")
         await pulse.recv()
         (look,) = view.looks
         assert look.budget.lag_s is not None

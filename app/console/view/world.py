@@ -1,0 +1,22 @@
+"""What is known of the world at one moment, as far as it is drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from app.geometry import Pose2
+from app.messages import JointState, Landmarks, LaserScan, PointCloud
+
+
+@dataclass(frozen=True, slots=True)
+class World:
+    """Each part is replaced as a whole, so that ``is`` tells whether it is new.
+
+    ``robot`` is ``X_OB`` now. ``scan`` comes with the pose of its own instant, as the cloud does by itself.
+    """
+
+    robot: Pose2 | None = None
+    joints: JointState | None = None
+    scan: tuple[LaserScan, Pose2] | None = None
+    cloud: PointCloud | None = None
+    landmarks: Landmarks | None = None
