@@ -65,6 +65,8 @@ def solve_cpsat(instance: Instance, deadline: float, hint: tuple[int, ...] = ())
                     serving[s] = model.new_bool_var("")
                     model.add_implication(serving[s], chosen[s])
                     model.add_implication(serving[s], fulfilled[k])
+    for k, group in enumerate(instance.members):
+        wanted = instance.desired.get(k)
         if wanted is not None or k in instance.needed:
             cover: Any = sum(instance.utility[s] * chosen[s] for s in group) - sum(
                 needs[k] * chosen[s] for s, needs in enumerate(instance.requires) if k in needs

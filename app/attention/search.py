@@ -186,24 +186,10 @@ def _search(
         for group in groups:
             node = (group[0], node)
         return (0, node), None, True
-    size = len(capacities)
-    steps = len(groups)
-    future_low = [[0] * size for _ in range(steps + 1)]
-    future_high = [[0] * size for _ in range(steps + 1)]
-    relaxed = [0] * (steps + 1)
-    relaxed[steps] = -sum(m * c for m, c in zip(multipliers, capacities, strict=True))
-    for step in range(steps - 1, -1, -1):
-        group = groups[step]
-        for j in range(size):
-            column = [option.costs[j] for option in group]
-            future_low[step][j] = future_low[step + 1][j] + min(column)
-            future_high[step][j] = future_high[step + 1][j] + max(column)
-        relaxed[step] = relaxed[step + 1] + min(
-            option.loss + sum(m * c for m, c in zip(multipliers, option.costs, strict=True)) for option in group
-        )
+    future_low, future_high, relaxed = _futures(choice, multipliers)
     first, others = multipliers[0], multipliers[1:]
     cut: int | None = None
-    front: dict[tuple[int, ...], list[_Label]] = {(0,) * (size - 1): [(0, 0, None)]}
+    front: dict[tuple[int, ...], list[_Label]] = {(0,) * (len(capacities) - 1): [(0, 0, None)]}
     for step, group in enumerate(groups):
         limits = [c - low for c, low in zip(capacities, future_low[step + 1], strict=True)]
         floors = [c - high for c, high in zip(capacities, future_high[step + 1], strict=True)]
@@ -241,21 +227,8 @@ def _search(
                     if slack is not None and sum_ + first * total > slack:
                         continue
                     bucket.append((total, sum_, (option, node)))
-        front = {}
-        count = 0
-        for key, labels in following.items():
-            if not labels:
-                continue
-            labels.sort(key=itemgetter(0, 1))
-            kept = []
-            least_loss = None
-            for label in labels:
-                if least_loss is None or label[1] < least_loss:
-                    kept.append(label)
-                    least_loss = label[1]
-            front[key] = kept
-            count += len(kept)
-        if count > width:
+        front = {key: _undominated(labels) for key, labels in following.items() if labels}
+        if sum(map(len, front.values())) > width:
             front, dropped = _narrow(front, multipliers, ahead, width)
             cut = dropped if cut is None else min(cut, dropped)
     ends = [label for labels in front.values() for label in labels]
@@ -265,19 +238,46 @@ def _search(
     return (end[1], end[2]), cut, True
 
 
+def _futures(choice: _Choice, multipliers: Sequence[int]) -> tuple[list[list[int]], list[list[int]], list[int]]:
+    """For each step, over the classes from there on: the least and most use of each resource, and the relaxed loss."""
+    size, steps = len(choice.capacities), len(choice.groups)
+    low = [[0] * size for _ in range(steps + 1)]
+    high = [[0] * size for _ in range(steps + 1)]
+    relaxed = [0] * (steps + 1)
+    relaxed[steps] = -sum(m * c for m, c in zip(multipliers, choice.capacities, strict=True))
+    for step in range(steps - 1, -1, -1):
+        group = choice.groups[step]
+        columns = list(zip(*(option.costs for option in group), strict=True))
+        low[step] = [total + min(column) for total, column in zip(low[step + 1], columns, strict=True)]
+        high[step] = [total + max(column) for total, column in zip(high[step + 1], columns, strict=True)]
+        relaxed[step] = relaxed[step + 1] + min(
+            option.loss + sum(m * c for m, c in zip(multipliers, option.costs, strict=True) if c) for option in group
+        )
+    return low, high, relaxed
+
+
+def _undominated(labels: list[_Label]) -> list[_Label]:
+    """Of labels that use the same of all other resources: those of which no other uses and loses no more."""
+    labels.sort(key=itemgetter(0, 1))
+    kept = labels[:1]
+    least = kept[0][1]
+    for label in labels:
+        if label[1] < least:
+            kept.append(label)
+            least = label[1]
+    return kept
+
+
 def _narrow(
     front: dict[tuple[int, ...], list[_Label]], multipliers: Sequence[int], ahead: int, width: int
 ) -> tuple[dict[tuple[int, ...], list[_Label]], int]:
     """The ``width`` labels of least bound, and the least bound among the others."""
-    bounds = sorted(
-        (
-            label[1] + multipliers[0] * label[0] + sum(m * u for m, u in zip(multipliers[1:], key, strict=True)),
-            key,
-            index,
-        )
-        for key, labels in front.items()
-        for index, label in enumerate(labels)
-    )
+    first, others = multipliers[0], multipliers[1:]
+    bounds: list[tuple[int, tuple[int, ...], int]] = []
+    for key, labels in front.items():
+        base = sum(m * u for m, u in zip(others, key, strict=True) if u)
+        bounds += [(label[1] + first * label[0] + base, key, index) for index, label in enumerate(labels)]
+    bounds.sort()
     narrow: dict[tuple[int, ...], list[_Label]] = {}
     for _, key, index in bounds[:width]:
         narrow.setdefault(key, []).append(front[key][index])

@@ -207,7 +207,7 @@ def test_equals_exhaustive_search(p: Problem) -> None:
     assert selection.proven
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=200, deadline=None)
 @given(problems())
 def test_both_searches_agree(p: Problem) -> None:
     """The label search and CP-SAT find the same selection or both find the security desires cannot be met."""
@@ -280,6 +280,18 @@ def test_more_utility_to_the_more_intense() -> None:
     )
     assert solve(problem([desire("A", 2), desire("B", 3)], table, {"cpu": 50})).strategies == ("A-1", "B-4")
     assert solve(problem([desire("A", 3), desire("B", 2)], table, {"cpu": 50}, ["B-4"])).strategies == ("A-4", "B-1")
+
+
+def test_cp_sat_counts_what_later_classes_require() -> None:
+    table = (
+        *(Strategy(name, "A", 0.5) for name in ("s0", "s1")),
+        Strategy("s2", "B", 0.5, requires={"A": 1}),
+        Strategy("s3", "B", 0.5),
+    )
+    p = problem([desire("A", 0.5, 0.5), desire("B", 0.5, 0.5)], table, {})
+    answer = solve_cpsat(build_instance(p), float("inf"))
+    assert answer is not None
+    assert (answer.chosen, answer.bound) == ((0, 1, 3), 2_500_000)
 
 
 def test_nothing_desired_selects_nothing() -> None:

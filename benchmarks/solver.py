@@ -1,0 +1,268 @@
+"""Strategy selection: how long a proven optimum takes, beside the direct formulation in CP-SAT and hbba_lite.
+
+Cases: Tableau 4.4 with all seven desires; K classes of four strategies (φ 1, 2, 4, 8; utility 8/φ; CPU 5–40 % divided
+by φ) that all contend for half the CPU they would take at full rate, some for a few single-slot actuators too.
+
+The peer of the same run is what one writes first: equations 4.4–4.10 with free products f·a, handed to CP-SAT as it
+comes. It finds Ω only; ours decides every tie besides. hbba_lite's times are quoted: CPU time per solve of its solver,
+built and run on the same instances on another day (2 cores, g++ 12). It has no dependencies, desired utility, security
+or time limit.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import statistics
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from app.attention.desires import Desire, Source
+from app.attention.problem import Problem
+from app.attention.solver import CachedSolver, solve
+from app.attention.strategies import Strategy
+from benchmarks.report import Row, print_table, row
+
+BENCHMARK = "solver"
+PEER = "CP-SAT, direct"
+PEER_LIMIT_S = 2.0
+LIMIT_S = 0.1
+"""The time limit of the case of 1000 strategies."""
+
+HBBA_LITE_MS = {
+    "thesis_table_4_4": "0.18",
+    "S050_K010_A05": "0.22",
+    "S050_K010_A07": "1.1",
+    "S050_K010_A10": "10",
+    "S050_K025_A15": "151",
+    "S050_K025_A20": "7500, two of five > 30 s",
+    "S050_K025_A25": "8200, two of three > 60 s",
+    "synth_K13_per4": "11 to 20,000",
+    "S200_K050_A05": "0.80",
+    "S200_K050_A07": "2.3",
+    "S200_K050_A10": "50",
+    "S200_K050_A15": "170, 9760, > 60 s",
+    "S200_K020_A10": "186",
+    "S200_K020_A15": "544, 32,070, > 60 s",
+    "synth_K20_per10": "30 s once, twice > 60 s",
+    "synth_K40_per5": "> 60 s, no answer",
+    "synth_K50_per4": "> 60 s, no answer",
+    "synth_K100_per2": "> 60 s, no answer",
+}
+"""Medians in ms of CPU, as measured, by family of instances."""
+
+
+def run() -> list[Row]:
+    """All rows. Takes under a minute."""
+    rows = []
+    table = tableau_4_4()
+    rows += compare("13 strategies, Tableau 4.4", [table], rounds=60, peer_rounds=10)
+    for classes, rounds, peer_rounds in ((7, 24, 6), (13, 24, 3), (50, 12, 1)):
+        instances = [contention(classes, seed) for seed in range(6)]
+        rows += compare(f"{4 * classes} strategies, {classes} classes", instances, rounds, peer_rounds)
+    rows += limited(contention(250, 1))
+    return rows
+
+
+def compare(case: str, problems: Sequence[Problem], rounds: int, peer_rounds: int) -> list[Row]:
+    """Cold and cached times over ``problems`` in turn, the peer on the first ``peer_rounds`` of the same."""
+    solve(problems[0])
+    ours, theirs, paired, cached, proven = [], [], [], [], True
+    for number in range(rounds):
+        problem = problems[number % len(problems)]
+        began = time.perf_counter()
+        selection = solve(problem, time_limit_s=30)
+        ours.append((time.perf_counter() - began) * 1e3)
+        proven = proven and selection.proven
+        if number < peer_rounds:
+            began = time.perf_counter()
+            omega = direct(problem)
+            theirs.append((time.perf_counter() - began) * 1e3)
+            paired.append(ours[-1])
+            if omega is not None and abs(omega - selection.omega) > 1e-6:
+                raise AssertionError(f"{case}: Ω is {selection.omega} here and {omega} there")
+        memory = CachedSolver()
+        memory.solve(problem)
+        again = Problem(dict(problem.desires), problem.strategies, dict(problem.capacities))
+        began = time.perf_counter()
+        memory.solve(again)
+        cached.append((time.perf_counter() - began) * 1e3)
+    slow = f" (stopped at {PEER_LIMIT_S:g} s)" if max(theirs) > PEER_LIMIT_S * 990 else ""
+    return [
+        row(BENCHMARK, case, "cold, proven" if proven else "cold, NOT PROVEN", "ms", ours),
+        row(BENCHMARK, case, "cold, beside a peer", "ms", paired, theirs, PEER + slow),
+        row(BENCHMARK, case, "cold, 99th percentile", "ms", [percentile(ours, 0.99)]),
+        row(BENCHMARK, case, "cached", "ms", cached),
+        row(BENCHMARK, case, "cached, 99th percentile", "ms", [percentile(cached, 0.99)]),
+    ]
+
+
+def limited(problem: Problem) -> list[Row]:
+    """1000 strategies: the best within the limit and its bound, and the time to the proof."""
+    case = f"{len(problem.strategies)} strategies, {len(problem.desires)} classes"
+    within, gaps, whole = [], [], []
+    for _ in range(5):
+        began = time.perf_counter()
+        best = solve(problem, time_limit_s=LIMIT_S)
+        within.append((time.perf_counter() - began) * 1e3)
+        gaps.append(100 * (best.bound - best.omega) / best.bound)
+    for _ in range(3):
+        began = time.perf_counter()
+        proven = solve(problem, time_limit_s=20)
+        whole.append((time.perf_counter() - began) * 1e3)
+    ended = "to the proof" if proven.proven else "NOT PROVEN in 20 s"
+    return [
+        row(BENCHMARK, case, f"limit {LIMIT_S * 1e3:g} ms: time taken", "ms", within),
+        row(BENCHMARK, case, f"limit {LIMIT_S * 1e3:g} ms: Ω below its bound", "%", gaps),
+        row(BENCHMARK, case, ended, "ms", whole),
+    ]
+
+
+def tableau_4_4() -> Problem:
+    """The thesis's strategies, all seven classes desired (i 8, u 1)."""
+    rows: list[tuple[str, int, float, float]] = [
+        *(("FindQRCodes", phi, v, cpu) for phi, v, cpu in ((1, 8, 80), (2, 4, 40), (4, 2, 20), (8, 1, 10))),
+        *(("LocateFaces", phi, v, cpu) for phi, v, cpu in ((1, 8, 60), (2, 4, 30), (4, 2, 15), (8, 1, 8))),
+        ("DetectNoises", 1, 8, 0),
+        ("LocateVoices", 1, 8, 60),
+        ("SLAM", 40, 8, 20),
+        ("Teleoperation", 1, 8, 0),
+        ("GoTo", 1, 8, 30),
+    ]
+    table = tuple(
+        Strategy(
+            f"{cls}-{phi}",
+            cls,
+            v,
+            requires={"SLAM": 1} if cls == "GoTo" else {},
+            filters={f"{cls}.input": phi},
+            costs={"cpu": cpu} if cpu else {},
+        )
+        for cls, phi, v, cpu in rows
+    )
+    desires = {s.cls: _desire(s.cls, 8, security=s.cls == "Teleoperation") for s in table}
+    return Problem(desires, table, {"cpu": 100.0})
+
+
+def contention(classes: int, seed: int) -> Problem:
+    """``classes`` classes of four strategies contending for half the CPU they want, and for actuators."""
+    chance = random.Random(seed)
+    slots = max(1, classes // 12)
+    table: list[Strategy] = []
+    full = 0
+    for number in range(classes):
+        cpu = chance.randint(5, 40)
+        full += cpu
+        actuator = {f"actuator{chance.randrange(slots)}": 1.0} if chance.random() < 0.3 else {}
+        for phi in (1, 2, 4, 8):
+            costs = {"cpu": float(max(1, cpu // phi)), **actuator}
+            cls = f"K{number}"
+            table.append(Strategy(f"{cls}-{phi}", cls, 8 / phi, filters={f"{cls}.input": phi}, costs=costs))
+    capacities = {"cpu": full / 2, **{f"actuator{slot}": 1.0 for slot in range(slots)}}
+    desires = {f"K{number}": _desire(f"K{number}", chance.randint(1, 8)) for number in range(classes)}
+    return Problem(desires, tuple(table), capacities)
+
+
+def direct(problem: Problem) -> float | None:
+    """Ω by CP-SAT with its defaults on the equations as printed; None if it has no proof in the limit."""
+    from ortools.sat.python import cp_model
+
+    model = cp_model.CpModel()
+    a = {s.name: model.new_bool_var("") for s in problem.strategies}
+    f = {cls: model.new_bool_var("") for cls in problem.desires}
+    classes = {s.cls for s in problem.strategies} | set(problem.desires)
+    products = []
+    for cls in classes:
+        cover = sum(
+            (round(1000 * s.utility) if s.cls == cls else 0) * a[s.name]
+            - round(1000 * s.requires.get(cls, 0)) * a[s.name]
+            for s in problem.strategies
+        )
+        desire = problem.desires.get(cls)
+        model.add(cover >= (round(1000 * desire.utility) * f[cls] if desire else 0))
+        if desire is not None and desire.security:
+            model.add(f[cls] == 1)
+        mine = [s for s in problem.strategies if s.cls == cls]
+        model.add_at_most_one(a[s.name] for s in mine)
+        for s in mine if desire is not None else ():
+            both = model.new_bool_var("")
+            model.add_multiplication_equality(both, [f[cls], a[s.name]])
+            products.append(round(1000 * s.utility) * both)
+    for resource, capacity in problem.capacities.items():
+        use = sum(round(1000 * s.costs.get(resource, 0)) * a[s.name] for s in problem.strategies)
+        model.add(use <= round(1000 * capacity))
+    model.maximize(sum(round(1000 * d.intensity) * f[cls] for cls, d in problem.desires.items()) + sum(products))
+    solver = cp_model.CpSolver()
+    solver.parameters.max_time_in_seconds = PEER_LIMIT_S
+    status = solver.solve(model)
+    return solver.objective_value / 1000 if status == cp_model.OPTIMAL else None
+
+
+def beside_hbba_lite(path: Path) -> None:
+    """Print our CPU times on the instances that hbba_lite was measured on, by family."""
+    families: dict[str, list[float]] = {}
+    unproven: dict[str, int] = {}
+    for instance in json.loads(path.read_text())["instances"]:
+        family = instance["name"].split("_seed")[0]
+        if family not in HBBA_LITE_MS:
+            continue
+        problem = _published(instance)
+        solve(problem, time_limit_s=5)
+        began = time.thread_time()
+        selection = solve(problem, time_limit_s=5)
+        families.setdefault(family, []).append((time.thread_time() - began) * 1e3)
+        unproven[family] = unproven.get(family, 0) + (not selection.proven)
+    print("\nOn hbba_lite's instances, ms of CPU a solve (ours: median [least – most])")
+    print(f"{'family':20s}  {'ours':>24s}  hbba_lite")
+    for family, quoted in HBBA_LITE_MS.items():
+        times = families.get(family)
+        if times:
+            ours = f"{statistics.median(times):.2f} [{min(times):.2f} – {max(times):.2f}]"
+            note = f"  ({unproven[family]} not proven in 5 s)" if unproven[family] else ""
+            print(f"{family:20s}  {ours:>24s}  {quoted}{note}")
+
+
+def percentile(samples: Sequence[float], share: float) -> float:
+    """The smallest sample that ``share`` of them do not exceed."""
+    return sorted(samples)[min(len(samples) - 1, int(share * len(samples)))]
+
+
+def _desire(cls: str, intensity: float, *, utility: float = 1.0, security: bool = False) -> Desire:
+    return Desire(f"d-{cls}", cls, intensity, utility, security, {}, Source("operator", "benchmark"), 0.0)
+
+
+def _published(instance: Mapping[str, Any]) -> Problem:
+    table = tuple(
+        Strategy(
+            f"{entry['cls']}-{number}",
+            entry["cls"],
+            entry["utility"],
+            filters={f"{name}.input": phi for name, phi in entry["filters"].items()},
+            costs={name: cost for name, cost in entry["resources"].items() if cost},
+        )
+        for number, entry in enumerate(instance["strategies"])
+    )
+    active = instance["desires"][: instance.get("active", len(instance["desires"]))]
+    desires = {
+        d["cls"]: _desire(d["cls"], d["intensity"], utility=d["utility"], security=d["security"]) for d in active
+    }
+    return Problem(desires, table, instance["capacity"])
+
+
+def main() -> int:
+    print_table(run())
+    folder = os.environ.get("HBBA_REFERENCE_DATA") or Path(__file__).resolve().parents[2] / "shared" / "data"
+    reference = Path(folder) / "solver_instances.json"
+    if reference.is_file():
+        beside_hbba_lite(reference)
+    else:
+        print(f"\nhbba_lite's instances are not compared: there is no {reference.name} in HBBA_REFERENCE_DATA.")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
