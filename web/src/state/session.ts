@@ -8,6 +8,8 @@ import type { FromRobot, ToRobot } from "../protocol/types";
 import type { Store } from "./store";
 
 const STALE_MS = 500;
+const WATCH_MS = 100;
+const READ_MS = 40;
 const HISTORY_EVENTS = 200;
 
 export class Session {
@@ -21,6 +23,7 @@ export class Session {
   private readonly live: LiveConnection;
   private readonly waiting = new Map<FromRobot["type"], FromRobot>();
   private lastStatusAt = 0;
+  private watchedAt = 0;
   private stopOwed = false;
 
   constructor(private readonly store: Store) {
@@ -35,7 +38,7 @@ export class Session {
   }
 
   async start(): Promise<void> {
-    window.setInterval(() => this.watch(), 100);
+    window.setInterval(() => this.watch(), WATCH_MS);
     window.setInterval(() => this.refresh(), 250);
     const frame = () => {
       this.onChance();
@@ -160,7 +163,16 @@ export class Session {
     return performance.now() - this.lastStatusAt <= STALE_MS;
   }
 
+  /** A page that was busy itself reads first what came meanwhile, before it says that nothing came. */
   private watch(): void {
+    const at = performance.now();
+    const late = at - this.watchedAt > 2 * WATCH_MS;
+    this.watchedAt = at;
+    if (late) window.setTimeout(() => this.judge(), READ_MS);
+    else this.judge();
+  }
+
+  private judge(): void {
     const link = this.store.link.value;
     if (link.phase === "live" && !this.fresh()) this.store.link.value = { ...link, phase: "stale" };
   }
