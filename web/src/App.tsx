@@ -12,6 +12,7 @@ import { useApp } from "./state/context";
 import { Banner } from "./ui/Banner";
 import { EStop } from "./ui/EStop";
 import { Help } from "./ui/Help";
+import { CubeIcon } from "./ui/icons";
 import { Login } from "./ui/Login";
 import { narrow } from "./ui/media";
 import { Notices } from "./ui/Notices";
@@ -34,8 +35,9 @@ export function App() {
     >
       <TopBar narrow={phone} />
       <main class="view" aria-label="View">
-        <SceneView />
+        {store.scene.value ? <SceneView /> : <div class="scene" data-testid="scene" data-state="off" />}
         <Camera />
+        <SceneToggle />
         <Banner />
         {!phone && <DrivePad />}
       </main>
@@ -50,6 +52,22 @@ export function App() {
       <Notices />
       <Help />
     </div>
+  );
+}
+
+function SceneToggle() {
+  const { store } = useApp();
+  const shown = store.scene.value;
+  return (
+    <button
+      type="button"
+      class="scene-toggle button small"
+      data-testid="scene-toggle"
+      aria-pressed={shown}
+      onClick={() => store.showScene(!shown)}
+    >
+      <CubeIcon /> {shown ? "Hide 3D" : "Show 3D"}
+    </button>
   );
 }
 

@@ -133,7 +133,13 @@ describe("spells", () => {
   });
 
   test("nothing before the first sample", () => {
-    expect(visited(filled(1, () => [row()]), -20, -10)).toEqual([]);
+    expect(
+      visited(
+        filled(1, () => [row()]),
+        -20,
+        -10,
+      ),
+    ).toEqual([]);
   });
 });
 

@@ -84,7 +84,9 @@ export function createStore() {
     /** The same, once a second: for long lists. */
     seconds: computed(() => (now.value === null ? null : Math.floor(now.value))) as ReadonlySignal<number | null>,
     tab: signal<Tab>("attention"),
-    camera: signal<CameraMode>("inset"),
+    camera: signal<CameraMode>(sceneWanted() ? "inset" : "large"),
+    /** Whether the 3D view is drawn at all. */
+    scene: signal(sceneWanted()),
     help: signal(false),
     live: computed(() => link.value.phase === "live") as ReadonlySignal<boolean>,
 
@@ -111,6 +113,10 @@ export function createStore() {
       const others = notices.value.filter((notice) => notice.text !== text);
       notices.value = [...others, { id: ++noticeId, level, text, until }].slice(-NOTICES_SHOWN);
     },
+    showScene(shown: boolean): void {
+      this.scene.value = shown;
+      this.camera.value = shown ? "inset" : "large";
+    },
     dismiss(id: number): void {
       notices.value = notices.value.filter((notice) => notice.id !== id);
     },
@@ -119,6 +125,11 @@ export function createStore() {
       localStorage.setItem(OPERATOR_KEY, operator.value);
     },
   };
+}
+
+/** `?scene=off` in the page's address opens it without the 3D view. */
+function sceneWanted(): boolean {
+  return typeof location === "undefined" || new URLSearchParams(location.search).get("scene") !== "off";
 }
 
 function readOperator(): string {

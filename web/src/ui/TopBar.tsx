@@ -69,7 +69,7 @@ export function TopBar({ narrow }: { narrow: boolean }) {
           id="command-age"
           label="Command"
           unit="ms"
-          tone={live ? tone(commandAge(guard), 120, 200) : ""}
+          tone={known && known.state !== "idle" ? tone(commandAge(known), 120, 200) : ""}
           hint="Age of the newest drive command at the robot"
         >
           {live ? millis(commandAge(guard)) : "–"}

@@ -117,6 +117,12 @@ export const QrIcon = () => (
   </Icon>
 );
 
+export const CubeIcon = () => (
+  <Icon>
+    <path d="M12 2.5l8.5 4.8v9.4L12 21.5l-8.5-4.8V7.3zM3.5 7.3L12 12l8.5-4.7M12 12v9.5" />
+  </Icon>
+);
+
 /** The state of a lane or a desire: told by shape as well as colour. */
 export function StateMark({ state }: { state: string }) {
   return (

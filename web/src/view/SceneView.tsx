@@ -2,7 +2,7 @@
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import { useApp } from "../state/context";
-import { paced, SHARES, startPace } from "./pace";
+import { hopeless, paced, SHARES, startPace } from "./pace";
 
 type Scene = "loading" | "shown" | "missing";
 
@@ -11,12 +11,20 @@ export function SceneView() {
   const frame = useRef<HTMLIFrameElement>(null);
   const [scene, setScene] = useState<Scene>("loading");
   const [step, setStep] = useState(0);
+  const told = useRef(false);
   const live = store.live.value;
   useEffect(() => {
     if (scene !== "shown" || new URLSearchParams(location.search).get("scene") === "full") return;
     let pace = startPace(performance.now(), step);
     let request = requestAnimationFrame(function frame(now) {
       pace = document.hidden ? startPace(now, pace.step) : paced(pace, now);
+      if (hopeless(pace) && !told.current) {
+        told.current = true;
+        store.notify(
+          "info",
+          "This computer draws the 3D view slowly. Without it the hands on the wheel are steadier: Hide 3D.",
+        );
+      }
       if (pace.step !== step) setStep(pace.step);
       else request = requestAnimationFrame(frame);
     });
@@ -77,7 +85,12 @@ export function SceneView() {
 /** Drawn at `share` of the resolution, shown at the full size. */
 function shrunk(share: number): Record<string, string> {
   if (share === 1) return {};
-  return { width: `${100 * share}%`, height: `${100 * share}%`, transform: `scale(${1 / share})`, transformOrigin: "0 0" };
+  return {
+    width: `${100 * share}%`,
+    height: `${100 * share}%`,
+    transform: `scale(${1 / share})`,
+    transformOrigin: "0 0",
+  };
 }
 
 function pageOf(frame: HTMLIFrameElement | null): (Window & typeof globalThis) | null {

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { paced, SHARES, startPace } from "./pace";
+import { hopeless, paced, SHARES, startPace } from "./pace";
 
 function run(frameMs: number, seconds: number, from = startPace(0)) {
   let pace = from;
@@ -16,6 +16,12 @@ test("a slow one is drawn smaller after some seconds, then smaller still, and no
   expect(run(160, 3).step).toBe(0);
   expect(run(160, 5).step).toBe(1);
   expect(run(160, 60).step).toBe(SHARES.length - 1);
+});
+
+test("slow at the smallest is hopeless, slow before it is not", () => {
+  expect(hopeless(run(160, 5))).toBe(false);
+  expect(hopeless(run(160, 60))).toBe(true);
+  expect(hopeless(run(17, 10, run(160, 60)))).toBe(false);
 });
 
 test("one slow moment is nothing, and what was made smaller stays so", () => {

@@ -17,6 +17,11 @@ export interface Pace {
   slow: number;
 }
 
+/** Drawn as small as it gets, and slow all the same. */
+export function hopeless(pace: Pace): boolean {
+  return pace.step === SHARES.length - 1 && pace.slow > PATIENCE;
+}
+
 export function startPace(now: number, step = 0): Pace {
   return { step, began: now, frames: 0, slow: 0 };
 }
