@@ -25,6 +25,7 @@ from app.runtime.clock import RealClock
 from app.runtime.graph import Graph
 from app.runtime.load import LoadMeter
 from app.runtime.supervisor import Supervisor
+from app.runtime.watchdog import LoopWatchdog
 from app.timeline_feed import TimelineFeed
 
 LOAD_WINDOW_S = 1.0
@@ -56,7 +57,9 @@ class System:
         )
         self.graph.attend(self.table.filters)
         self.supervisor = Supervisor(self.graph.modules, self.clock)
-        self.load = LoadMeter({name: slot.context.meter for name, slot in self.graph.modules.items()}, self.clock.now)
+        meters = {name: slot.context.meter for name, slot in self.graph.modules.items()}
+        self.load = LoadMeter(meters, self.clock.now)
+        self.watchdog = LoopWatchdog(meters)
         self.translator = self._make_translator()
         self._stack = AsyncExitStack()
         self._feed = TimelineFeed(
@@ -76,6 +79,7 @@ class System:
             self._stack = stack.pop_all()
         self.supervisor.observe(self._feed.module)
         self._stack.callback(self.link.attach("status", self._feed.guard))
+        await self._stack.enter_async_context(self.watchdog)
         await self._stack.enter_async_context(self.supervisor)
         for name, coroutine in {
             "translator": self.translator.run(),

@@ -27,6 +27,8 @@ PERIOD_S = 0.05
 PROJECT_ROOTS = (Path(__file__).resolve().parents[1],)
 #: The machinery every module is run by; it is named only when nothing above it is the project's.
 _MACHINERY = Path(__file__).resolve().parent
+#: What is outside of this frame started the loop and is not to blame for what the loop runs.
+_LOOP_TURN = asyncio.BaseEventLoop._run_once.__code__  # type: ignore[attr-defined]  # not in typeshed
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,8 +36,8 @@ class Blockage:
     """The loop does not come round: reported once when noticed, once (``over``) with its whole length.
 
     ``module`` is the one whose step it was, "" for work outside any module. ``where`` is ``file:line in function`` of
-    the innermost frame of the project, ``blocking`` the innermost frame of all; both "" if the call held the
-    interpreter lock, so that nobody could look.
+    the innermost frame of the project, "" if there is none; ``blocking`` is the innermost frame of all, "" if nobody
+    was seen at work: the computer had no time for the program, or a call held the interpreter lock.
     """
 
     module: str
@@ -46,7 +48,12 @@ class Blockage:
 
     def __str__(self) -> str:
         who = self.module or "something outside any module"
-        place = f" at {self.where}" if self.where else ", in a call that held the interpreter lock"
+        if not self.blocking:
+            return (
+                f"the event loop stood still for {self.lasted_s:.2f} s and nobody was seen at it: the computer had no "
+                "time for this program, or a call held the interpreter lock"
+            )
+        place = f" at {self.where}" if self.where else ""
         inner = f" (in {self.blocking})" if self.blocking != self.where else ""
         verb = "blocked" if self.over else "blocks"
         return f"{who} {verb} the event loop{place}{inner} for {self.lasted_s:.2f} s"
@@ -140,22 +147,26 @@ class LoopWatchdog:
                 self._report(Blockage(seen.module, seen.where, seen.blocking, lasted_s, True))
             elif caught is None and (late_s := time.monotonic() - self._due) > self._limit_s:
                 caught = self._look(late_s)
-                self._report(caught)
+                if caught is not None:
+                    self._report(caught)
 
-    def _look(self, late_s: float) -> Blockage:
+    def _look(self, late_s: float) -> Blockage | None:
         # The meters first: the module is the one at work now, whatever the stack says a moment later.
         module = next((name for name, meter in self._meters.items() if meter.stepping), "")
         frame = sys._current_frames().get(self._loop_thread)
         frames = list(_outwards(frame))
+        if not frames:
+            return None
         own = [f for f in frames if any(_inside(f[0], root) for root in self._roots)]
         blamed = next((f for f in own if not _inside(f[0], _MACHINERY)), own[0] if own else None)
-        return Blockage(
-            module, _place(blamed) if blamed else "", _place(frames[0]) if frames else "", late_s, over=False
-        )
+        return Blockage(module, _place(blamed) if blamed else "", _place(frames[0]), late_s, over=False)
 
 
 def _outwards(frame: FrameType | None) -> Iterator[tuple[CodeType, int]]:
-    while frame is not None:
+    """The frames of what the loop runs, from the innermost out; none if the loop itself waits (for its CPU, then)."""
+    while frame is not None and frame.f_code is not _LOOP_TURN:
+        if frame.f_back is not None and frame.f_back.f_code is _LOOP_TURN and frame.f_code.co_name == "select":
+            return
         yield frame.f_code, frame.f_lineno
         frame = frame.f_back
 

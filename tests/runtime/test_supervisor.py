@@ -147,8 +147,7 @@ async def test_modules_start_run_and_stop_leaving_no_task(build: Build) -> None:
     async with bench.supervisor:
         assert bench.stale, "nothing has started yet"
         await asyncio.sleep(1)
-        assert bench.status == "running"
-        assert not bench.stale
+        assert (bench.status, bench.state.stale) == ("running", False)
     assert bench.statuses == [(0, "starting"), (0, "running"), (1, "stopped")]
     assert bench.plan.events == [(0, "start"), (1, "stop")]
     assert asyncio.all_tasks() == before
