@@ -59,15 +59,3 @@ def moved(before: Pose2 | None, now: Pose2) -> bool:
         return True
     turn = abs(math.remainder(now.theta - before.theta, math.tau))
     return math.hypot(now.x - before.x, now.y - before.y) > 1e-3 or turn > 1e-3
-
-
-def grid_lines(side: float, step: float) -> NDArray[np.float32]:
-    """The lines (N, 2, 3) of a square grid of ``side`` metres about the origin, ``step`` metres apart, at z = 0."""
-    half = 0.5 * side
-    ticks = np.arange(-half, half + 0.5 * step, step, dtype=np.float32)
-    ends = np.array([-half, half], np.float32)
-    along, at = np.meshgrid(ends, ticks)
-    lines = np.zeros((2, len(ticks), 2, 3), np.float32)
-    lines[0, :, :, 0], lines[0, :, :, 1] = along, at
-    lines[1, :, :, 1], lines[1, :, :, 0] = along, at
-    return lines.reshape(-1, 2, 3)

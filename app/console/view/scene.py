@@ -16,7 +16,7 @@ import viser
 from numpy.typing import NDArray
 
 from app.console.view.body import Body
-from app.console.view.drawing import colors_along_x, grid_lines, moved, point_size, pose_arrays, scan_points, thinned
+from app.console.view.drawing import colors_along_x, moved, point_size, pose_arrays, scan_points, thinned
 from app.console.view.world import World
 from app.geometry import Pose2
 from app.messages import Landmarks
@@ -46,11 +46,18 @@ class ViewerScene:
         scene = client.scene
         with client.atomic():
             self._world = scene.add_frame(WORLD, show_axes=False)
-            for name, step, color, thickness in (("fine", 1.0, (38, 47, 60), 1.0), ("coarse", 5.0, (72, 86, 106), 1.5)):
-                lines = grid_lines(40.0, step)
-                scene.add_line_segments(
-                    f"{WORLD}/floor_{name}", lines, color, thickness=thickness, thickness_units="screen"
-                )
+            # One quad with a shader. Lines would be fat lines, hundreds of times dearer where there is no GPU.
+            scene.add_grid(
+                f"{WORLD}/floor",
+                width=60.0,
+                height=60.0,
+                cell_size=0.5,
+                section_size=2.5,
+                cell_color=(52, 62, 76),
+                section_color=(84, 98, 118),
+                fade_distance=30.0,
+                shadow_opacity=0.0,
+            )
             scene.add_frame(f"{WORLD}/origin", axes_length=0.4, axes_radius=0.012)
             self._body = body.add_to(scene, "/base_link")
             self._scan = self._points("scan", _SCAN_SIZE_M)

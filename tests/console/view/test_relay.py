@@ -106,9 +106,7 @@ async def test_the_page_is_visers_with_our_addition_before_its_code(url: str) ->
 
 async def test_a_viewer_is_shown_the_robot_and_what_it_perceives(url: str, system: System, body: Body) -> None:
     async with looking(url) as viewer:
-        await viewer.until(
-            ("LineSegmentsMessage", "/odom/floor_fine"), ("MeshMessage", None), ("PointCloudMessage", "/odom/cloud")
-        )
+        await viewer.until(("GridMessage", "/odom/floor"), ("MeshMessage", None), ("PointCloudMessage", "/odom/cloud"))
         feeding = asyncio.create_task(feed(system, body))
         await viewer.until(
             ("SetPositionMessage", "/odom"),
