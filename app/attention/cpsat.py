@@ -7,6 +7,7 @@ lexicographic order, as many at once as provably fit into 53 bits.
 
 from __future__ import annotations
 
+import math
 import time
 from typing import Any
 
@@ -102,12 +103,15 @@ def solve_cpsat(instance: Instance, deadline: float, hint: tuple[int, ...] = ())
         if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
             return None if best is None else Answer(best, bound, False)
         best = tuple(s for s in range(count) if not isinstance(chosen[s], int) and solver.value(chosen[s]))
+        # Counted in whole numbers: the solver's own figure is a double.
+        value = int(solver.value(objective))
         if number == 0:
+            most = value if status == cp_model.OPTIMAL else math.ceil(solver.best_objective_bound)
             # What the criteria packed below Ω contribute lies in [-shift, reach - shift[.
-            bound = (int(solver.best_objective_bound + 0.5) + shift) // reach
+            bound = (most + shift) // reach
         if status != cp_model.OPTIMAL:
             return Answer(best, bound, False)
-        model.add(objective == round(solver.objective_value))
+        model.add(objective == value)
         model.clear_hints()  # type: ignore[no-untyped-call]
         for variable in literals:
             model.add_hint(variable, solver.value(variable))
