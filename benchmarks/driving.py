@@ -38,7 +38,7 @@ def measure(presses: int) -> list[Row]:
     with tempfile.TemporaryDirectory() as folder, running_robot(Path(folder)) as robot, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=find_chromium(), args=CHROMIUM_ARGUMENTS)
         page = browser.new_page(viewport={"width": 1000, "height": 640})
-        page.goto(robot.url)
+        page.goto(f"{robot.url}/?scene=off")
         page.locator("[data-testid=connection][data-phase=live]").wait_for()
         page.evaluate(_LISTEN)
         page.wait_for_timeout(3_000)

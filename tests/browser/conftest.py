@@ -57,18 +57,18 @@ def browser(playwright: Playwright) -> Iterator[Browser]:
 
 
 @pytest.fixture
-def open_page(browser: Browser, robot: Robot) -> Iterator[Callable[[], Page]]:
+def open_page(browser: Browser, robot: Robot) -> Iterator[Callable[..., Page]]:
     """Open the console in a window of its own and wait until it is live; in the end no error may have come up in it."""
     contexts = []
     errors: list[str] = []
 
-    def open_one() -> Page:
-        # Small: the 3D view is drawn by the processor here.
+    def open_one(*, scene: bool = False) -> Page:
         context = browser.new_context(viewport={"width": 1000, "height": 640})
         contexts.append(context)
         page = context.new_page()
         page.on("pageerror", lambda error: errors.append(str(error)))
-        page.goto(robot.url)
+        # Drawn by the processor, as here, the 3D view starves all else: only tests that look at it open it.
+        page.goto(robot.url if scene else f"{robot.url}/?scene=off")
         page.locator("[data-testid=connection][data-phase=live]").wait_for()
         return page
 
@@ -79,6 +79,6 @@ def open_page(browser: Browser, robot: Robot) -> Iterator[Callable[[], Page]]:
 
 
 @pytest.fixture
-def page(open_page: Callable[[], Page]) -> Page:
+def page(open_page: Callable[..., Page]) -> Page:
     """The console, open and live."""
     return open_page()

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import Any
 
-from playwright.sync_api import Page
+from playwright.sync_api import Page, WebSocket
 
 from tests.browser.running import Robot
+from tests.console.view.viser_frames import viser_messages
 
 REACH_M = 0.15
 
@@ -74,14 +77,41 @@ def test_a_desire_from_the_page(robot: Robot, page: Page) -> None:
     assert posted["source"]["kind"] == "operator"
 
 
-def test_a_poster_driven_up_to_is_found_where_it_hangs(robot: Robot, page: Page) -> None:
-    """Its code is decoded from the rendered picture, listed, and drawn within 0.15 m of its true place."""
+def test_a_poster_driven_up_to_is_found_where_it_hangs(robot: Robot, open_page: Callable[..., Page]) -> None:
+    """Its code is decoded from the rendered picture, listed, and drawn in the scene within 0.15 m of its true place.
+
+    One page drives; a second one looks at the scene, and what viser's client is sent there is read on its way.
+    """
+    onlooker = open_page(scene=True)
+    drawn: list[dict[str, Any]] = []
+    onlooker.on("websocket", lambda socket: _collect(socket, drawn))
+    onlooker.reload()
+    onlooker.locator("[data-testid=connection][data-phase=live]").wait_for()
+    page = open_page()
     # The robot starts facing one of the posters, a few metres off.
     text = min(robot.posters, key=lambda text: abs(robot.true_place(text)[1]))
-    page.keyboard.down("KeyW")
     page.get_by_test_id("tab-found").click()
-    page.locator(f"[data-testid=landmark][data-text='{text}']").wait_for(timeout=20_000)
-    page.keyboard.up("KeyW")
+    page.keyboard.down("KeyW")
     row = page.locator(f"[data-testid=landmark][data-text='{text}']")
+    row.wait_for(timeout=40_000)
+    page.keyboard.up("KeyW")
     seen = [float(row.get_attribute(f"data-{axis}") or "nan") for axis in "xyz"]
     assert math.dist(seen, robot.true_place(text)) < REACH_M
+    places = [m["position"] for m in drawn if m["type"] == "SetPositionMessage" and m["name"] == "/odom/landmark_0"]
+    while not places:
+        onlooker.wait_for_timeout(100)
+        places = [m["position"] for m in drawn if m["type"] == "SetPositionMessage" and m["name"] == "/odom/landmark_0"]
+    assert math.dist(places[-1], robot.true_place(text)) < REACH_M
+    assert any(m["type"] == "LabelMessage" and text in str(m) for m in drawn)
+
+
+def _collect(socket: WebSocket, drawn: list[dict[str, Any]]) -> None:
+    """Keep what is said of landmarks on viser's connection."""
+    if "/viser?" not in socket.url:
+        return
+
+    def take(frame: bytes | str) -> None:
+        if isinstance(frame, bytes):
+            drawn.extend(m for m in viser_messages(frame) if "/odom/landmark" in str(m.get("name")))
+
+    socket.on("framereceived", take)
