@@ -9,6 +9,8 @@ MOST_POINTS = 76_800
 FIRST_POINTS = 4_000
 #: What was asked for and stands between the robot and the eye at most.
 TARGET_LAG_S = 0.2
+#: Two frames should not take longer: a page must have time for more than drawing.
+TARGET_FRAMES_S = 0.1
 #: A viewer that does not answer for this long does not draw (a hidden tab, a stalled computer).
 SILENT_AFTER_S = 1.5
 
@@ -45,15 +47,15 @@ class PointBudget:
 
 
 def measured(budget: PointBudget, lag_s: float, frames_s: float = 0.0) -> PointBudget:
-    """The budget after a measurement: it grows slowly well under the target and shrinks the faster the further over."""
+    """The budget after a measurement: it grows slowly well under both targets, shrinks the faster the further over."""
     smooth = lag_s if budget.lag_s is None else budget.lag_s + _SMOOTHING * (lag_s - budget.lag_s)
     frames = budget.frames_s + _SMOOTHING * (frames_s - budget.frames_s)
     points = budget.points
     # Judged by the better of the two: one late answer is no trend, and a trend that has ended must not cut on.
-    judged = min(smooth, lag_s)
-    if judged > TARGET_LAG_S:
-        points *= max(_STEEPEST_CUT, TARGET_LAG_S / judged)
-    elif smooth < _COMFORT * TARGET_LAG_S:
+    excess = max(min(smooth, lag_s) / TARGET_LAG_S, min(frames, frames_s) / TARGET_FRAMES_S)
+    if excess > 1.0:
+        points *= max(_STEEPEST_CUT, 1.0 / excess)
+    elif max(smooth / TARGET_LAG_S, frames / TARGET_FRAMES_S) < _COMFORT:
         points *= _GROWTH
     return PointBudget(min(max(points, FEWEST_POINTS), MOST_POINTS), smooth, frames)
 

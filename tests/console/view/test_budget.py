@@ -8,7 +8,9 @@ from hypothesis import strategies as st
 from app.console.view.budget import (
     FEWEST_POINTS,
     FIRST_POINTS,
+    LONGEST_PERIOD_S,
     MOST_POINTS,
+    SHORTEST_PERIOD_S,
     TARGET_LAG_S,
     PointBudget,
     measured,
@@ -46,6 +48,19 @@ def test_it_settles_where_the_lag_is_under_the_target() -> None:
     assert max(lags[12:]) < 1.1 * TARGET_LAG_S
     assert sum(lags[50:]) / 150 < TARGET_LAG_S
     assert 5_000 < budget.points < 9_500
+
+
+def test_a_page_that_draws_slowly_is_sent_less_and_less_often() -> None:
+    """Two frames that take 20 ms and 20 µs a point, over a link without any lag."""
+    budget = PointBudget(points=40_000)
+    assert budget.period_s == SHORTEST_PERIOD_S
+    for _ in range(100):
+        budget = measured(budget, 0.03, 0.02 + 20e-6 * budget.points)
+    assert 2_000 < budget.points < 4_400
+    assert 3 * 0.05 < budget.period_s <= 3 * 0.12
+    for _ in range(100):
+        budget = silent(budget)
+    assert budget.period_s == LONGEST_PERIOD_S
 
 
 def test_one_late_answer_is_no_trend() -> None:
