@@ -92,7 +92,7 @@ class TranslatorStatistics:
 class IntentionTranslator:
     """Keeps filters and parameters what the desires make them; :meth:`run` does the work.
 
-    ``safe`` names the strategies applied if the solver fails before there is any intention. ``offload`` runs a function
+    ``safe`` names the strategies that hold until the solver's first answer. ``offload`` runs a function
     beside the event loop. Raises ValueError if the table or ``safe`` name what does not exist.
     """
 
@@ -225,7 +225,11 @@ class IntentionTranslator:
     # --- The work ----------------------------------------------------------------------------------------------------
 
     async def run(self) -> None:
-        """Translate until cancelled."""
+        """Translate until cancelled. The safe strategies hold until the solver's first answer."""
+        if self._current is None and self._safe:
+            problem = self.problem()
+            safe = assess(problem, self._safe) or Selection(self._safe, (), 0.0, math.inf, {}, False)
+            self._apply(problem, safe)
         try:
             async with asyncio.TaskGroup() as group:
                 group.create_task(self._keep_time(), name="desires expire")
@@ -261,28 +265,23 @@ class IntentionTranslator:
         try:
             selection: Selection | None = await self._offload(self._solver.solve, problem)
         except Exception as failure:  # noqa: BLE001 - whatever it is, attention goes on with the last intention
-            self._failed(problem, f"{type(failure).__name__}: {failure}")
+            self._failed(f"{type(failure).__name__}: {failure}")
             return None
         if selection is None:
-            self._failed(problem, "it gave no answer")
+            self._failed("it gave no answer")
             return None
         if self._failing:
             self._failing = False
             self._timeline.add("solver", "solver", "the solver answers again")
         return selection
 
-    def _failed(self, problem: Problem, why: str) -> None:
+    def _failed(self, why: str) -> None:
         self._counts["failures"] += 1
         text = f"the solver failed ({why}); the last intention stays"
-        if self._current is None and self._safe:
-            text = f"the solver failed ({why}) before there was any intention; the safe strategies are applied"
         if not self._failing:
             _log.error("%s", text)
         self._failing = True
         self._timeline.add("solver", "solver", text, {"error": why})
-        if self._current is None and self._safe:
-            safe = assess(problem, self._safe) or Selection(self._safe, (), 0.0, math.inf, {}, False)
-            self._apply(problem, safe)
 
     def _acceptable(self, selection: Selection | None) -> bool:
         """Whether a late result may be used: only after several were discarded, and if it breaks no newer

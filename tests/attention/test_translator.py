@@ -291,7 +291,20 @@ async def test_a_solver_failure_keeps_the_last_intention() -> None:
 
 
 @in_virtual_time
-async def test_a_failure_before_any_intention_applies_the_safe_strategies() -> None:
+async def test_the_safe_strategies_hold_until_the_first_answer() -> None:
+    solver = HeldSolver()
+    s = Setting(solver=solver, offload=solver.offload, safe=["12"])
+    async with s.running():
+        _, first = await solver.next()
+        assert s.selected == ("12",)
+        assert s.bank.phi["Teleop.twist"] == 1
+        first.set_result(None)
+        await s.translator.settled()
+        assert s.selected == ()
+
+
+@in_virtual_time
+async def test_the_safe_strategies_stay_while_there_is_no_answer() -> None:
     solver = FailingSolver()
     solver.failure = SolverFailed("no time")
     s = Setting(solver=solver, safe=["12"])
