@@ -1,0 +1,107 @@
+"""The pictures of README and docs/tour.md, taken from the real page: ``.venv/bin/python -m scripts.screenshots``.
+
+Drives the simulated robot through the tour's steps in Chromium. The 3D view is drawn at full resolution whatever the
+computer, so on one without a graphics card this takes a few minutes.
+"""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from pathlib import Path
+
+import cv2
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from app.commands.doctor import find_chromium
+from tests.browser.running import CHROMIUM_ARGUMENTS, Robot, running_robot
+
+FOLDER = Path(__file__).resolve().parent.parent / "docs" / "images"
+DESKTOP = {"width": 1440, "height": 900}
+PHONE = {"width": 390, "height": 844}
+
+
+def main() -> None:
+    """Take every picture."""
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as folder, running_robot(Path(folder)) as robot, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=find_chromium(), args=CHROMIUM_ARGUMENTS)
+        tour(browser, robot)
+        browser.close()
+
+
+def tour(browser: Browser, robot: Robot) -> None:
+    """The steps of docs/tour.md, a picture each."""
+    # The hands are on a page of their own: the one that is pictured draws too slowly here to be driven from.
+    hands = opened(browser, f"{robot.url}/?scene=off", DESKTOP)
+    page = opened(browser, f"{robot.url}/?scene=full", DESKTOP)
+    page.wait_for_timeout(20_000)
+    shoot(page, "tour-first-look")
+
+    hands.get_by_test_id("speed-full").click()
+    hands.keyboard.down("KeyW")
+    hands.get_by_test_id("tab-found").click()
+    hands.locator("[data-testid=landmark]").first.wait_for(timeout=60_000)
+    hands.wait_for_timeout(2_500)
+    shoot(page, "tour-driving")
+    hands.keyboard.up("KeyW")
+    page.get_by_test_id("tab-found").click()
+    page.wait_for_timeout(8_000)
+    shoot(page, "tour-found")
+
+    page.get_by_test_id("tab-attention").click()
+    wish = {"class": "FindQRCodes", "intensity": 8, "utility": 4, "ttl": 20}
+    robot.request("POST", "/desires", wish)
+    page.wait_for_timeout(9_000)
+    shoot(page, "tour-desire")
+    shoot(page, "console")
+
+    why(page)
+    page.get_by_test_id("tab-load").click()
+    page.wait_for_timeout(3_000)
+    shoot(page, "tour-load")
+
+    hands.get_by_test_id("estop").click()
+    page.get_by_test_id("estop-release").wait_for()
+    page.wait_for_timeout(2_000)
+    shoot(page, "tour-stopped")
+    hands.get_by_test_id("estop-release").click()
+    hands.get_by_test_id("estop-release-confirm").click()
+    page.context.close()
+
+    phone = opened(browser, f"{robot.url}/?scene=full", PHONE)
+    phone.wait_for_timeout(20_000)
+    shoot(phone, "phone")
+
+
+def opened(browser: Browser, url: str, size: dict[str, int]) -> Page:
+    """A window of its own on the console, live."""
+    page = browser.new_context(viewport=size).new_page()
+    page.set_default_timeout(90_000)
+    page.goto(url)
+    page.locator("[data-testid=connection][data-phase=live]").wait_for()
+    return page
+
+
+def why(page: Page) -> None:
+    """Hover over the lane that gave way, and show the reason."""
+    box = page.get_by_test_id("lane-canvas").bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + 0.9 * box["width"], box["y"] + 0.8 * box["height"])
+    page.get_by_test_id("lane-tooltip").wait_for()
+    shoot(page, "tour-why")
+    page.mouse.move(5, 5)
+
+
+def shoot(page: Page, name: str) -> None:
+    """Save the page as ``docs/images/<name>.jpg``."""
+    picture = FOLDER / f"{name}.png"
+    page.screenshot(path=picture)
+    # A tenth of the size of a PNG, for a repository that keeps every version.
+    cv2.imwrite(str(picture.with_suffix(".jpg")), cv2.imread(str(picture)), [cv2.IMWRITE_JPEG_QUALITY, 88])
+    picture.unlink()
+    print(json.dumps({"picture": name}))
+
+
+if __name__ == "__main__":
+    main()
