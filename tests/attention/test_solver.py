@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from itertools import combinations
 
 import pytest
@@ -223,6 +224,37 @@ def test_both_searches_agree(p: Problem) -> None:
             assert answer.proven
             answers.append((tuple(sorted(answer.chosen)), answer.bound))
     assert answers[0] == answers[1]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_both_searches_agree_where_many_contend(seed: int) -> None:
+    """60 strategies of 15 classes for half the CPU they would take, actuators and SLAM: too many to exhaust."""
+    chance = random.Random(seed)
+    table = []
+    for number in range(15):
+        cpu = chance.uniform(5, 40)
+        own = {f"arm{chance.randrange(2)}": 1.0} if chance.random() < 0.3 else {}
+        needs = {"K0": chance.choice([0.5, 1, 3])} if number and chance.random() < 0.3 else {}
+        table += [
+            Strategy(
+                f"k{number}-{phi}",
+                f"K{number}",
+                8 / phi,
+                requires=needs,
+                filters={f"M{number}.x": phi},
+                costs={"cpu": round(cpu / phi, 2), **own},
+            )
+            for phi in (1, 2, 4, 8)
+        ]
+    desires = [desire(f"K{n}", chance.randint(1, 8), chance.choice([1, 1, 2]), security=n == 3) for n in range(1, 15)]
+    p = problem(desires, tuple(table), {"cpu": 150.0, "arm0": 1, "arm1": 1}, previous=["k1-2", "k2-4", "k5-1"])
+    instance = build_instance(p)
+    ours, theirs = solve_search(instance, float("inf")), solve_cpsat(instance, float("inf"))
+    assert ours is not None
+    assert theirs is not None
+    assert ours.proven
+    assert theirs.proven
+    assert ours.chosen == theirs.chosen
 
 
 @settings(max_examples=100, deadline=None)
