@@ -12,11 +12,12 @@ import logging
 import math
 from collections.abc import Awaitable, Callable, Collection, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 from app.attention.chronicle import note_desires, note_filters, note_intention
 from app.attention.desires import GRAIN
 from app.attention.intention import Intention, divisors_of, parameters_of
+from app.attention.ports import Clock, FilterBank, ParameterSink, Solver
 from app.attention.problem import Problem, Reason, Selection, Weights, assess, produced
 from app.attention.reasons import explain
 from app.attention.solver import CachedSolver, solve
@@ -28,40 +29,6 @@ _log = logging.getLogger(__name__)
 
 _PATIENCE: Final = 3
 """So many results in a row may come too late before one that still holds under the newest desires is applied."""
-
-
-class FilterBank(Protocol):
-    """The runtime's filters, by ``"Module.port"``."""
-
-    def names(self) -> Collection[str]:
-        """The filters there are."""
-        ...
-
-    def apply(self, divisors: Mapping[str, float]) -> object:
-        """Set these φ (math.inf: closed) in one step, in the order given."""
-        ...
-
-
-class ParameterSink(Protocol):
-    """Where the parameters P' of modules go."""
-
-    def configure(self, module: str, parameters: Mapping[str, Any]) -> None:
-        """Hand ``module`` all its parameters; an empty mapping returns it to its own settings."""
-        ...
-
-
-class Clock(Protocol):
-    """The robot's clock."""
-
-    def now(self) -> float: ...
-    async def sleep_until(self, stamp: float) -> None: ...
-
-
-class Solver(Protocol):
-    """What answers problems; ``recall`` gives an answer known already, at once."""
-
-    def recall(self, problem: Problem) -> Selection | None: ...
-    def solve(self, problem: Problem) -> Selection | None: ...
 
 
 @dataclass(frozen=True, slots=True)

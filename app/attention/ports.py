@@ -1,0 +1,42 @@
+"""What the Intention Translator needs of others: filters, modules' parameters, a clock, a solver."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import Any, Protocol
+
+from app.attention.problem import Problem, Selection
+
+
+class FilterBank(Protocol):
+    """The runtime's filters, by ``"Module.port"``."""
+
+    def names(self) -> Collection[str]:
+        """The filters there are."""
+        ...
+
+    def apply(self, divisors: Mapping[str, float]) -> object:
+        """Set these φ (math.inf: closed) in one step, in the order given."""
+        ...
+
+
+class ParameterSink(Protocol):
+    """Where the parameters P' of modules go."""
+
+    def configure(self, module: str, parameters: Mapping[str, Any]) -> None:
+        """Hand ``module`` all its parameters; an empty mapping returns it to its own settings."""
+        ...
+
+
+class Clock(Protocol):
+    """The robot's clock."""
+
+    def now(self) -> float: ...
+    async def sleep_until(self, stamp: float) -> None: ...
+
+
+class Solver(Protocol):
+    """What answers problems; ``recall`` gives an answer known already, at once."""
+
+    def recall(self, problem: Problem) -> Selection | None: ...
+    def solve(self, problem: Problem) -> Selection | None: ...
