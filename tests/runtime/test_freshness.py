@@ -227,6 +227,23 @@ async def test_switching_attention_never_raises_a_false_alarm_and_a_lost_source_
 
 
 @in_virtual_time
+async def test_a_module_that_runs_again_is_given_time_for_its_first_message(graph: Graph) -> None:
+    clock = VirtualClock()
+    states = {"Sensor": ModuleState("Sensor", "running", clock.now())}
+    watch = FreshnessWatch(graph, states)
+    graph.channels["images"].publish(Twist(clock.now(), 0.0, 0.0))
+    assert watch.sample(clock.now())["images"].state == "live"
+    await clock.sleep(60)
+    states["Sensor"] = ModuleState("Sensor", "failed", clock.now() - 59, 1)
+    assert watch.sample(clock.now())["images"].state == "stale"
+    states["Sensor"] = ModuleState("Sensor", "running", clock.now(), 2)
+    await clock.sleep(0.2)
+    assert watch.sample(clock.now())["images"].state == "waiting"
+    await clock.sleep(0.2)
+    assert watch.sample(clock.now())["images"].state == "stale"
+
+
+@in_virtual_time
 async def test_a_channel_that_should_come_from_outside_and_does_not_is_stale(graph: Graph) -> None:
     clock = VirtualClock()
     watch = FreshnessWatch(graph, {})

@@ -72,6 +72,7 @@ def test_closing_the_filter_is_not_progress_and_not_a_fault() -> None:
 def test_nobody_is_blamed_for_time_in_which_the_loop_stood_still() -> None:
     stage = Stage()
     stage.publish()
+    assert stage.pass_time(0.1) is None
     # Another module blocked the loop for 5 s: nobody could have taken anything.
     assert stage.pass_time(5, step_s=5) is None
     assert stage.pass_time(0.7) is None

@@ -34,6 +34,7 @@ class Plan:
         self.fail_after_s: float | None = None
         self.hang = False
         self.cling = False
+        self.slow_s = 0.0
         self.release = threading.Event()
 
 
@@ -48,7 +49,7 @@ class Subject(Module):
         self.numbers = self.input("numbers", Twist, capacity=3, lossless=True)
         self.out = self.output("out", Twist)
         self.on(self.numbers, self.take)
-        self.every(0.1, self.beat)
+        self.every(0.5, self.beat)
 
     def note(self, what: Any) -> None:
         self.plan.events.append((round(self.clock.now() - 1_000_000, 3), what))
@@ -84,6 +85,7 @@ class Subject(Module):
             await asyncio.get_running_loop().create_future()
         self.note(message.linear_mps)
         self.out.publish(message)
+        await self.clock.sleep(self.plan.slow_s)
 
     async def beat(self) -> None:
         if self.plan.fail_after_s is not None and self.clock.now() - self.began >= self.plan.fail_after_s - 1e-6:
@@ -446,6 +448,24 @@ async def test_what_outlives_its_cancellation_neither_takes_nor_publishes_any_mo
             bench.publish(make(value))
         await asyncio.sleep(0.1)
         assert bench.graph.channels["o"].statistics().published == published + 3
+
+
+@in_virtual_time
+async def test_what_outlives_its_cancellation_steals_nothing_from_a_busy_successor(build: Build, make: Make) -> None:
+    bench = Bench(build, hang_after_s=3)
+    bench.plan.cling = True
+    async with bench.supervisor:
+        for value in (1, 2):
+            bench.publish(make(value))
+        await asyncio.sleep(4.5)
+        assert bench.status == "running"
+        bench.plan.slow_s = 2.0
+        for value in (3, 4, 5):
+            bench.publish(make(value))
+        await asyncio.sleep(2.4)  # the old one comes back to life while the new one works on message 3
+        served = bench.graph.channels["n"].statistics().subscriptions["S.numbers"].taken
+        published = bench.graph.channels["o"].statistics().published
+        assert (served, published) == (4, 3), "1 by the old one; 2, 3 and 4 by the new one"
 
 
 @in_virtual_time

@@ -5,11 +5,15 @@ import re
 import sys
 import threading
 import time
+from pathlib import Path
 
 import pytest
 
 from app.runtime.load import CpuMeter, MeteredCoroutine
-from app.runtime.watchdog import Blockage, LoopWatchdog
+from app.runtime.watchdog import PROJECT_ROOTS, Blockage, LoopWatchdog
+
+
+HERE = Path(__file__).resolve().parent
 
 
 def block(seconds: float) -> None:
@@ -65,6 +69,27 @@ async def test_the_innermost_frame_of_the_project_is_blamed() -> None:
     assert blockage.module == ""
     assert "app/runtime/load.py" in blockage.where
     assert "something outside any module blocks the event loop at" in str(blockage)
+
+
+async def step_in_the_machinery() -> None:
+    CpuMeter().step(time.sleep, 0.5)
+
+
+@pytest.mark.blocking("that is what is watched for")
+async def test_the_machinery_is_not_blamed_for_whom_it_works() -> None:
+    loop = asyncio.get_running_loop()
+    caught: asyncio.Future[Blockage] = loop.create_future()
+
+    def report(blockage: Blockage) -> None:
+        if not blockage.over and not caught.done():
+            loop.call_soon_threadsafe(caught.set_result, blockage)
+
+    async with LoopWatchdog({}, report, limit_s=0.1, period_s=0.02, roots=(*PROJECT_ROOTS, HERE)):
+        await asyncio.sleep(0)
+        await step_in_the_machinery()
+        blockage = await caught
+    assert re.search(r"test_watchdog\.py:\d+ in step_in_the_machinery$", blockage.where)
+    assert "load.py" in blockage.blocking
 
 
 async def test_a_loop_that_comes_round_is_left_alone() -> None:
