@@ -80,6 +80,7 @@ class Subject(Module):
                 await asyncio.sleep(1e6)
             except asyncio.CancelledError:
                 await asyncio.sleep(2)  # will not go
+                return
         if self.plan.hang:
             self.plan.hang = False
             await asyncio.get_running_loop().create_future()

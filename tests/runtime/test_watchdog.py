@@ -12,7 +12,6 @@ import pytest
 from app.runtime.load import CpuMeter, MeteredCoroutine
 from app.runtime.watchdog import PROJECT_ROOTS, Blockage, LoopWatchdog
 
-
 HERE = Path(__file__).resolve().parent
 
 
