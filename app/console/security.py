@@ -22,6 +22,7 @@ from app.errors import ConfigError
 
 COOKIE = "hbba_session"
 SHORTEST_TOKEN = 8
+LARGEST_BODY_BYTES = 65_536
 #: What may be reached without having logged in, besides the page itself: the login and the sign of life.
 OPEN_PATHS = frozenset({"/api/v1/health", "/api/v1/session"})
 GUARDED = ("/api", "/viser")
@@ -107,12 +108,26 @@ class Door:
         changes = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD", "OPTIONS")
         if changes and origin is not None and urlsplit(origin).netloc.lower() != host.lower():
             return Problem(403, "foreign-origin", f"Pages of {origin} may not use this console.")
+        if scope["type"] == "http" and (problem := _objection_to_body(headers)) is not None:
+            return problem
         path = scope["path"]
         guarded = any(path == prefix or path.startswith(f"{prefix}/") for prefix in GUARDED)
         # The session's own GET answers 401 by itself, so that a page can ask whether it must log in.
         if guarded and path not in OPEN_PATHS and not self.knows(headers):
             return unauthorized()
         return None
+
+
+def _objection_to_body(headers: Headers) -> Problem | None:
+    """Why a body is not read: nothing here takes a large one, nor one of unknown size."""
+    length = headers.get("content-length")
+    if length is None:
+        if "transfer-encoding" not in headers:
+            return None
+        return Problem(411, "length-required", "State the body's size in Content-Length.")
+    if length.isdecimal() and int(length) > LARGEST_BODY_BYTES:
+        return Problem(413, "body-too-large", f"A body has at most {LARGEST_BODY_BYTES} bytes here, not {length}.")
+    return None
 
 
 def unauthorized() -> Problem:

@@ -136,6 +136,18 @@ async def test_every_answer_carries_its_security_headers(client: httpx.AsyncClie
     assert refused.headers["x-content-type-options"] == "nosniff"
 
 
+async def test_a_large_body_is_not_read(client: httpx.AsyncClient) -> None:
+    large = await client.post("/desires", content=b"x" * 70_000)
+    assert large.status_code == 413
+    assert large.json()["type"] == "urn:hbba:problem:body-too-large"
+
+    async def endless() -> AsyncIterator[bytes]:
+        yield b"x"
+
+    unknown = await client.post("/desires", content=endless())
+    assert unknown.status_code == 411
+
+
 def test_beyond_loopback_a_token_is_a_must() -> None:
     with pytest.raises(ConfigError, match="needs a token"):
         check_token(None, "0.0.0.0")

@@ -33,8 +33,8 @@ def set_stage(server: viser.ViserServer) -> None:
     # Lighting by a picture of a place costs a page without a GPU its first ten seconds; a plain sky does as well.
     server.scene.configure_environment_map(hdri=None)
     server.scene.add_light_hemisphere("/sky", sky_color=(235, 242, 255), ground_color=(90, 96, 108), intensity=1.6)
-    server.initial_camera.position = (-3.2, 0.0, 2.6)
-    server.initial_camera.look_at = (1.2, 0.0, 0.6)
+    server.initial_camera.position = (-3.4, 0.0, 2.3)
+    server.initial_camera.look_at = (0.3, 0.0, 0.5)
     server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, control_width="small")
     server.gui.main_panel.minimize()
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import dataclasses
 import math
 from collections.abc import AsyncIterator, Iterable
+from pathlib import Path
 from typing import Any
 
 import httpx
@@ -220,6 +222,22 @@ async def test_viser_takes_nobody_but_our_relay(url: str, view: View) -> None:
             await stranger.recv()
         assert closed.value.rcvd is not None
         assert closed.value.rcvd.code == 1008
+
+
+async def test_a_view_that_fails_is_told_closed_and_tried_anew(
+    url: str, body: Body, caplog: pytest.LogCaptureFixture
+) -> None:
+    whole = body.description
+    body.description = dataclasses.replace(whole, model_path=Path("/no/such/body.urdf"))
+    async with looking(url) as viewer:
+        with pytest.raises(websockets.ConnectionClosed) as closed:
+            await viewer.until(("MeshMessage", None))
+        assert closed.value.rcvd is not None
+        assert closed.value.rcvd.code == 1011
+    assert "the 3D view failed" in caplog.text
+    body.description = whole
+    async with looking(url) as viewer:
+        await viewer.until(("MeshMessage", None))
 
 
 async def test_pages_of_others_see_nothing(url: str) -> None:
