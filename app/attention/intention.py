@@ -43,8 +43,8 @@ def divisors_of(strategies: Collection[Strategy], controlled: Collection[str]) -
 
 
 def parameters_of(strategies: Collection[Strategy], desires: Mapping[str, Desire]) -> dict[str, dict[str, Any]]:
-    """P': each selected strategy hands its parameters, and its class's desire its own over them, to the modules it
-    concerns.
+    """P': each selected strategy hands its class's desire's parameters, and its own over them, to the modules it
+    concerns: its utility and its costs rest on its own.
 
     Where several classes concern one module, the more intense desire has the last word.
     """
@@ -54,7 +54,7 @@ def parameters_of(strategies: Collection[Strategy], desires: Mapping[str, Desire
         desire = desires.get(strategy.cls)
         for module in strategy.modules:
             mine = parameters.setdefault(module, {})
-            mine.update(strategy.parameters.get(module, {}))
             if desire is not None:
                 mine.update(desire.params)
+            mine.update(strategy.parameters.get(module, {}))
     return {module: mine for module, mine in parameters.items() if mine}

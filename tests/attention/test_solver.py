@@ -195,8 +195,8 @@ def problems(draw: st.DrawFn, *, security: bool = True, most: int = 8) -> Proble
     return Problem(desires, tuple(strategies), capacities, previous)
 
 
-@settings(max_examples=150, deadline=None)
-@given(problems(security=False))
+@settings(max_examples=100, deadline=None)
+@given(problems(security=False, most=12))
 def test_equals_exhaustive_search(p: Problem) -> None:
     """Ω, A and F, every tie included, with dependencies, inhibition and several resources."""
     found = exhaust(p)
