@@ -13,7 +13,7 @@ from app.console.live.hub import Hub
 from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
 from app.console.rest.desires import source_of
-from app.console.rest.models import (
+from app.console.rest.program_models import (
     ChannelList,
     EStopModel,
     HealthModel,

@@ -7,7 +7,7 @@ from fastapi.responses import Response
 
 from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
-from app.console.rest.models import LoginRequest, SessionModel
+from app.console.rest.program_models import LoginRequest, SessionModel
 from app.console.security import COOKIE, Door, unauthorized
 
 

@@ -7,7 +7,7 @@ from fastapi.responses import Response
 
 from app.console.live.hub import Hub
 from app.console.rest.answers import Json
-from app.console.rest.models import ViewerList
+from app.console.rest.program_models import ViewerList
 from app.console.view.view import View
 
 

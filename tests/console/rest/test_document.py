@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-DOCUMENT = Path(__file__).parents[2] / "docs" / "rest.md"
-SOURCES = Path(__file__).parents[2] / "app" / "console"
+DOCUMENT = Path(__file__).parents[3] / "docs" / "rest.md"
+SOURCES = Path(__file__).parents[3] / "app" / "console"
 
 
 @pytest.fixture

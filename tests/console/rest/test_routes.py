@@ -8,7 +8,7 @@ from typing import Any
 import httpx
 import pytest
 
-from app.console.rest import models
+from app.console.rest import models, program_models
 from app.runtime.filter import CLOSED
 from app.system import System
 from tests.console.program import Body
@@ -37,14 +37,14 @@ def is_problem(response: httpx.Response, status: int, kind: str) -> dict[str, An
         ("/intention", models.IntentionModel),
         ("/strategies", models.StrategyList),
         ("/resources", models.ResourceList),
-        ("/modules", models.ModuleList),
-        ("/modules/Teleop", models.ModuleModel),
-        ("/channels", models.ChannelList),
+        ("/modules", program_models.ModuleList),
+        ("/modules/Teleop", program_models.ModuleModel),
+        ("/channels", program_models.ChannelList),
         ("/timeline", models.EventList),
-        ("/robot", models.RobotModel),
-        ("/session", models.SessionModel),
-        ("/health", models.HealthModel),
-        ("/viewers", models.ViewerList),
+        ("/robot", program_models.RobotModel),
+        ("/session", program_models.SessionModel),
+        ("/health", program_models.HealthModel),
+        ("/viewers", program_models.ViewerList),
     ],
 )
 async def test_every_answer_has_the_shape_that_is_declared(

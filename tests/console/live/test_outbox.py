@@ -1,0 +1,107 @@
+"""What waits for one viewer."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.console.live.outbox import MOST_EVENTS, MOST_NOTICES, Frame, Outbox
+
+
+async def drained(outbox: Outbox) -> list[Frame]:
+    """Everything that waits, in order."""
+    frames = []
+    while outbox.statistics().waiting:
+        frames.append(await outbox.take())
+    return frames
+
+
+async def test_of_each_kind_only_the_newest_waits_and_kinds_take_turns() -> None:
+    outbox = Outbox()
+    outbox.put("status", "s1")
+    outbox.put("lanes", "l1")
+    outbox.put("status", "s2")
+    outbox.put_urgent("notice")
+    assert await outbox.take() == "notice"
+    assert await outbox.take() == "s2"
+    outbox.put("status", "s3")
+    assert await drained(outbox) == ["l1", "s3"]
+    assert outbox.statistics().replaced == 1
+
+
+async def test_events_are_kept_in_order_until_there_are_too_many() -> None:
+    outbox = Outbox()
+    outbox.put_events(['{"id":1}'])
+    outbox.put_events(['{"id":2}', '{"id":3}'])
+    frame = await outbox.take()
+    assert json.loads(frame) == {"type": "events", "events": [{"id": 1}, {"id": 2}, {"id": 3}]}
+    outbox.put_events("{}" for _ in range(MOST_EVENTS + 1))
+    assert outbox.statistics().events == 0
+    notice = json.loads(await outbox.take())
+    assert (notice["type"], notice["level"]) == ("notice", "warning")
+    outbox.put_events(['{"id":4}'])
+    assert json.loads(await outbox.take())["events"] == [{"id": 4}]
+
+
+async def test_one_picture_is_under_way() -> None:
+    outbox = Outbox()
+    outbox.put_picture(b"1")
+    outbox.put_picture(b"2")
+    assert await outbox.take() == b"2"
+    outbox.put_picture(b"3")
+    outbox.put_picture(b"4")
+    assert outbox.statistics().waiting == 0
+    outbox.picture_drawn()
+    assert await outbox.take() == b"4"
+    outbox.picture_drawn()
+    assert outbox.statistics().waiting == 0
+    outbox.put_picture(b"5")
+    outbox.drop_picture()
+    assert await drained(outbox) == []
+
+
+async def test_taking_waits_for_the_next() -> None:
+    outbox = Outbox()
+    taking = asyncio.create_task(outbox.take())
+    await asyncio.sleep(0)
+    assert not taking.done()
+    outbox.put("status", "s")
+    assert await taking == "s"
+
+
+puts = st.one_of(
+    st.tuples(st.just("put"), st.sampled_from(["status", "lanes", "load"])),
+    st.tuples(st.just("urgent"), st.just("")),
+    st.tuples(st.just("events"), st.integers(1, 400)),
+    st.tuples(st.just("picture"), st.just("")),
+    st.tuples(st.just("drawn"), st.just("")),
+    st.tuples(st.just("take"), st.just("")),
+)
+
+
+@given(st.lists(puts, max_size=200))
+def test_whatever_happens_it_stays_bounded(story: list[tuple[str, object]]) -> None:
+    async def run() -> None:
+        outbox = Outbox()
+        for what, how in story:
+            match what, how:
+                case "put", str(kind):
+                    outbox.put(kind, "x")
+                case "urgent", _:
+                    outbox.put_urgent("x")
+                case "events", int(number):
+                    outbox.put_events("{}" for _ in range(number))
+                case "picture", _:
+                    outbox.put_picture(b"x")
+                case "drawn", _:
+                    outbox.picture_drawn()
+                case "take", _ if outbox.statistics().waiting:
+                    await outbox.take()
+            statistics = outbox.statistics()
+            assert statistics.waiting <= MOST_NOTICES + 5
+            assert statistics.events <= MOST_EVENTS
+
+    asyncio.run(run())
