@@ -2,6 +2,8 @@ from __future__ import annotations
 
 import pytest
 
+pytest.importorskip("ezmsg", reason="the peers of the benchmarks are not installed: pip install -e '.[bench]'")
+
 from benchmarks.channels import Contender, anyio_streams, ours, percentile, queues, small
 
 
