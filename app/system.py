@@ -17,7 +17,7 @@ from app.attention.timeline import Timeline
 from app.attention.translator import Hysteresis, IntentionTranslator
 from app.attention.workspace import IntentionWorkspace
 from app.config import Configuration, load_configuration
-from app.link import LinkFailed, RobotLink
+from app.link import RobotLink
 from app.modules.desire_classes import desire_classes
 from app.robots.config import load_robot_config
 from app.robots.factory import create_link
@@ -62,6 +62,7 @@ class System:
         self.watchdog = LoopWatchdog(meters)
         self.translator = self._make_translator()
         self._stack = AsyncExitStack()
+        self._tasks: list[asyncio.Task[None]] = []
         self._feed = TimelineFeed(
             self.timeline, {n: spec.cpu_budget for n, spec in program.modules.items() if spec.cpu_budget is not None}
         )
@@ -76,18 +77,19 @@ class System:
         async with AsyncExitStack() as stack:
             stack.push_async_callback(self.link.stop)
             await self.link.start()
+            self.supervisor.observe(self._feed.module)
+            stack.callback(self.link.attach("status", self._feed.guard))
+            await stack.enter_async_context(self.watchdog)
+            await stack.enter_async_context(self.supervisor)
+            for name, coroutine in {
+                "translator": self.translator.run(),
+                "load": self._sample_load(),
+                "exploitation": self._follow_exploitation(),
+            }.items():
+                task = asyncio.create_task(coroutine, name=name)
+                self._tasks.append(task)
+                stack.push_async_callback(_cancelled, task)
             self._stack = stack.pop_all()
-        self.supervisor.observe(self._feed.module)
-        self._stack.callback(self.link.attach("status", self._feed.guard))
-        await self._stack.enter_async_context(self.watchdog)
-        await self._stack.enter_async_context(self.supervisor)
-        for name, coroutine in {
-            "translator": self.translator.run(),
-            "load": self._sample_load(),
-            "exploitation": self._follow_exploitation(),
-        }.items():
-            task = asyncio.create_task(coroutine, name=name)
-            self._stack.push_async_callback(_cancelled, task)
         return self
 
     async def __aexit__(
@@ -96,9 +98,22 @@ class System:
         """Stop the modules, then the wheels, then the body."""
         await self._stack.aclose()
 
-    async def wait_failed(self) -> LinkFailed:
-        """Wait until the body is lost; return why, in words for people."""
-        return await self.link.wait_failed()
+    async def wait_failed(self) -> Exception:
+        """Wait until the program cannot go on, and return why.
+
+        LinkFailed, in words for people, when the body is lost; any other error is a mistake of ours in what runs
+        beside the modules (those are restarted), and better met with a stop than with an attention that stands still.
+        """
+        body = asyncio.create_task(self.link.wait_failed(), name="body's failure")
+        try:
+            await asyncio.wait({body, *self._tasks}, return_when=asyncio.FIRST_COMPLETED)
+            if body.done():
+                return body.result()
+            ended = next(task for task in self._tasks if task.done())
+            error = ended.exception()
+            return error if isinstance(error, Exception) else RuntimeError(f"{ended.get_name()} ended by itself")
+        finally:
+            body.cancel()
 
     def _make_translator(self) -> IntentionTranslator:
         settings = self.config.program.attention
@@ -128,6 +143,6 @@ class System:
 
 
 async def _cancelled(task: asyncio.Task[None]) -> None:
-    """Cancel ``task`` and wait for its end; a failure of its own has been logged where it happened."""
+    """Cancel ``task`` and wait for its end; a failure of its own is told by :meth:`System.wait_failed`."""
     task.cancel()
     await asyncio.wait({task})

@@ -1,0 +1,82 @@
+"""States become events, one for each change."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from app.attention.timeline import Timeline
+from app.messages import Exploitation, LinkStatus, Twist
+from app.runtime.load import Load
+from app.runtime.supervisor import ModuleState
+from app.timeline_feed import OVERLOAD_WINDOWS, TimelineFeed
+
+STILL = Twist(0.0, 0.0, 0.0)
+STATUS = LinkStatus(0.0, "idle", "standing; nobody commands", False, None, STILL, 1.0)
+
+
+@pytest.fixture
+def timeline() -> Timeline:
+    return Timeline(100, lambda: 5.0)
+
+
+@pytest.fixture
+def feed(timeline: Timeline) -> TimelineFeed:
+    return TimelineFeed(timeline, {"Eye": 10.0})
+
+
+def told(timeline: Timeline) -> list[tuple[str, str]]:
+    """Kind and subject of everything noted."""
+    return [(event.kind, event.subject) for event in timeline.query()]
+
+
+def test_the_guard_is_noted_when_its_state_changes(feed: TimelineFeed, timeline: Timeline) -> None:
+    stopped = replace(STATUS, guard="e_stopped", reason="pressed by an operator", e_stopped=True)
+    for status in (STATUS, STATUS, stopped, stopped, STATUS):
+        feed.guard(status)
+    assert told(timeline) == [("guard", "idle"), ("guard", "e_stopped"), ("guard", "idle")]
+    assert timeline.query()[1].text == "Emergency stop: pressed by an operator"
+    assert timeline.query()[1].data["e_stopped"] is True
+
+
+def test_a_slow_world_is_noted_once_and_its_recovery_once(feed: TimelineFeed, timeline: Timeline) -> None:
+    for rate in (1.0, 0.96, 0.94, 0.9, 0.96, 0.94, 0.98, 1.0):
+        feed.guard(replace(STATUS, world_rate=rate))
+    texts = [event.text for event in timeline.query(kinds=["overload"])]
+    assert len(texts) == 2
+    assert "0.94" in texts[0]
+    assert "again" in texts[1]
+
+
+def test_who_drives_is_noted_when_it_is_another(feed: TimelineFeed, timeline: Timeline) -> None:
+    for behavior in (None, "Teleop", "Teleop", None):
+        feed.exploitation(Exploitation(0.0, behavior, STILL))
+    assert [event.text for event in timeline.query()] == ["Teleop drives", "Nobody drives"]
+
+
+def test_a_module_is_noted_when_it_fails_and_when_it_is_back(feed: TimelineFeed, timeline: Timeline) -> None:
+    running = ModuleState("Eye", "running", 0.0)
+    failed = ModuleState("Eye", "failed", 1.0, 0, "ValueError: no light")
+    for state in (running, failed, replace(running, restarts=1)):
+        feed.module(state)
+    assert told(timeline) == [("module", "Eye"), ("restart", "Eye")]
+    assert timeline.query()[0].text == "Eye failed: ValueError: no light"
+
+
+def test_overload_is_noted_when_it_lasts_and_when_it_is_over(feed: TimelineFeed, timeline: Timeline) -> None:
+    def window(used: float) -> None:
+        feed.load(Load(0.0, 1.0, {"Eye": used}, used))
+
+    window(50.0)
+    window(5.0)
+    assert told(timeline) == []
+    for _ in range(OVERLOAD_WINDOWS + 2):
+        window(20.0)
+    assert told(timeline) == [("overload", "Eye")]
+    window(5.0)
+    window(5.0)
+    assert [event.text for event in timeline.query()] == [
+        "Eye uses 20 % of a core, 10 % is its budget",
+        "Eye is within its budget again",
+    ]
