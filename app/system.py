@@ -22,6 +22,7 @@ from app.modules.desire_classes import desire_classes
 from app.robots.config import load_robot_config
 from app.robots.factory import create_link
 from app.runtime.clock import RealClock
+from app.runtime.freshness import FreshnessWatch
 from app.runtime.graph import Graph
 from app.runtime.load import LoadMeter
 from app.runtime.supervisor import Supervisor
@@ -58,6 +59,7 @@ class System:
         self.graph.attend(self.table.filters)
         self.supervisor = Supervisor(self.graph.modules, self.clock)
         meters = {name: slot.context.meter for name, slot in self.graph.modules.items()}
+        self.freshness = FreshnessWatch(self.graph, self.supervisor.states)
         self.load = LoadMeter(meters, self.clock.now)
         self.watchdog = LoopWatchdog(meters)
         self.translator = self._make_translator()
@@ -83,7 +85,7 @@ class System:
             await stack.enter_async_context(self.supervisor)
             for name, coroutine in {
                 "translator": self.translator.run(),
-                "load": self._sample_load(),
+                "sampling": self._sample(),
                 "exploitation": self._follow_exploitation(),
             }.items():
                 task = asyncio.create_task(coroutine, name=name)
@@ -132,10 +134,11 @@ class System:
         except ValueError as failure:
             raise self.config.program_document.error(str(failure), ("attention", "safe_strategies")) from None
 
-    async def _sample_load(self) -> None:
+    async def _sample(self) -> None:
         while True:
             await self.clock.sleep(LOAD_WINDOW_S)
             self._feed.load(self.load.sample())
+            self._feed.freshness(self.freshness.sample(self.clock.now()))
 
     async def _follow_exploitation(self) -> None:
         async for message in self.graph.channel("exploitation").subscribe("timeline"):

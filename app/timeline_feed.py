@@ -1,4 +1,5 @@
-"""What the program notes on its timeline besides attention's own events: modules, guard, exploitation, overload.
+"""What the program notes on its timeline besides attention's own events: modules, guard, exploitation, overload,
+channels whose news is too old.
 
 A bad state is noted once on entering and once on leaving, never in between.
 """
@@ -9,6 +10,7 @@ from collections.abc import Mapping
 
 from app.attention.timeline import Timeline
 from app.messages import Exploitation, LinkStatus
+from app.runtime.freshness import Freshness
 from app.runtime.load import Load
 from app.runtime.supervisor import ModuleState
 
@@ -34,6 +36,7 @@ class TimelineFeed:
         self._guard = ""
         self._behavior: str | None = None
         self._slow_world = False
+        self._stale: set[str] = set()
         self._over = dict.fromkeys(budgets, 0)
 
     def module(self, state: ModuleState) -> None:
@@ -68,6 +71,21 @@ class TimelineFeed:
             text = f"{message.behavior} drives" if message.behavior else "Nobody drives"
             self._timeline.add("exploitation", message.behavior or "", text)
 
+    def freshness(self, channels: Mapping[str, Freshness]) -> None:
+        """The channels as they are now, by name; noted when one goes stale and when it is so no longer."""
+        for name, now in channels.items():
+            if (now.state == "stale") == (name in self._stale):
+                continue
+            self._stale ^= {name}
+            data = {
+                "state": now.state,
+                "age_s": None if now.age_s is None else round(now.age_s, 3),
+                "limit_s": None if now.limit_s is None else round(now.limit_s, 3),
+                "rate_hz": None if now.rate_hz is None else round(now.rate_hz, 2),
+                "commanded_hz": None if now.commanded_hz is None else round(now.commanded_hz, 2),
+            }
+            self._timeline.add("stale", name, _freshness_words(name, now), data)
+
     def load(self, load: Load) -> None:
         """A load window closed; noted when a module goes over its budget for good, and when it is back."""
         for name, budget in self._budgets.items():
@@ -82,3 +100,15 @@ class TimelineFeed:
                 self._over[name] = 0
                 if windows >= OVERLOAD_WINDOWS:
                     self._timeline.add("overload", name, f"{name} is within its budget again", {"used": round(used, 1)})
+
+
+def _freshness_words(name: str, now: Freshness) -> str:
+    if now.state == "closed":
+        return f"{name} is no longer stale: nobody wants it any more"
+    if now.state != "stale":
+        return f"{name} is up to date again"
+    age = "nothing has come yet" if now.age_s is None else f"its newest message is {now.age_s:.1f} s old"
+    if now.limit_s is None:
+        return f"{name} is stale: {age} and the module behind it does not run, so nothing new can come"
+    allowed = f"{now.limit_s:.1f} s allowed at the {now.commanded_hz:g} messages a second asked for"
+    return f"{name} is stale: {age}, {allowed}; whatever builds on it does without news"

@@ -5,14 +5,18 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from app.attention.timeline import Timeline
 from app.messages import Exploitation, LinkStatus, Twist
+from app.runtime.freshness import Freshness, FreshnessState
 from app.runtime.load import Load
 from app.runtime.supervisor import ModuleState
 from app.timeline_feed import OVERLOAD_WINDOWS, TimelineFeed
 
 STILL = Twist(0.0, 0.0, 0.0)
+LIVE = Freshness("live", 0.02, 0.3, 40.0, 39.8)
 STATUS = LinkStatus(0.0, "idle", "standing; nobody commands", False, None, STILL, 1.0)
 
 
@@ -80,3 +84,57 @@ def test_overload_is_noted_when_it_lasts_and_when_it_is_over(feed: TimelineFeed,
         "Eye uses 20 % of a core, 10 % is its budget",
         "Eye is within its budget again",
     ]
+
+
+def test_a_stale_channel_is_noted_once_with_its_age_and_what_it_means(feed: TimelineFeed, timeline: Timeline) -> None:
+    feed.freshness({"scan": LIVE})
+    for age in (0.5, 1.5, 2.5):
+        feed.freshness({"scan": Freshness("stale", age, 0.3, 40.0, 12.0)})
+    feed.freshness({"scan": LIVE})
+    feed.freshness({"scan": LIVE})
+    entered, left = timeline.query()
+    assert (entered.kind, entered.subject, entered.data["age_s"], entered.data["state"]) == (
+        "stale",
+        "scan",
+        0.5,
+        "stale",
+    )
+    assert entered.text == (
+        "scan is stale: its newest message is 0.5 s old, 0.3 s allowed at the 40 messages a second asked for; "
+        "whatever builds on it does without news"
+    )
+    assert (left.kind, left.subject, left.text) == ("stale", "scan", "scan is up to date again")
+
+
+@pytest.mark.parametrize(
+    ("freshness", "words"),
+    [
+        (Freshness("stale", None, 0.3, 15.0), "nothing has come yet"),
+        (Freshness("stale", 4.0, None, None), "the module behind it does not run"),
+    ],
+)
+def test_channels_that_never_spoke_or_speak_seldom_are_told_apart(
+    timeline: Timeline, freshness: Freshness, words: str
+) -> None:
+    TimelineFeed(timeline, {}).freshness({"kinect": freshness})
+    (event,) = timeline.query()
+    assert words in event.text
+
+
+def test_a_stale_channel_that_nobody_wants_any_more_is_no_alarm(timeline: Timeline) -> None:
+    feed = TimelineFeed(timeline, {})
+    feed.freshness({"kinect": Freshness("stale", 4.0, 0.3, 15.0)})
+    feed.freshness({"kinect": Freshness("closed", 5.0, None, 0.0)})
+    assert "nobody wants it" in timeline.query()[-1].text
+
+
+@given(st.lists(st.sampled_from(("live", "waiting", "stale", "closed"))))
+def test_entering_and_leaving_take_turns(states: list[FreshnessState]) -> None:
+    timeline = Timeline(1000, lambda: 7.0)
+    feed = TimelineFeed(timeline, {})
+    for state in states:
+        feed.freshness({"scan": Freshness(state, 1.0, 0.3, 40.0)})
+    noted = [event.data["state"] == "stale" for event in timeline.query(kinds={"stale"})]
+    assert noted == [number % 2 == 0 for number in range(len(noted))]
+    changes = zip(["live", *states], states, strict=False)
+    assert len(noted) == sum((a == "stale") != (b == "stale") for a, b in changes)

@@ -9,7 +9,17 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 EventKind = Literal[
-    "desire", "intention", "filter", "exploitation", "restart", "overload", "guard", "solver", "capacity", "module"
+    "desire",
+    "intention",
+    "filter",
+    "exploitation",
+    "restart",
+    "overload",
+    "guard",
+    "solver",
+    "capacity",
+    "module",
+    "stale",
 ]
 
 _log = logging.getLogger(__name__)

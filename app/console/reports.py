@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections import deque
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from app.attention.chronicle import divisor_json
 from app.attention.desires import SCALE
 from app.link import RobotLink
 from app.messages import Exploitation, Landmarks, LinkStatus, Odometry
-from app.runtime.channel import Channel, SubscriptionStatistics
+from app.runtime.channel import SubscriptionStatistics
+from app.runtime.freshness import Freshness
 from app.runtime.graph import Graph, ModuleSlot
 
 if TYPE_CHECKING:
@@ -108,53 +109,24 @@ def latest(graph: Graph, channel: str) -> Any:
     return None if found is None else found.latest
 
 
-class SourceWatch:
-    """How fresh each channel with a nominal rate is; :meth:`sample` is called 20 times a second."""
+def sources_json(graph: Graph, channels: Mapping[str, Freshness]) -> list[dict[str, Any]]:
+    """How fresh each channel with a nominal rate is; ``channels`` as sampled now."""
+    return [
+        {"channel": name, **freshness_json(channels[name])}
+        for name, spec in graph.specs.items()
+        if spec.rate_hz is not None
+    ]
 
-    def __init__(self, graph: Graph) -> None:
-        self._graph = graph
-        self._channels = {name: spec for name, spec in graph.specs.items() if spec.rate_hz is not None}
-        self._counts: dict[str, deque[tuple[float, int]]] = {name: deque() for name in self._channels}
-        self._wanted_since: dict[str, float] = {}
 
-    def sample(self, now: float) -> list[dict[str, Any]]:
-        """State, age and rate of each channel at ``now`` (seconds)."""
-        return [self._source(name, self._graph.channels[name], now) for name in self._channels]
-
-    def _source(self, name: str, channel: Channel[Any], now: float) -> dict[str, Any]:
-        statistics = channel.statistics()
-        counts = self._counts[name]
-        counts.append((now, statistics.published))
-        while len(counts) > 2 and counts[1][0] <= now - 1.0:
-            counts.popleft()
-        elapsed = counts[-1][0] - counts[0][0]
-        rate = (counts[-1][1] - counts[0][1]) / elapsed if elapsed > 0 else None
-        divisor = self._source_divisor(name)
-        open_now = channel.wanted and divisor is not None
-        since = self._wanted_since.setdefault(name, now) if open_now else self._wanted_since.pop(name, now)
-        age = None if statistics.last_stamp is None else now - statistics.last_stamp
-        return {
-            "channel": name,
-            "state": self._state(name, open_now, age, now - since, divisor or 1),
-            "age_ms": None if age is None else round(1e3 * age, 1),
-            "rate_hz": None if rate is None else round(rate, 2),
-            "expected_hz": round((self._channels[name].rate_hz or 0.0) / divisor, 2) if divisor is not None else 0.0,
-        }
-
-    def _state(self, name: str, open_now: bool, age: float | None, open_for: float, divisor: int) -> str:
-        if not open_now:
-            return "closed"
-        limit = self._channels[name].stale_after_s(divisor)
-        fresh = age is not None and (limit is None or age <= limit)
-        if fresh:
-            return "live"
-        # A source that was just asked for is given its time before it counts as stale.
-        return "waiting" if age is None or (limit is not None and open_for <= max(1.0, 2 * limit)) else "stale"
-
-    def _source_divisor(self, channel: str) -> int | None:
-        """φ of the output that feeds a channel, None when closed."""
-        producer = self._graph.producers.get(channel)
-        return 1 if producer is None else divisor_json(self._graph.filters.divisors()[producer])
+def freshness_json(freshness: Freshness) -> dict[str, Any]:
+    """How fresh a channel is, measured beside commanded."""
+    age, rate, expected = freshness.age_s, freshness.rate_hz, freshness.commanded_hz
+    return {
+        "state": freshness.state,
+        "age_ms": None if age is None else round(1e3 * age, 1),
+        "rate_hz": None if rate is None else round(rate, 2),
+        "expected_hz": None if expected is None else round(expected, 2),
+    }
 
 
 class ModuleReport:

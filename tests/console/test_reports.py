@@ -1,55 +1,61 @@
-"""How fresh each channel is, told with a clock that the test moves."""
+"""How fresh each channel is, in the words of REST and the live stream."""
 
 from __future__ import annotations
 
-from typing import Any
+import asyncio
 
-from app.console.reports import SourceWatch
-from app.geometry import Pose2
-from app.messages import Odometry
-from app.runtime.channel_table import ChannelSpec
-from app.runtime.graph import Graph
+import httpx
 
-
-class Clock:
-    """A clock that stands."""
-
-    def __init__(self) -> None:
-        self.time = 100.0
-
-    def now(self) -> float:
-        return self.time
-
-    async def sleep(self, seconds: float) -> None: ...
-
-    async def sleep_until(self, stamp: float) -> None: ...
+from app.attention.timeline import TimelineEvent
+from app.console import reports
+from app.runtime.freshness import Freshness
+from app.system import System
+from tests.console.program import Body, image
 
 
-def test_a_source_waits_lives_goes_stale_and_closes() -> None:
-    clock = Clock()
-    spec = ChannelSpec.model_validate({"type": "Odometry", "rate_hz": 20, "external": True})
-    graph = Graph(clock=clock, channels={"odometry": spec}, modules={}, services={})
-    channel, watch = graph.channel("odometry"), SourceWatch(graph)
+def test_freshness_is_told_in_milliseconds_and_beside_what_was_asked_for() -> None:
+    told = reports.freshness_json(Freshness("live", 0.012345, 0.3, 15 / 4, 3.7512))
+    assert told == {"state": "live", "age_ms": 12.3, "rate_hz": 3.75, "expected_hz": 3.75}
+    told = reports.freshness_json(Freshness("waiting", None, None, None))
+    assert told == {"state": "waiting", "age_ms": None, "rate_hz": None, "expected_hz": None}
 
-    def source() -> dict[str, Any]:
-        return watch.sample(clock.time)[0]
 
-    assert source()["state"] == "closed"
-    subscription = channel.subscribe("test")
-    assert source()["state"] == "waiting"
-    for _ in range(40):
-        clock.time += 0.05
-        channel.publish(Odometry(clock.time, Pose2(), 0.0, 0.0))
-        told = source()
-    assert told["state"] == "live"
-    assert (told["age_ms"], told["rate_hz"], told["expected_hz"]) == (0.0, 20.0, 20.0)
-    clock.time += 0.5
-    assert source()["state"] == "stale"
-    channel.unsubscribe(subscription)
-    clock.time += 60.0
-    assert source()["state"] == "closed"
-    # Old news of a source that was just asked for is no alarm yet.
-    channel.subscribe("test")
-    assert source()["state"] == "waiting"
-    clock.time += 2.0
-    assert source()["state"] == "stale"
+async def test_page_and_rest_and_timeline_tell_one_story_of_a_channel(
+    client: httpx.AsyncClient, system: System, body: Body
+) -> None:
+    async def listed(name: str) -> dict[str, object]:
+        channels = (await client.get("/channels")).json()["channels"]
+        found: dict[str, object] = next(channel for channel in channels if channel["name"] == name)
+        return found
+
+    def source(name: str) -> dict[str, object]:
+        fresh = system.freshness.sample(system.clock.now())
+        return next(told for told in reports.sources_json(system.graph, fresh) if told["channel"] == name)
+
+    assert (await listed("kinect"))["state"] == source("kinect")["state"] == "closed"
+    subscription = system.graph.channel("kinect").subscribe("test")
+    assert (await listed("kinect"))["state"] == source("kinect")["state"] == "waiting"
+    body.emit("kinect", image(system.clock.now()))
+    kinect = await listed("kinect")
+    assert (kinect["state"], kinect["expected_hz"], kinect["stale_after_ms"]) == ("live", 15.0, 300.0)
+    assert source("kinect")["state"] == "live"
+    # As if the picture had been taken long ago, after time enough to take another.
+    late = system.freshness.sample(system.clock.now() + 5.0)
+    assert late["kinect"].state == "stale"
+    system.graph.channel("kinect").unsubscribe(subscription)
+    assert (await listed("kinect"))["state"] == "closed"
+    assert (await listed("kinect"))["expected_hz"] == 0.0
+    assert {told["channel"] for told in reports.sources_json(system.graph, late)} == {
+        "kinect", "scan", "odometry", "joints", "exploitation",
+    }  # fmt: skip
+
+
+async def test_a_sensor_that_says_nothing_is_on_the_timeline(system: System) -> None:
+    noted: asyncio.Queue[TimelineEvent] = asyncio.Queue()
+    end = system.timeline.observe(lambda event: noted.put_nowait(event) if event.subject == "odometry" else None)
+    known = system.timeline.query(kinds=["stale"])
+    async with asyncio.timeout(10):
+        event = next((event for event in known if event.subject == "odometry"), None) or await noted.get()
+    end()
+    assert event.kind == "stale"
+    assert event.text.startswith("odometry is stale: nothing has come yet")

@@ -37,7 +37,6 @@ class Sampler:
         self._system = system
         self._audience = audience
         self._lanes = LaneSampler(system.graph, system.classes, system.table.strategies)
-        self._sources = reports.SourceWatch(system.graph)
         self._modules = reports.ModuleReport(system)
         self._sequence = 0
         self._load_stamp = 0.0
@@ -91,7 +90,7 @@ class Sampler:
             "world_rate": 1.0 if status is None else round(status.world_rate, 4),
             "odometry": reports.odometry_json(self._odometry),
             "exploited": reports.exploited(self._exploitation, now),
-            "sources": self._sources.sample(now),
+            "sources": reports.sources_json(self._system.graph, self._system.freshness.sample(now)),
         }
 
     def _lanes_message(self, now: float) -> dict[str, Any]:

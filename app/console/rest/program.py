@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 from fastapi import APIRouter, Path, Request
 from fastapi.responses import Response
 
-from app.attention.chronicle import divisor_json
 from app.console import reports
 from app.console.live.hub import Hub
 from app.console.problems import Problem
@@ -23,6 +22,8 @@ from app.console.rest.program_models import (
 )
 
 if TYPE_CHECKING:
+    from app.runtime.freshness import Freshness
+    from app.runtime.graph import Graph
     from app.system import System
 
 
@@ -88,8 +89,8 @@ def program_router(system: System) -> APIRouter:
 
     @router.get("/channels", response_model=ChannelList, summary="Channels and how fresh they are")
     async def list_channels() -> Response:
-        now = system.clock.now()
-        return Json({"channels": [channel_json(system, name, now) for name in system.graph.channels]})
+        fresh = system.freshness.sample(system.clock.now())
+        return Json({"channels": [channel_json(system.graph, name, fresh[name]) for name in system.graph.channels]})
 
     @router.get("/health", response_model=HealthModel, summary="Sign of life")
     async def get_health() -> Response:
@@ -103,27 +104,26 @@ def program_router(system: System) -> APIRouter:
     return router
 
 
-def channel_json(system: System, name: str, now: float) -> dict[str, Any]:
-    """A channel of the table and its counters."""
-    spec, channel = system.graph.specs[name], system.graph.channels[name]
+def channel_json(graph: Graph, name: str, freshness: Freshness) -> dict[str, Any]:
+    """A channel of the table, how fresh it is, and its counters."""
+    spec, channel = graph.specs[name], graph.channels[name]
     statistics = channel.statistics()
-    producer = system.graph.producers.get(name)
-    divisor = 1 if producer is None else divisor_json(system.graph.filters.divisors()[producer])
-    age = None if statistics.last_stamp is None else now - statistics.last_stamp
-    limit = spec.stale_after_s(divisor or 1)
-    listened = channel.wanted and divisor is not None
+    told = reports.freshness_json(freshness)
     return {
         "name": name,
         "title": spec.title,
         "type": spec.message,
         "frame": spec.frame,
         "rate_hz": spec.rate_hz,
+        "expected_hz": told["expected_hz"],
+        "measured_hz": told["rate_hz"],
         "decimable": spec.decimable,
         "wanted": channel.wanted,
-        "producer": producer,
+        "producer": graph.producers.get(name),
         "published": statistics.published,
-        "age_ms": None if age is None else round(1e3 * age, 1),
-        "stale": bool(listened and limit is not None and (age is None or age > limit)),
+        "state": told["state"],
+        "age_ms": told["age_ms"],
+        "stale_after_ms": None if freshness.limit_s is None else round(1e3 * freshness.limit_s, 1),
         "subscriptions": {
             consumer: reports.subscription_json(counters) for consumer, counters in statistics.subscriptions.items()
         },

@@ -62,12 +62,17 @@ class ChannelModel(Answer):
     type: str
     frame: str
     rate_hz: float | None = Field(description="Nominal rate; null for a channel of events.")
+    expected_hz: float | None = Field(description="Rate that attention asks for; 0 when closed, null for events.")
+    measured_hz: float | None = Field(description="Messages a second over the last two seconds.")
     decimable: bool
     wanted: bool = Field(description="Whether anybody listens.")
     producer: str | None = Field(description="`Module.port`; null: fed from outside the graph.")
     published: int
+    state: Literal["live", "waiting", "stale", "closed"] = Field(
+        description="`stale`: older than the rate asked for allows, or its module is down. `closed`: not wanted."
+    )
     age_ms: float | None = Field(description="Age of the newest message.")
-    stale: bool = Field(description="Whether it is older than its rate, as commanded, allows.")
+    stale_after_ms: float | None = Field(description="Age beyond which it is stale; null for events and when closed.")
     subscriptions: dict[str, dict[str, Any]] = Field(description="Counters by consumer.")
 
 
