@@ -1,6 +1,7 @@
 """All viewers of the live stream. Frames are built once and shared; nobody's slowness delays anyone else.
 
-While nobody watches, nothing is sampled, subscribed to or encoded.
+While nobody watches, nothing is subscribed to or encoded; the lanes alone are sampled, slowly, so that whoever comes
+sees what was.
 """
 
 from __future__ import annotations
@@ -63,8 +64,9 @@ class Hub:
     # --- Life --------------------------------------------------------------------------------------------------------
 
     def open(self) -> None:
-        """Begin to heed the guard."""
+        """Begin to heed the guard and to remember the lanes."""
         self._stack.callback(self._system.link.attach("status", self._on_status))
+        self._stack.callback(asyncio.create_task(self._sampler.remember(), name="console lanes").cancel)
 
     def close(self) -> None:
         """Stop whoever drives and forget everybody."""
@@ -207,6 +209,8 @@ class Hub:
         """What a newcomer must know that is otherwise told on change only."""
         landmarks = reports.landmarks_json(reports.latest(self._system.graph, "landmarks"))
         return {
+            # First, so that the page has the past before the present.
+            "lanes_history": self._sampler.history_frame(),
             **{kind: build() for kind, build in self._builders().items()},
             "landmarks": encode_text({"type": "landmarks", "landmarks": landmarks}),
             "load": self._sampler.load_frame(),

@@ -1,4 +1,5 @@
-"""What the stream tells at fixed rates: status and lanes at 20 Hz, load at 1 Hz, landmarks as they change."""
+"""What the stream tells at fixed rates: status and lanes at 20 Hz, load at 1 Hz, landmarks as they change; and what
+the lanes were, for who comes later."""
 
 from __future__ import annotations
 
@@ -6,6 +7,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Protocol
 
 from app.console import reports
+from app.console.live import lane_history
 from app.console.live.lanes import LaneSampler
 from app.console.wire import encode_text
 from app.messages import Exploitation, Landmarks, LinkStatus, Odometry
@@ -31,12 +33,13 @@ class Audience(Protocol):
 
 
 class Sampler:
-    """Samples the program while somebody watches."""
+    """Samples the program: :meth:`run` while somebody watches, :meth:`remember` always."""
 
     def __init__(self, system: System, audience: Audience) -> None:
         self._system = system
         self._audience = audience
         self._lanes = LaneSampler(system.graph, system.classes, system.table.strategies)
+        self._history = lane_history.LaneHistory(system.classes)
         self._modules = reports.ModuleReport(system)
         self._sequence = 0
         self._load_stamp = 0.0
@@ -71,10 +74,21 @@ class Sampler:
             due = max(due + PERIOD_S, now)
             await clock.sleep_until(due)
 
+    async def remember(self) -> None:
+        """Note the lanes for later until cancelled."""
+        clock = self._system.clock
+        due = clock.now()
+        while True:
+            now = clock.now()
+            self._history.add(now, self._rows(now))
+            due = max(due + lane_history.PERIOD_S, now)
+            await clock.sleep_until(due)
+
     def _sample(self, now: float) -> None:
         self._sequence += 1
         self._audience.broadcast_status(self._status(now))
-        self._audience.broadcast("lanes", encode_text(self._lanes_message(now)))
+        lanes = {"type": "lanes", "seq": self._sequence, "stamp": now, "rows": self._rows(now)}
+        self._audience.broadcast("lanes", encode_text(lanes))
         if self._system.load.latest.stamp != self._load_stamp:
             self._load_stamp = self._system.load.latest.stamp
             self._modules.sample()
@@ -93,15 +107,18 @@ class Sampler:
             "sources": reports.sources_json(self._system.graph, self._system.freshness.sample(now)),
         }
 
-    def _lanes_message(self, now: float) -> dict[str, Any]:
+    def _rows(self, now: float) -> list[dict[str, Any]]:
         current = self._system.translator.current
-        rows = self._lanes.sample(
+        return self._lanes.sample(
             now,
             self._system.workspace.strongest(),
             () if current is None else [strategy.name for strategy in current.strategies],
             {} if current is None else current.reasons,
         )
-        return {"type": "lanes", "seq": self._sequence, "stamp": now, "rows": rows}
+
+    def history_frame(self) -> str:
+        """The lanes of the last minutes."""
+        return self._history.frame()
 
     def load_frame(self) -> str:
         """The last load window."""

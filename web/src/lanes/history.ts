@@ -1,6 +1,6 @@
 /** What the lanes showed in the last ten minutes: one bounded ring of stamps, one column of values per class. */
 
-import type { LaneRow, LaneState } from "../protocol/types";
+import type { LaneRow, LanesHistory, LaneState } from "../protocol/types";
 
 /** 20 messages a second for 10 minutes and a little. */
 export const CAPACITY = 12_600;
@@ -60,6 +60,28 @@ export class LaneHistory {
     for (const lane of this.lanes.values()) blank(lane, slot);
     for (const row of message.rows) this.write(row, slot);
     this.count += 1;
+  }
+
+  /**
+   * Takes the past that the robot tells a new connection: all of it, or after a break what this page has missed. Of a
+   * robot whose clock was set back, the new past alone is kept.
+   */
+  fill(past: LanesHistory): void {
+    const last = past.stamps.at(-1);
+    if (last === undefined) return;
+    if (this.newest !== null && this.newest - last >= SET_BACK_S) this.clear();
+    const heard = this.newest ?? -Infinity;
+    const spells = past.rows.map(() => -1);
+    past.stamps.forEach((stamp, number) => {
+      const rows = past.rows.flatMap((row, index) => {
+        while (row.spells[spells[index]! + 1] && row.spells[spells[index]! + 1]!.at <= number) spells[index]! += 1;
+        const spell = row.spells[spells[index]!];
+        if (!spell) return [];
+        const { intensity, utility, divisor, state, text } = spell;
+        return [{ class: row.class, rate: row.rate[number] ?? null, intensity, utility, divisor, state, text }];
+      });
+      if (stamp > heard) this.push({ stamp, rows });
+    });
   }
 
   /** The number of the newest sample not after `stamp`; `first − 1` if all are after it. */

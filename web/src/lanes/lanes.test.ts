@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import type { LaneRow } from "../protocol/types";
+import type { LaneRow, LanesHistory } from "../protocol/types";
 import { Columns, toColumns } from "./columns";
 import { CAPACITY, LaneHistory } from "./history";
 import { spells } from "./spells";
@@ -59,6 +59,65 @@ describe("history", () => {
     expect(history.count).toBe(100);
     history.push({ stamp: START - 100, rows: [row()] });
     expect(history.count).toBe(1);
+  });
+});
+
+describe("the past that the robot tells", () => {
+  /** Twice a second from `from` on; QR was undesired until sample `at`, with a reason since. */
+  function told(from: number, count: number, at: number): LanesHistory {
+    const before = { intensity: null, utility: null, divisor: null, state: "undesired", text: "Nobody" } as const;
+    const since = { intensity: 8, utility: 2, divisor: 4, state: "degraded", text: "Too dear" } as const;
+    return {
+      type: "lanes_history",
+      stamps: Array.from({ length: count }, (_, i) => from + i * 0.5),
+      rows: [
+        {
+          class: "QR",
+          rate: Array.from({ length: count }, (_, i) => (i < at ? null : i / count)),
+          spells: [
+            { at: 0, ...before },
+            { at, ...since },
+          ],
+        },
+      ],
+    };
+  }
+
+  test("fills an empty page, with reasons, as if it had been there", () => {
+    const history = new LaneHistory();
+    history.fill(told(START, 1200, 800));
+    expect(history.count).toBe(1200);
+    expect(history.sample("QR", START + 399.7)).toMatchObject({ intensity: null, state: "undesired", rate: null });
+    const later = history.sample("QR", START + 400.1)!;
+    expect(later).toMatchObject({ intensity: 8, utility: 2, divisor: 4, state: "degraded", text: "Too dear" });
+    expect(later.rate).toBeCloseTo(800 / 1200, 5);
+    history.push({ stamp: START + 600, rows: [row()] });
+    expect(history.sample("QR", START + 600.1)!.intensity).toBe(8);
+    const seen: number[] = [];
+    spells(history, history.lanes.get("QR")!, { from: START, to: START + 600 }, (_, a, b) => seen.push(a, b));
+    expect(seen.map((stamp) => stamp - START)).toEqual([0, 400, 400, 600, 600, 600]);
+  });
+
+  test("after a break adds what was missed and leaves what was heard", () => {
+    const history = filled(200, () => [row({ text: "heard" })]);
+    history.fill(told(START - 300, 640, 100));
+    expect(history.first).toBe(0);
+    expect(history.oldest).toBe(START);
+    expect(history.sample("QR", START + 9.96)!.text).toBe("heard");
+    expect(history.sample("QR", START + 12)!.text).toBe("Too dear");
+    expect(history.newest).toBe(START + 19.5);
+    history.fill(told(START - 300, 640, 100));
+    expect(history.newest).toBe(START + 19.5);
+    expect(history.count).toBe(220);
+  });
+
+  test("a robot whose clock was set back has a new past; no past changes nothing", () => {
+    const history = filled(200, () => [row({ text: "heard" })]);
+    history.fill({ type: "lanes_history", stamps: [], rows: [] });
+    expect(history.count).toBe(200);
+    history.fill(told(START - 5000, 50, 10));
+    expect(history.count).toBe(50);
+    expect(history.oldest).toBe(START - 5000);
   });
 });
 

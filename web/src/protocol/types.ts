@@ -101,6 +101,16 @@ export interface Lanes {
   rows: LaneRow[];
 }
 
+/** A class's values from sample `at` until its next spell. */
+export type LaneSpell = Omit<LaneRow, "class" | "rate"> & { at: number };
+
+/** The lanes before this page came: one rate for each stamp, the rest as it changed. */
+export interface LanesHistory {
+  type: "lanes_history";
+  stamps: number[];
+  rows: { class: string; rate: (number | null)[]; spells: LaneSpell[] }[];
+}
+
 export interface Desire {
   id: string;
   class: string;
@@ -200,6 +210,7 @@ export type FromRobot =
   | Hello
   | Status
   | Lanes
+  | LanesHistory
   | Load
   | { type: "desires"; desires: Desire[] }
   | { type: "intention"; intention: Intention | null }

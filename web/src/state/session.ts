@@ -122,6 +122,7 @@ export class Session {
       this.store.clock.heard(message.stamp, at / 1000);
     if (message.type === "status") this.lastStatusAt = at;
     if (message.type === "lanes") this.store.lanes.push(message);
+    if (message.type === "lanes_history") this.store.lanes.fill(message);
     if (message.type === "events") this.store.addEvents(message.events);
     else if (message.type === "notice") this.store.notify(message.level, message.text);
     else if (message.type === "hello") {

@@ -1,0 +1,87 @@
+"""The recent past of the lanes, for pages that come later: twice a second, what changes seldom only as it changes."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any
+
+from app.console.wire import encode_text
+
+PERIOD_S = 0.5
+SPAN_S = 600.0
+MOST_SAMPLES = round(SPAN_S / PERIOD_S)
+#: The frame stays under this; of a past too eventful for that, the older part is left out.
+MOST_BYTES = 200_000
+
+#: What a row keeps for as long as it stays the same.
+HELD = ("intensity", "utility", "divisor", "state", "text")
+
+
+@dataclass(frozen=True, slots=True)
+class Spell:
+    """``values`` of :data:`HELD`, which a class has had since sample ``number`` (counted from the first ever)."""
+
+    number: int
+    values: tuple[Any, ...]
+
+
+class LaneHistory:
+    """The last ``most_samples`` samples of the lanes; noting one more takes constant time."""
+
+    def __init__(self, classes: Iterable[str], most_samples: int = MOST_SAMPLES) -> None:
+        self._most = most_samples
+        self._count = 0
+        self._stamps: deque[float] = deque(maxlen=most_samples)
+        self._rates: dict[str, deque[float | None]] = {cls: deque(maxlen=most_samples) for cls in classes}
+        self._spells: dict[str, deque[Spell]] = {cls: deque() for cls in self._rates}
+
+    def add(self, stamp: float, rows: Sequence[Mapping[str, Any]]) -> None:
+        """Note the ``rows`` of a ``lanes`` message, one for each class, at ``stamp`` (s)."""
+        self._stamps.append(stamp)
+        oldest = self._count + 1 - len(self._stamps)
+        for row in rows:
+            self._rates[row["class"]].append(row["rate"])
+            spells = self._spells[row["class"]]
+            values = tuple(row[name] for name in HELD)
+            if not spells or spells[-1].values != values:
+                spells.append(Spell(self._count, values))
+            # The last spell that began at or before the oldest sample holds there.
+            while len(spells) > 1 and spells[1].number <= oldest:
+                spells.popleft()
+        self._count += 1
+
+    def frame(self, most_bytes: int = MOST_BYTES) -> str:
+        """The message ``lanes_history`` of at most ``most_bytes`` (of at least one sample, if there is any)."""
+        samples = len(self._stamps)
+        while True:
+            frame = encode_text(self._message(samples))
+            if len(frame) <= most_bytes or samples <= 1:
+                return frame
+            samples //= 2
+
+    def _message(self, samples: int) -> dict[str, Any]:
+        first = self._count - samples
+        return {
+            "type": "lanes_history",
+            "stamps": [round(stamp, 3) for stamp in _last(self._stamps, samples)],
+            "rows": [
+                {"class": cls, "rate": _last(rates, samples), "spells": _spells_json(self._spells[cls], first)}
+                for cls, rates in self._rates.items()
+            ],
+        }
+
+
+def _last(values: deque[Any], count: int) -> list[Any]:
+    return list(islice(values, len(values) - count, None))
+
+
+def _spells_json(spells: Sequence[Spell], first: int) -> list[dict[str, Any]]:
+    """The spells from sample ``first`` on, their beginnings counted from it."""
+    held = [spell for spell in spells if spell.number <= first][-1:]
+    later = [spell for spell in spells if spell.number > first]
+    return [
+        {"at": max(0, spell.number - first), **dict(zip(HELD, spell.values, strict=True))} for spell in held + later
+    ]
