@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -35,10 +36,32 @@ def colors_along_x(points: NDArray[Any]) -> NDArray[np.uint8]:
 
 
 def thinned(count: int, most: int) -> NDArray[np.intp]:
-    """Indices of at most ``most`` of ``count`` points, evenly spread and in order."""
+    """Indices of at most ``most`` of ``count`` points, spread evenly but without a pattern, ascending.
+
+    Always the same for the same numbers; those for fewer are among those for more.
+    """
     if count <= most:
         return np.arange(count, dtype=np.intp)
-    return np.linspace(0, count - 1, max(most, 1)).astype(np.intp)
+    order = spread_order((count - 1).bit_length())
+    kept = np.zeros(count, np.bool_)
+    kept[order[order < count][:most]] = True
+    return np.flatnonzero(kept)
+
+
+@lru_cache(maxsize=32)
+def spread_order(bits: int) -> NDArray[np.intp]:
+    """The numbers below 2**``bits`` in an order of which every beginning is spread evenly over them.
+
+    Van der Corput's sequence with Owen's scrambling: whenever 2**k numbers more have come, one more has come of each
+    of 2**k equal stretches, from anywhere in it. Numbers at even steps would meet the rows of an image as a moiré.
+    """
+    random = np.random.default_rng(bits)
+    order = np.zeros(1, np.intp)
+    for _ in range(bits):
+        half = random.integers(0, 2, len(order))
+        order = np.concatenate([2 * order + half, 2 * order + 1 - half])
+    order.flags.writeable = False
+    return order
 
 
 def point_size(count: int) -> float:

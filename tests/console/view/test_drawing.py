@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from app.console.view.drawing import FAR_M, colors_along_x, moved, point_size, pose_arrays, scan_points, thinned
 from app.geometry import Pose2, Pose3
@@ -38,13 +39,32 @@ def test_laser_points_go_from_red_to_blue_along_x() -> None:
 def test_a_cloud_is_thinned_evenly(count: int, most: int) -> None:
     chosen = thinned(count, most)
     assert len(chosen) == min(count, most)
-    if len(chosen):
-        assert chosen[0] >= 0
-        assert chosen[-1] < count
-    steps = np.diff(chosen)
-    if len(steps):
-        assert steps.min() >= 1
-        assert steps.max() - steps.min() <= 1 or count <= most
+    assert (np.diff(chosen) > 0).all(), "in order, none twice"
+    taken = np.zeros(count, np.intp)
+    taken[chosen] = 1
+    for bits in range(1, max(count - 1, 1).bit_length()):
+        size = 1 << bits
+        stretches = taken[: count - count % size].reshape(-1, size).sum(axis=1)
+        assert np.ptp(stretches) <= 1 if len(stretches) else True, f"stretches of {size}"
+
+
+@given(st.integers(1, 30_000), st.integers(1, 30_000), st.integers(1, 30_000))
+def test_a_smaller_budget_takes_of_what_a_larger_one_takes(count: int, a: int, b: int) -> None:
+    assert set(thinned(count, min(a, b)).tolist()) <= set(thinned(count, max(a, b)).tolist())
+
+
+@pytest.mark.parametrize("most", [400, 1200, 4_000, 9_000])
+def test_a_thinned_picture_has_no_stripes(most: int) -> None:
+    """Rows of 160 pixels, 120 of them: no direction repeats itself, as it does where every n-th pixel is taken."""
+
+    def strongest_wave(chosen: NDArray[np.intp]) -> float:
+        picture = np.zeros(19_200)
+        picture[chosen] = 1.0
+        power = np.abs(np.fft.fft2(picture.reshape(120, 160) - picture.mean())) ** 2
+        return float(power.max() / power.mean())
+
+    regular = strongest_wave(np.linspace(0, 19_199, most).astype(np.intp))
+    assert strongest_wave(thinned(19_200, most)) < 40 < regular
 
 
 def test_few_points_are_drawn_larger() -> None:
