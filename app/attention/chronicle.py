@@ -6,18 +6,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from app.attention.desires import Desire
+from app.attention.desires import Desire, Source
 from app.attention.intention import Intention
 from app.attention.strategies import CLOSED
 from app.attention.timeline import Timeline
 from app.attention.workspace import WorkspaceChange
 
+#: Kinds of sources whose words for people are others.
+_KINDS = {"rest": "REST client"}
+
 
 def note_desires(timeline: Timeline, change: WorkspaceChange) -> bool:
     """Note what a transaction did. Returns whether it can matter: a longer life alone cannot, and is not noted."""
     for desire in change.added:
-        source = f"{desire.source.kind} {desire.source.name}".strip()
-        _note_desire(timeline, "added", desire, f"{source} desires {desire.cls}")
+        _note_desire(timeline, "added", desire, f"{source_words(desire.source)} desires {desire.cls}")
     moved = bool(change.added or change.removed)
     for before, after in change.changed:
         if replace(before, expires=after.expires) != after:
@@ -70,6 +72,12 @@ def note_filters(
 def divisor_json(divisor: float) -> int | None:
     """φ as JSON has it: a whole number, or null for closed."""
     return None if divisor == CLOSED else int(divisor)
+
+
+def source_words(source: Source) -> str:
+    """Whoever desires, as a sentence names it: its kind and its name, said once where they are the same."""
+    kind = _KINDS.get(source.kind, source.kind)
+    return kind if source.name in ("", source.kind) else f"{kind} {source.name}"
 
 
 def _note_desire(timeline: Timeline, what: str, desire: Desire, text: str) -> None:
