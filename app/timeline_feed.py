@@ -17,6 +17,9 @@ from app.runtime.supervisor import ModuleState
 #: Load windows (1 s each) in a row over budget before it is called overload: start-up bursts are none.
 OVERLOAD_WINDOWS = 3
 
+#: Looks (1 s apart) in a row at a channel that is stale before it is noted: a hiccup is none.
+STALE_LOOKS = 2
+
 _GUARD_WORDS = {
     "idle": "The base rests",
     "driving": "The base drives",
@@ -36,7 +39,7 @@ class TimelineFeed:
         self._guard = ""
         self._behavior: str | None = None
         self._slow_world = False
-        self._stale: set[str] = set()
+        self._stale: dict[str, int] = {}
         self._over = dict.fromkeys(budgets, 0)
 
     def module(self, state: ModuleState) -> None:
@@ -52,7 +55,8 @@ class TimelineFeed:
         if status.guard != self._guard:
             self._guard = status.guard
             words = _GUARD_WORDS.get(status.guard, status.guard)
-            text = f"{words}: {status.reason}" if status.reason else words
+            said = status.reason.lower().startswith(words.lower())
+            text = f"{words}: {status.reason}" if status.reason and not said else words + status.reason[len(words) :]
             self._timeline.add("guard", status.guard, text, {"e_stopped": status.e_stopped})
         slow = status.world_rate < 0.97 if self._slow_world else status.world_rate < 0.95
         if slow != self._slow_world:
@@ -72,11 +76,14 @@ class TimelineFeed:
             self._timeline.add("exploitation", message.behavior or "", text)
 
     def freshness(self, channels: Mapping[str, Freshness]) -> None:
-        """The channels as they are now, by name; noted when one goes stale and when it is so no longer."""
+        """The channels as they are now, by name; noted when one stays stale, and when it is so no longer."""
         for name, now in channels.items():
-            if (now.state == "stale") == (name in self._stale):
+            looks = self._stale.get(name, 0)
+            self._stale[name] = looks + 1 if now.state == "stale" else 0
+            entered = self._stale[name] == STALE_LOOKS
+            left = self._stale[name] == 0 and looks >= STALE_LOOKS
+            if not entered and not left:
                 continue
-            self._stale ^= {name}
             data = {
                 "state": now.state,
                 "age_s": None if now.age_s is None else round(now.age_s, 3),
@@ -107,8 +114,8 @@ def _freshness_words(name: str, now: Freshness) -> str:
         return f"{name} is no longer stale: nobody wants it any more"
     if now.state != "stale":
         return f"{name} is up to date again"
-    age = "nothing has come yet" if now.age_s is None else f"its newest message is {now.age_s:.1f} s old"
+    age = "nothing has come yet" if now.age_s is None else f"its newest message is {now.age_s:.2f} s old"
     if now.limit_s is None:
         return f"{name} is stale: {age} and the module behind it does not run, so nothing new can come"
-    allowed = f"{now.limit_s:.1f} s allowed at the {now.commanded_hz:g} messages a second asked for"
+    allowed = f"{now.limit_s:.2f} s allowed at the {now.commanded_hz:g} messages a second asked for"
     return f"{name} is stale: {age}, {allowed}; whatever builds on it does without news"

@@ -123,7 +123,9 @@ def commanded_divisors(graph: Graph) -> dict[str, float]:
 
 
 class FreshnessWatch:
-    """Follows every channel of a graph; call :meth:`sample` a few times a second. Says each change of state once."""
+    """Follows every channel of a graph. :meth:`sample`, once a second or a few times, says each change of state once;
+    :meth:`read` may be called whenever somebody wants to know.
+    """
 
     def __init__(self, graph: Graph, states: Mapping[str, ModuleState]) -> None:
         self._graph = graph
@@ -139,12 +141,16 @@ class FreshnessWatch:
 
     def sample(self, now: float) -> dict[str, Freshness]:
         """The freshness of each channel at ``now``, also kept in :attr:`latest`."""
-        divisors = commanded_divisors(self._graph)
-        before, self.latest = self.latest, {name: self._judge(name, divisors[name], now) for name in divisors}
+        before, self.latest = self.latest, self.read(now)
         for name, freshness in self.latest.items():
             if name not in before or before[name].state != freshness.state:
                 self._tell(name, before.get(name), freshness)
         return self.latest
+
+    def read(self, now: float) -> dict[str, Freshness]:
+        """The freshness of each channel at ``now``; tells nobody."""
+        divisors = commanded_divisors(self._graph)
+        return {name: self._judge(name, divisor, now) for name, divisor in divisors.items()}
 
     def _judge(self, name: str, divisor: float, now: float) -> Freshness:
         channel = self._graph.channels[name]

@@ -29,7 +29,7 @@ async def test_page_and_rest_and_timeline_tell_one_story_of_a_channel(
         return found
 
     def source(name: str) -> dict[str, object]:
-        fresh = system.freshness.sample(system.clock.now())
+        fresh = system.freshness.read(system.clock.now())
         return next(told for told in reports.sources_json(system.graph, fresh) if told["channel"] == name)
 
     assert (await listed("kinect"))["state"] == source("kinect")["state"] == "closed"
@@ -40,7 +40,7 @@ async def test_page_and_rest_and_timeline_tell_one_story_of_a_channel(
     assert (kinect["state"], kinect["expected_hz"], kinect["stale_after_ms"]) == ("live", 15.0, 300.0)
     assert source("kinect")["state"] == "live"
     # As if the picture had been taken long ago, after time enough to take another.
-    late = system.freshness.sample(system.clock.now() + 5.0)
+    late = system.freshness.read(system.clock.now() + 5.0)
     assert late["kinect"].state == "stale"
     system.graph.channel("kinect").unsubscribe(subscription)
     assert (await listed("kinect"))["state"] == "closed"

@@ -104,7 +104,7 @@ class Sampler:
             "world_rate": 1.0 if status is None else round(status.world_rate, 4),
             "odometry": reports.odometry_json(self._odometry),
             "exploited": reports.exploited(self._exploitation, now),
-            "sources": reports.sources_json(self._system.graph, self._system.freshness.sample(now)),
+            "sources": reports.sources_json(self._system.graph, self._system.freshness.read(now)),
         }
 
     def _rows(self, now: float) -> list[dict[str, Any]]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from fastapi import APIRouter, Path, Request
 from fastapi.responses import Response
 
+from app.attention.chronicle import source_words
 from app.console import reports
 from app.console.live.hub import Hub
 from app.console.problems import Problem
@@ -52,7 +53,7 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
     async def e_stop(request: Request) -> Response:
         """Latches the emergency stop in the guard: the wheels are commanded to zero until it is released here or on the
         page. Needs no body. May be repeated."""
-        hub.driving.e_stop(source_of(request).name)
+        hub.driving.e_stop(source_words(source_of(request)))
         return Json({"e_stop": "latched"})
 
     @router.delete("/robot/e-stop", response_model=EStopModel, summary="Release the emergency stop")
@@ -89,7 +90,7 @@ def program_router(system: System) -> APIRouter:
 
     @router.get("/channels", response_model=ChannelList, summary="Channels and how fresh they are")
     async def list_channels() -> Response:
-        fresh = system.freshness.sample(system.clock.now())
+        fresh = system.freshness.read(system.clock.now())
         return Json({"channels": [channel_json(system.graph, name, fresh[name]) for name in system.graph.channels]})
 
     @router.get("/health", response_model=HealthModel, summary="Sign of life")

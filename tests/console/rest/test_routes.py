@@ -205,7 +205,7 @@ async def test_the_timeline_is_queried_by_time_kind_and_number(client: httpx.Asy
 async def test_the_emergency_stop_is_latched_and_released(client: httpx.AsyncClient, body: Body) -> None:
     assert (await client.post("/robot/e-stop")).json() == {"e_stop": "latched"}
     assert body.e_stopped
-    assert body.stops == ["pressed by rest"]
+    assert body.stops == ["pressed by REST client"]
     body.emit_status(1.0)
     assert (await client.get("/robot")).json()["guard"]["state"] == "e_stopped"
     assert (await client.delete("/robot/e-stop")).json() == {"e_stop": "released"}
