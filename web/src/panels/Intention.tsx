@@ -2,7 +2,7 @@
 
 import type { Intention as IntentionMessage, SelectedStrategy } from "../protocol/types";
 import { useApp } from "../state/context";
-import { divisor, number, reasonText, spaced } from "../ui/format";
+import { divisor, number, reasonText, small, spaced } from "../ui/format";
 import { StateMark, WarnIcon } from "../ui/icons";
 import { Meter } from "../ui/Meter";
 
@@ -35,7 +35,7 @@ function Body({ intention }: { intention: IntentionMessage }) {
             label={name === "cpu" ? "CPU promised" : spaced(name)}
             value={use.used}
             limit={use.capacity}
-            text={`${number(use.used, 2)} of ${number(use.capacity, 2)} ${use.unit ?? ""}`}
+            text={`${number(use.used)} of ${number(use.capacity)} ${use.unit ?? ""}`}
           />
         ))}
       </div>
@@ -102,7 +102,7 @@ function Strategy({ strategy }: { strategy: SelectedStrategy }) {
         .filter(([, cost]) => cost > 0)
         .map(([resource, cost]) => (
           <span key={resource} class="cost">
-            {number(cost, 2)} {resource === "cpu" ? "% CPU" : resource}
+            {small(cost)} {resource === "cpu" ? "% CPU" : resource}
           </span>
         ))}
     </p>

@@ -88,9 +88,12 @@ export function TopBar({ narrow }: { narrow: boolean }) {
         </Metric>
       </dl>
       {slow && (
-        <p class="chip warn world-rate" data-testid="world-rate">
+        <p class="chip warn world-rate" data-testid="world-rate" title="The simulated world runs slower than real time">
           <WarnIcon />
-          World runs at {rate.toFixed(2)}× real time
+          <span>
+            <span class="roomy">World runs at </span>
+            {rate.toFixed(2)}×<span class="roomy"> real time</span>
+          </span>
         </p>
       )}
       <div class="bar-end">

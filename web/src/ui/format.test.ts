@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { ago, divisor, left, millis, number, reasonText, spaced } from "./format";
+import { ago, divisor, left, millis, number, reasonText, small, spaced } from "./format";
 
 test("ages are said as people say them", () => {
   expect([0.4, 12.3, 89, 200, 7200, 200_000].map(ago)).toEqual([
@@ -18,6 +18,10 @@ test("divisors, milliseconds and numbers", () => {
   expect([1, 2, null, undefined].map(divisor)).toEqual(["all", "1 of 2", "closed", "closed"]);
   expect([1.234, 34.6, 12_400, null].map(millis)).toEqual(["1.2", "35", "12 s", "–"]);
   expect([8, 1.25, -0.5, null].map((v) => number(v))).toEqual(["8", "1.3", "−0.5", "–"]);
+});
+
+test("costs have one decimal where needed, and little is not nothing", () => {
+  expect([4, 1.5, 0.75, 0.05, 0.04, 0].map(small)).toEqual(["4", "1.5", "0.8", "0.1", "< 0.1", "0"]);
 });
 
 test("names of classes are spaced, acronyms stay", () => {

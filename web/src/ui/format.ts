@@ -34,6 +34,11 @@ export function number(value: number | null | undefined, digits = 1): string {
   return Number(value.toFixed(digits)).toString().replace("-", "−");
 }
 
+/** One decimal where needed; what is too little for that is not nothing. */
+export function small(value: number): string {
+  return value > 0 && value < 0.05 ? "< 0.1" : number(value);
+}
+
 export function percent(share: number | null | undefined): string {
   return share === null || share === undefined ? "–" : `${Math.round(share * 100)} %`;
 }

@@ -69,6 +69,7 @@ export function SceneView() {
         tabIndex={-1}
         style={shrunk(SHARES[step]!)}
       />
+      {scene === "shown" && <SceneLegend />}
       {scene === "loading" && <p class="scene-note">Loading the 3D view…</p>}
       {scene === "missing" && (
         <div class="scene-note">
@@ -79,6 +80,23 @@ export function SceneView() {
         </div>
       )}
     </div>
+  );
+}
+
+/** What the colours in the view mean; as drawn by the console's view. */
+function SceneLegend() {
+  return (
+    <ul class="scene-legend" data-testid="scene-legend" aria-label="Colours of the 3D view">
+      <li>
+        laser: near
+        <i class="laser-colors" />
+        far
+      </li>
+      <li>
+        <i class="poster-color" />
+        QR code found
+      </li>
+    </ul>
   );
 }
 
