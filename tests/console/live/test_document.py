@@ -1,0 +1,86 @@
+"""docs/live-stream.md says what crosses the stream: every type, every field, every word a program may compare with."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, get_args
+
+import msgspec
+import pytest
+
+from app.attention.timeline import EventKind
+from app.console.live import protocol
+from app.messages import Landmark, Landmarks
+from app.runtime.freshness import FreshnessState
+from app.runtime.supervisor import Status
+from app.system import System
+from tests.console.live_client import page
+from tests.console.program import Body
+
+DOCUMENT = Path(__file__).parents[3] / "docs" / "live-stream.md"
+#: Described elsewhere (REST, JSON Schema) or free by nature.
+FOREIGN = {"desires", "intention", "schema", "data"}
+
+
+@pytest.fixture
+def text() -> str:
+    """The page."""
+    return DOCUMENT.read_text("utf-8")
+
+
+def table(text: str, heading: str) -> dict[str, str]:
+    """The rows of the table below ``heading`` by type."""
+    section = text.split(f"## {heading}\n")[1].split("\n## ")[0]
+    return dict(re.findall(r"^\| `(\w+)` \| (.*) \|$", section, flags=re.MULTILINE))
+
+
+def names(value: Any) -> Iterator[str]:
+    """Every field's name in a frame, at any depth."""
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            yield name
+            if name not in FOREIGN:
+                yield from names(inner)
+    elif isinstance(value, list):
+        for inner in value:
+            yield from names(inner)
+
+
+async def test_every_type_and_field_from_the_robot_is_described(
+    text: str, url: str, system: System, body: Body
+) -> None:
+    rows = table(text, "From the robot to the page")
+    system.graph.channel("landmarks").publish(
+        Landmarks(system.clock.now(), (Landmark("door", (1.0, 2.0, 0.5), 0.1, 3, 1.0, 2.0),))
+    )
+    body.emit_status(system.clock.now())
+    frames: dict[str, dict[str, Any]] = {}
+    async with page(url) as ann:
+        await ann.send("ping", t=1, rtt_ms=None)
+        await ann.connection.send("{")
+        system.timeline.add("module", "Nobody", "said")
+        await ann.drive(0.1)
+        while frames.keys() != rows.keys() or frames["status"]["driver"] is None:
+            frame = await ann.receive()
+            if isinstance(frame, dict):
+                assert frame["type"] in rows
+                frames[frame["type"]] = frame
+    for kind, frame in frames.items():
+        told = set(re.findall(r"\w+", rows[kind]))
+        assert set(names(frame)) - {"type"} <= told, kind
+
+
+def test_every_type_and_field_from_the_page_is_described(text: str) -> None:
+    rows = table(text, "From the page to the robot")
+    messages = {struct.__struct_config__.tag: struct for struct in get_args(protocol.FromPage)}
+    assert rows.keys() == messages.keys()
+    for kind, struct in messages.items():
+        assert {field.name for field in msgspec.structs.fields(struct)} <= set(re.findall(r"`(\w+)`", rows[kind])), kind
+
+
+def test_every_word_that_a_program_may_compare_with_is_there(text: str) -> None:
+    words = set(re.findall(r"`(\w+)`", text))
+    for known in (EventKind, FreshnessState, Status):
+        assert set(get_args(known)) <= words
