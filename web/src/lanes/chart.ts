@@ -7,7 +7,7 @@ import type { LaneSample } from "./history";
 import { edges, INITIAL, type Viewport } from "./viewport";
 
 /** Kinds of events that are marked: what changes the attention, and what disturbs it. */
-const MARKED = new Set(["desire", "intention", "overload", "module", "restart"]);
+const MARKED = new Set(["desire", "intention", "overload", "module", "restart", "stale"]);
 const NEAR_PX = 7;
 
 export interface Hit {

@@ -21,6 +21,7 @@ const GUARDS: Record<string, string> = {
   stale_command: "No fresh command",
   e_stopped: "E-stopped",
   sensor_failure: "Sensor failure",
+  silent: "Body silent",
 };
 
 export function TopBar({ narrow }: { narrow: boolean }) {
