@@ -20,6 +20,11 @@ OVERLOAD_WINDOWS = 3
 #: Looks (1 s apart) in a row at a channel that is stale before it is noted: a hiccup is none.
 STALE_LOOKS = 2
 
+#: Below this share of real time the simulated world is slow, when it lasts (s); it is well again when that lasts.
+SLOW_WORLD = 0.95
+SLOW_AFTER_S = 3.0
+WELL_AFTER_S = 10.0
+
 _GUARD_WORDS = {
     "idle": "The base rests",
     "driving": "The base drives",
@@ -39,6 +44,7 @@ class TimelineFeed:
         self._guard = ""
         self._behavior: str | None = None
         self._slow_world = False
+        self._world_turned: float | None = None
         self._stale: dict[str, int] = {}
         self._over = dict.fromkeys(budgets, 0)
 
@@ -58,9 +64,17 @@ class TimelineFeed:
             said = status.reason.lower().startswith(words.lower())
             text = f"{words}: {status.reason}" if status.reason and not said else words + status.reason[len(words) :]
             self._timeline.add("guard", status.guard, text, {"e_stopped": status.e_stopped})
-        slow = status.world_rate < 0.97 if self._slow_world else status.world_rate < 0.95
-        if slow != self._slow_world:
-            self._slow_world = slow
+        self._world(status)
+
+    def _world(self, status: LinkStatus) -> None:
+        slow = status.world_rate < SLOW_WORLD
+        if slow == self._slow_world:
+            self._world_turned = None
+            return
+        if self._world_turned is None:
+            self._world_turned = status.stamp
+        if status.stamp - self._world_turned >= (SLOW_AFTER_S if slow else WELL_AFTER_S):
+            self._slow_world, self._world_turned = slow, None
             text = (
                 f"The simulated world runs at {status.world_rate:.2f} of real time: this computer is too slow for it"
                 if slow

@@ -51,13 +51,25 @@ def test_what_the_guard_says_is_not_said_twice(feed: TimelineFeed, timeline: Tim
     assert [event.text for event in timeline.query()] == ["Emergency stop: pressed by Ann", "The base rests"]
 
 
-def test_a_slow_world_is_noted_once_and_its_recovery_once(feed: TimelineFeed, timeline: Timeline) -> None:
-    for rate in (1.0, 0.96, 0.94, 0.9, 0.96, 0.94, 0.98, 1.0):
-        feed.guard(replace(STATUS, world_rate=rate))
-    texts = [event.text for event in timeline.query(kinds=["overload"])]
-    assert len(texts) == 2
-    assert "0.94" in texts[0]
-    assert "again" in texts[1]
+def test_a_slow_world_is_noted_when_it_lasts_and_when_it_is_over(feed: TimelineFeed, timeline: Timeline) -> None:
+    stamp = 0.0
+
+    def seconds(count: float, rate: float) -> None:
+        nonlocal stamp
+        for _ in range(int(20 * count)):
+            stamp += 0.05
+            feed.guard(replace(STATUS, stamp=stamp, world_rate=rate))
+
+    for _ in range(5):
+        seconds(SLOW_AFTER_S - 0.5, 0.8)
+        seconds(1, 1.0)
+    assert timeline.query(kinds=["overload"]) == ()
+    seconds(SLOW_AFTER_S + 1, 0.8)
+    seconds(WELL_AFTER_S - 1, 1.0)
+    seconds(1, 0.9)
+    assert ["0.80" in event.text for event in timeline.query(kinds=["overload"])] == [True]
+    seconds(WELL_AFTER_S + 1, 1.0)
+    assert "again" in timeline.query(kinds=["overload"])[-1].text
 
 
 def test_who_drives_is_noted_when_it_is_another(feed: TimelineFeed, timeline: Timeline) -> None:

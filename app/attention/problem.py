@@ -123,8 +123,10 @@ class Selection:
 def thousandths(value: float, what: str) -> int:
     """``value`` as a whole number of thousandths; raises InvalidProblem if it is none, or negative."""
     scaled = value * GRAIN
-    if not 0 <= scaled < 2**53 or abs(scaled - round(scaled)) > 1e-4:
-        raise InvalidProblem(f"{what} must be at least 0 with at most three decimals, not {value!r}")
+    if not 0 <= scaled < 2**53:
+        raise InvalidProblem(f"{what} must be at least 0 and at most {2**53 // GRAIN:,}, not {value!r}")
+    if abs(scaled - round(scaled)) > 1e-4:
+        raise InvalidProblem(f"{what} must have at most three decimals, not {value!r}")
     return round(scaled)
 
 

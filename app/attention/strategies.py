@@ -22,6 +22,9 @@ from app.yaml_source import Document, KeyPath, load_yaml, suggestion
 CLOSED = math.inf
 """φ of a closed filter."""
 
+MOST = 1e9
+"""No capacity and no cost may be greater: sums of thousandths stay exact."""
+
 
 @dataclass(frozen=True, slots=True)
 class Location:
@@ -124,7 +127,7 @@ _DIVISOR_SCHEMA = {
     "anyOf": [{"type": "integer", "minimum": 1}, {"const": "off"}, {"type": "null"}],
     "description": "One of so many messages passes; off or null: closed.",
 }
-Amount = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Amount = Annotated[float, Field(ge=0, le=MOST, allow_inf_nan=False)]
 Utility = Annotated[float, Field(gt=0, le=SCALE, allow_inf_nan=False)]
 Divisor = Annotated[float, BeforeValidator(_divisor), WithJsonSchema(_DIVISOR_SCHEMA)]
 

@@ -21,7 +21,7 @@ from app.attention.ports import Clock, FilterBank, ParameterSink, Solver
 from app.attention.problem import Problem, Reason, Selection, Weights, assess, produced
 from app.attention.reasons import explain
 from app.attention.solver import CachedSolver, solve
-from app.attention.strategies import CLOSED, StrategyTable
+from app.attention.strategies import CLOSED, MOST, StrategyTable
 from app.attention.timeline import Timeline
 from app.attention.workspace import IntentionWorkspace, WorkspaceChange
 
@@ -149,8 +149,8 @@ class IntentionTranslator:
         """Change a budget and solve again. ``reason`` goes to the timeline. Raises ValueError."""
         if resource not in self._capacities:
             raise ValueError(f"no resource {resource!r}; there are: {', '.join(self._capacities)}")
-        if not math.isfinite(value) or value < 0:
-            raise ValueError(f"the capacity of {resource} must be at least 0, not {value!r}")
+        if not 0 <= value <= MOST:
+            raise ValueError(f"the capacity of {resource} must be from 0 to {MOST:,.0f}, not {value!r}")
         before, after = self._capacities[resource], math.floor(value * GRAIN + 1e-6) / GRAIN
         if after == before:
             return
@@ -164,8 +164,9 @@ class IntentionTranslator:
         if not any(s.name == strategy for s in self._strategies):
             raise ValueError(f"no strategy {strategy!r}")
         for resource, cost in costs.items():
-            if resource not in self._capacities or not math.isfinite(cost) or cost < 0:
-                raise ValueError(f"a cost must be at least 0 of a known resource, not {cost!r} of {resource!r}")
+            if resource not in self._capacities or not 0 <= cost <= MOST:
+                problem = f"not {cost!r} of {resource!r}"
+                raise ValueError(f"a cost must be from 0 to {MOST:,.0f} of a known resource, {problem}")
         grained = {r: math.ceil(cost * GRAIN - 1e-6) / GRAIN for r, cost in costs.items() if cost > 0}
         if any(s.name == strategy and s.costs != grained for s in self._strategies):
             self._strategies = tuple(replace(s, costs=grained) if s.name == strategy else s for s in self._strategies)
@@ -225,11 +226,11 @@ class IntentionTranslator:
     async def _solved(self, problem: Problem) -> Selection | None:
         """The solver's answer; None after a failure, which is reported and leaves the last intention in force."""
         self._counts["solved"] += 1
-        known = self._solver.recall(problem)
-        if known is not None:
-            self._counts["recalled"] += 1
-            return known
         try:
+            known = self._solver.recall(problem)
+            if known is not None:
+                self._counts["recalled"] += 1
+                return known
             selection: Selection | None = await self._offload(self._solver.solve, problem)
         except Exception as failure:  # noqa: BLE001 - whatever it is, attention goes on with the last intention
             self._failed(f"{type(failure).__name__}: {failure}")
@@ -327,14 +328,23 @@ class IntentionTranslator:
     async def _explain(self, problem: Problem, selection: Selection, version: int) -> None:
         """Complete the reasons beside the loop; newer desires make them pointless."""
         if self._explain_limit_s > 0:
-            reasons = await self._offload(self._reasons, problem, selection, version)
+            reasons = await self._reasoned(problem, selection, version)
             if version != self._version or self._current is None:
                 return
-            if reasons != self._current.reasons:
+            if reasons is not None and reasons != self._current.reasons:
                 self._current = replace(self._current, reasons=reasons)
                 self._tell(self._current)
         self._explained = version
         self._tell_progress()
+
+    async def _reasoned(self, problem: Problem, selection: Selection, version: int) -> dict[str, Reason] | None:
+        """The reasons with what would help; None, and told once, if they cannot be found."""
+        try:
+            reasons: dict[str, Reason] = await self._offload(self._reasons, problem, selection, version)
+        except Exception as failure:  # noqa: BLE001 - an intention stands without its reasons
+            _log.exception("no reasons for the intention: %s", failure)
+            return None
+        return reasons
 
     def _reasons(self, problem: Problem, selection: Selection, version: int) -> dict[str, Reason]:
         return explain(

@@ -63,7 +63,7 @@ def create_app(
         desires_router(system),
         attention_router(system),
         robot_router(system, hub),
-        program_router(system),
+        program_router(system, hub),
         viewers_router(hub, view),
         session_router(door),
     ):

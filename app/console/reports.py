@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 #: A report of who drives older than this says nothing about now.
 EXPLOITATION_FRESH_S = 0.5
+#: The body reports 20 times a second; after this long without a word it is silent.
+SILENT_AFTER_S = 0.5
 
 
 def robot_json(link: RobotLink) -> dict[str, Any]:
@@ -41,8 +43,11 @@ def scale_json() -> dict[str, float]:
     return {"intensity": SCALE, "utility": SCALE}
 
 
-def guard_json(status: LinkStatus | None) -> dict[str, Any]:
-    """What the guard says; before its first word, that it has said nothing."""
+def guard_json(status: LinkStatus | None, now: float) -> dict[str, Any]:
+    """What the guard says; before its first word, or when it has fallen silent, that it says nothing.
+
+    What it said last is then kept but for its state; the age of the command it had grows on.
+    """
     if status is None:
         return {
             "state": "waiting",
@@ -51,11 +56,16 @@ def guard_json(status: LinkStatus | None) -> dict[str, Any]:
             "command_age_ms": None,
             "applied": {"linear_mps": 0.0, "angular_radps": 0.0},
         }
+    silence_s = now - status.stamp
+    silent = silence_s > SILENT_AFTER_S
+    age_s = status.command_age_s
+    if silent and age_s is not None:
+        age_s += silence_s
     return {
-        "state": status.guard,
-        "reason": status.reason,
+        "state": "silent" if silent else status.guard,
+        "reason": f"The body has reported nothing for {silence_s:.1f} s." if silent else status.reason,
         "e_stopped": status.e_stopped,
-        "command_age_ms": None if status.command_age_s is None else round(1e3 * status.command_age_s, 1),
+        "command_age_ms": None if age_s is None else round(1e3 * age_s, 1),
         "applied": {
             "linear_mps": round(status.applied.linear_mps, 4),
             "angular_radps": round(status.applied.angular_radps, 4),

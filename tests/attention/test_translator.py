@@ -21,7 +21,7 @@ from app.attention.strategies import Resource, Strategy, StrategyTable
 from app.attention.timeline import Timeline
 from app.attention.translator import Hysteresis, IntentionTranslator
 from app.attention.workspace import IntentionWorkspace
-from app.runtime.clock import VirtualClock, in_virtual_time
+from app.runtime.clock import VirtualClock, in_virtual_time, run_virtual
 from tests.attention.thesis import TABLE_4_4
 
 ME = Source("operator", "console")
@@ -400,7 +400,7 @@ async def test_budgets_and_costs_move_filters() -> None:
             "it cooled down",
         ]
         for resource, value in (("gpu", 1), ("cpu", -1), ("cpu", math.nan)):
-            with pytest.raises(ValueError, match=r"no resource|at least 0"):
+            with pytest.raises(ValueError, match=r"no resource|from 0 to"):
                 s.translator.set_capacity(resource, value, "")
         with pytest.raises(ValueError, match="no strategy"):
             s.translator.set_costs("77", {})
@@ -462,6 +462,57 @@ async def test_observers_and_modules_that_fail_do_not_stop_attention(caplog: pyt
     assert "no longer told" in caplog.text
     assert "refused its parameters" in caplog.text
     assert s.events("module") == ["VoiceLocalizer", "LoudNoiseDetector"]
+
+
+@in_virtual_time
+async def test_a_solver_that_cannot_even_remember_does_not_stop_attention() -> None:
+    solver = FailingSolver()
+    s = Setting(solver=solver)
+    async with s.running():
+        s.add("DetectNoises")
+        await s.translator.settled()
+
+        def forget(problem: Problem) -> Selection | None:
+            raise ZeroDivisionError
+
+        solver.recall = forget  # type: ignore[method-assign]
+        s.add("SLAM", ttl=5)
+        await s.translator.settled()
+        assert s.selected == ("9",)
+        await s.clock.sleep(6)
+        assert [d.cls for d in s.workspace.desires()] == ["DetectNoises"], "desires still expire"
+        del solver.recall
+        s.add("Teleoperation")
+        await s.translator.settled()
+        assert s.selected == ("9", "12")
+
+
+@in_virtual_time
+async def test_reasons_that_cannot_be_found_do_not_stop_attention(monkeypatch: pytest.MonkeyPatch) -> None:
+    s = Setting()
+    async with s.running():
+        s.add("DetectNoises")
+        await s.translator.explained()
+
+        def lost(*_: object, **options: Any) -> dict[str, Any]:
+            raise ZeroDivisionError
+
+        monkeypatch.setattr(s.translator, "_reasons", lost)
+        s.add("SLAM")
+        await s.translator.explained()
+        assert s.selected == ("9", "11")
+        s.add("Teleoperation")
+        await s.translator.settled()
+        assert s.selected == ("9", "11", "12")
+
+
+@pytest.mark.parametrize("capacity", [math.inf, math.nan, -1, 1e18, 1e300])
+def test_a_capacity_that_cannot_be_is_refused_at_the_door(capacity: float) -> None:
+    async def refused() -> None:
+        with pytest.raises(ValueError, match="capacity of cpu must be from 0 to 1,000,000,000"):
+            Setting().translator.set_capacity("cpu", capacity, "a test")
+
+    run_virtual(refused())
 
 
 @in_virtual_time

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import time
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 from typing import Any
@@ -102,6 +103,8 @@ class Body:
         self.receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in STREAMS}
         self.stops: list[str] = []
         self.e_stopped = False
+        #: Whether the guard reports a stop as soon as it is latched, as it should.
+        self.confirms = True
         self.commands: list[Twist] = []
 
     async def start(self) -> None: ...
@@ -124,6 +127,8 @@ class Body:
     def e_stop(self, reason: str) -> None:
         self.stops.append(reason)
         self.e_stopped = True
+        if self.confirms:
+            asyncio.get_running_loop().call_soon(self.emit_status, time.time())
 
     def clear_e_stop(self) -> None:
         self.e_stopped = False

@@ -100,7 +100,7 @@ class Sampler:
             "type": "status",
             "seq": self._sequence,
             "stamp": now,
-            "guard": reports.guard_json(status),
+            "guard": reports.guard_json(status, now),
             "world_rate": 1.0 if status is None else round(status.world_rate, 4),
             "odometry": reports.odometry_json(self._odometry),
             "exploited": reports.exploited(self._exploitation, now),

@@ -27,6 +27,7 @@ _WORDS = {
     409: "It cannot be done now.",
     421: "The console does not answer to this host name.",
     422: "Something in the request is not allowed; `errors` says which field.",
+    504: "The robot's body did not confirm it in time.",
 }
 
 

@@ -6,6 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from app.attention.strategies import MOST
+
 Stamp = Annotated[float, Field(description="Seconds of the robot's clock (Unix epoch).", examples=[1795000000.25])]
 Divisor = Annotated[
     int | None, Field(description="φ: one message in φ passes; null: closed, none passes.", examples=[2])
@@ -151,7 +153,9 @@ class ResourceChange(Request):
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"capacity": 60}]})
 
-    capacity: float = Field(ge=0, description="How much of it attention may give, in its unit.")
+    capacity: float = Field(
+        ge=0, le=MOST, description="How much of it attention may give, in its unit; thousandths are the finest step."
+    )
 
 
 class SelectedStrategy(Answer):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Path, Request
@@ -23,9 +24,14 @@ from app.console.rest.program_models import (
 )
 
 if TYPE_CHECKING:
+    from app.messages import LinkStatus
     from app.runtime.freshness import Freshness
     from app.runtime.graph import Graph
     from app.system import System
+
+
+#: The guard reports 20 times a second; a stop it has not confirmed by then is not to be relied on.
+CONFIRM_WITHIN_S = 0.5
 
 
 def robot_router(system: System, hub: Hub) -> APIRouter:
@@ -40,7 +46,7 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
             {
                 "stamp": now,
                 "robot": reports.robot_json(system.link),
-                "guard": reports.guard_json(status),
+                "guard": reports.guard_json(status, now),
                 "world_rate": 1.0 if status is None else status.world_rate,
                 "odometry": reports.odometry_json(reports.latest(system.graph, "odometry")),
                 "driver": hub.driving.lease.driver_name,
@@ -49,11 +55,30 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
             }
         )
 
-    @router.post("/robot/e-stop", response_model=EStopModel, summary="Stop, and stay stopped")
+    @router.post("/robot/e-stop", response_model=EStopModel, summary="Stop, and stay stopped", responses=problems(504))
     async def e_stop(request: Request) -> Response:
         """Latches the emergency stop in the guard: the wheels are commanded to zero until it is released here or on the
-        page. Needs no body. May be repeated."""
-        hub.driving.e_stop(source_words(source_of(request)))
+        page. Answers once the guard has confirmed it. Needs no body. May be repeated."""
+        confirmed = asyncio.get_running_loop().create_future()
+
+        def heard(status: LinkStatus) -> None:
+            if status.e_stopped and not confirmed.done():
+                confirmed.set_result(None)
+
+        detach = system.link.attach("status", heard)
+        try:
+            hub.driving.e_stop(source_words(source_of(request)))
+            async with asyncio.timeout(CONFIRM_WITHIN_S):
+                await confirmed
+        except TimeoutError:
+            raise Problem(
+                504,
+                "unconfirmed",
+                f"The stop was sent, but the robot's body did not confirm it within {CONFIRM_WITHIN_S} s: "
+                "use the hardware stop if it moves.",
+            ) from None
+        finally:
+            detach()
         return Json({"e_stop": "latched"})
 
     @router.delete("/robot/e-stop", response_model=EStopModel, summary="Release the emergency stop")
@@ -65,7 +90,7 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
     return router
 
 
-def program_router(system: System) -> APIRouter:
+def program_router(system: System, hub: Hub) -> APIRouter:
     """Routes of ``/modules``, ``/channels`` and ``/health``."""
     router = APIRouter(tags=["program"])
 
@@ -95,10 +120,13 @@ def program_router(system: System) -> APIRouter:
 
     @router.get("/health", response_model=HealthModel, summary="Sign of life")
     async def get_health() -> Response:
-        """Open to all; `degraded` while a module does not run."""
+        """Open to all; `degraded` while a module does not run or the body is silent."""
         problems = [
             f"{state.name}: {state.status}" for state in system.supervisor.states.values() if state.status != "running"
         ]
+        guard = reports.guard_json(hub.link_status, system.clock.now())
+        if guard["state"] in ("silent", "sensor_failure"):
+            problems.append(guard["reason"])
         status = "degraded" if problems else "ok"
         return Json({"status": status, "stamp": system.clock.now(), "problems": problems})
 

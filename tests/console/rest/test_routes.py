@@ -204,12 +204,35 @@ async def test_the_timeline_is_queried_by_time_kind_and_number(client: httpx.Asy
 
 async def test_the_emergency_stop_is_latched_and_released(client: httpx.AsyncClient, body: Body) -> None:
     assert (await client.post("/robot/e-stop")).json() == {"e_stop": "latched"}
-    assert body.e_stopped
     assert body.stops == ["pressed by REST client"]
-    body.emit_status(1.0)
     assert (await client.get("/robot")).json()["guard"]["state"] == "e_stopped"
     assert (await client.delete("/robot/e-stop")).json() == {"e_stop": "released"}
     assert not body.e_stopped
+
+
+async def test_a_stop_that_the_guard_does_not_confirm_is_not_called_latched(
+    client: httpx.AsyncClient, body: Body
+) -> None:
+    body.confirms = False
+    is_problem(await client.post("/robot/e-stop"), 504, "unconfirmed")
+    assert body.e_stopped
+
+
+async def test_a_body_that_falls_silent_is_told(client: httpx.AsyncClient, system: System, body: Body) -> None:
+    body.emit_status(system.clock.now())
+    assert (await client.get("/robot")).json()["guard"]["state"] == "idle"
+    body.emit_status(system.clock.now() - 2)
+    guard = (await client.get("/robot")).json()["guard"]
+    assert guard["state"] == "silent"
+    assert "nothing for 2" in guard["reason"]
+    health = (await client.get("/health")).json()
+    assert health["status"] == "degraded"
+    assert guard["reason"][:30] in health["problems"][-1]
+
+
+@pytest.mark.parametrize("capacity", [1e18, 1e300])
+async def test_a_capacity_beyond_all_means_is_refused(client: httpx.AsyncClient, capacity: float) -> None:
+    is_problem(await client.patch("/resources/cpu", json={"capacity": capacity}), 422, "invalid-request")
 
 
 async def test_the_description_is_whole_and_needs_nothing_from_elsewhere(client: httpx.AsyncClient) -> None:
