@@ -14,7 +14,7 @@ from app.messages import Exploitation, LinkStatus, Twist
 from app.runtime.freshness import Freshness, FreshnessState
 from app.runtime.load import Load
 from app.runtime.supervisor import ModuleState
-from app.timeline_feed import OVERLOAD_WINDOWS, STALE_LOOKS, TimelineFeed
+from app.timeline_feed import OVERLOAD_WINDOWS, SLOW_AFTER_S, STALE_LOOKS, WELL_AFTER_S, TimelineFeed
 
 STILL = Twist(0.0, 0.0, 0.0)
 LIVE = Freshness("live", 0.02, 0.3, 40.0, 39.8)
