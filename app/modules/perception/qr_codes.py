@@ -18,7 +18,6 @@ FEWEST_DEPTHS = 12
 SMALLEST_SHARE = 0.1
 
 _UPSCALE = 2
-_FORMATS = zxingcpp.BarcodeFormats(zxingcpp.BarcodeFormat.QRCode)
 
 
 def detect(image: Image, upscale: bool = True) -> tuple[QRCode, ...]:
@@ -51,7 +50,7 @@ def decode(grey: NDArray[np.uint8], upscale: bool = True) -> list[tuple[str, NDA
 
 def _read(grey: NDArray[np.uint8]) -> list[tuple[str, NDArray[np.float32]]]:
     found = []
-    for barcode in zxingcpp.read_barcodes(grey, formats=_FORMATS, text_mode=zxingcpp.TextMode.Plain):
+    for barcode in zxingcpp.read_barcodes(grey, formats=zxingcpp.BarcodeFormat.QRCode, text_mode=zxingcpp.TextMode.Plain):
         at = barcode.position
         corners = [(p.x, p.y) for p in (at.top_left, at.top_right, at.bottom_right, at.bottom_left)]
         found.append((barcode.text, np.array(corners, dtype=np.float32)))
