@@ -50,7 +50,8 @@ def decode(grey: NDArray[np.uint8], upscale: bool = True) -> list[tuple[str, NDA
 
 def _read(grey: NDArray[np.uint8]) -> list[tuple[str, NDArray[np.float32]]]:
     found = []
-    for barcode in zxingcpp.read_barcodes(grey, formats=zxingcpp.BarcodeFormat.QRCode, text_mode=zxingcpp.TextMode.Plain):
+    formats = zxingcpp.BarcodeFormats(zxingcpp.BarcodeFormat.QRCode)
+    for barcode in zxingcpp.read_barcodes(grey, formats=formats, text_mode=zxingcpp.TextMode.Plain):
         at = barcode.position
         corners = [(p.x, p.y) for p in (at.top_left, at.top_right, at.bottom_right, at.bottom_left)]
         found.append((barcode.text, np.array(corners, dtype=np.float32)))
