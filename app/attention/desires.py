@@ -132,8 +132,8 @@ class Desire:
 
 def checked_number(field: str, value: object, *, above: float | None = None) -> float:
     """``value`` rounded to a thousandth; raises InvalidDesire unless within [0, 8] (``above``: strictly greater)."""
-    low = f"greater than {above:g}" if above is not None else "at least 0"
-    problem = f"must be a number {low} and at most {SCALE:g}, not {value!r}"
+    low = 0.0 if above is None else above + 1 / GRAIN
+    problem = f"must be a number from {low:g} to {SCALE:g}, not {value!r}"
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         raise InvalidDesire(field, problem)
     rounded = round(value * GRAIN) / GRAIN

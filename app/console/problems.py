@@ -141,6 +141,9 @@ def _validation_problem(error: RequestValidationError) -> Problem:
         position = details[0]["loc"][-1]
         reason = details[0].get("ctx", {}).get("error", "it cannot be read")
         return Problem(400, "malformed-json", f"The body is not JSON: {reason} (character {position}).")
+    if details and details[0]["loc"] == ("body",):
+        message = "should be a JSON object, sent with the header Content-Type: application/json"
+        return Problem(422, "invalid-request", f"The body {message}.", errors=[("body", message)])
     errors = [(_field(detail["loc"]), str(detail["msg"])) for detail in details]
     listed = "; ".join(f"{field}: {message}" for field, message in errors)
     return Problem(422, "invalid-request", listed, errors=errors)

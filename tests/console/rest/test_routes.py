@@ -230,6 +230,14 @@ async def test_a_body_that_falls_silent_is_told(client: httpx.AsyncClient, syste
     assert guard["reason"][:30] in health["problems"][-1]
 
 
+@pytest.mark.parametrize("body", [b"", b"[]", b"null", b"class=FindQRCodes"])
+async def test_a_body_that_is_no_object_is_told_what_it_should_be(client: httpx.AsyncClient, body: bytes) -> None:
+    plain = await client.post("/desires", content=body, headers={"Content-Type": "text/plain"})
+    problem = is_problem(plain, 422, "invalid-request")
+    assert "Content-Type: application/json" in problem["detail"]
+    assert problem["errors"][0]["field"] == "body"
+
+
 @pytest.mark.parametrize("capacity", [1e18, 1e300])
 async def test_a_capacity_beyond_all_means_is_refused(client: httpx.AsyncClient, capacity: float) -> None:
     is_problem(await client.patch("/resources/cpu", json={"capacity": capacity}), 422, "invalid-request")
