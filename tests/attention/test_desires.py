@@ -57,7 +57,7 @@ def test_unknown_class_names_those_there_are() -> None:
 
 @pytest.mark.parametrize("value", [0, -1, 8.001, float("nan"), float("inf"), True, "4", None])
 def test_intensities_out_of_range(value: object) -> None:
-    with pytest.raises(InvalidDesire, match="from 0.001 to 8"):
+    with pytest.raises(InvalidDesire, match=r"from 0\.001 to 8"):
         checked_number("intensity", value, above=0)
 
 
