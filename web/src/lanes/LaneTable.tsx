@@ -4,7 +4,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { LaneRow } from "../protocol/types";
 import { useApp } from "../state/context";
-import { divisor, number, percent, reasonText, spaced } from "../ui/format";
+import { divisor, number, percent, reasonText, spaced, stateWord } from "../ui/format";
 import { StateMark } from "../ui/icons";
 
 const EVERY_MS = 250;
@@ -48,7 +48,9 @@ export function LaneTable({ visible }: { visible: boolean }) {
               <td>{percent(row.rate)}</td>
               <td>{divisor(row.divisor)}</td>
               <td>
-                <StateMark state={row.state} /> <b class="state-word">{row.state}</b> {reasonText(row.state, row.text)}
+                <StateMark state={row.state} />{" "}
+                <b class="state-word">{stateWord(row.state)}</b>.{" "}
+                {reasonText(row.state, row.text)}
               </td>
             </tr>
           ))}

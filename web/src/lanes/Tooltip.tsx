@@ -1,7 +1,7 @@
 /** What a lane showed at the time under the cursor, and why. */
 
 import { useApp } from "../state/context";
-import { clockTime, divisor, number, percent, reasonText, spaced } from "../ui/format";
+import { clockTime, divisor, number, percent, reasonText, spaced, stateWord } from "../ui/format";
 import { StateMark } from "../ui/icons";
 import type { Hit } from "./chart";
 
@@ -59,7 +59,7 @@ export function Tooltip({ hit, area, now }: { hit: Hit; area: DOMRect; now: numb
           <p class="tooltip-why">
             <StateMark state={sample.state} />
             <span>
-              <b class="state-word">{sample.state}</b> {reasonText(sample.state, sample.text)}
+              <b class="state-word">{stateWord(sample.state)}</b>. {reasonText(sample.state, sample.text)}
             </span>
           </p>
         </>

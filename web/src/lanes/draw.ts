@@ -16,7 +16,7 @@ export const COLORS = {
   mark: "#e5c07b",
   cursor: "#e9eef5",
   unfulfilled: "#ff6464",
-  degraded: "#f0b44c",
+  degraded: "#52d18c",
 };
 export const AXIS_PX = 20;
 const PAD_PX = 4;
@@ -162,7 +162,7 @@ export class LanePainter {
     c.fill();
   }
 
-  /** Along the foot of the lane: red while its desire is not fulfilled, amber while it gets less than it asked for. */
+  /** Along the foot of the lane: red while its desire is not fulfilled, green while it is, but below its best. */
   private ribbon(history: LaneHistory, lane: Lane, span: Span, ratio: number, top: number): void {
     const { context: c } = this;
     const perSecond = span.width / ratio / (span.to - span.from);

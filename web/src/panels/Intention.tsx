@@ -2,7 +2,7 @@
 
 import type { Intention as IntentionMessage, SelectedStrategy } from "../protocol/types";
 import { useApp } from "../state/context";
-import { divisor, number, reasonText, small, spaced } from "../ui/format";
+import { divisor, number, reasonText, small, spaced, stateWord } from "../ui/format";
 import { StateMark, WarnIcon } from "../ui/icons";
 import { Meter } from "../ui/Meter";
 
@@ -47,7 +47,7 @@ function Body({ intention }: { intention: IntentionMessage }) {
             <div>
               <p class="reason-head">
                 <b>{spaced(name)}</b>
-                <span class="state-word">{reason.state}</span>
+                <span class="state-word">{stateWord(reason.state)}</span>
                 {reason.utility !== null && reason.wanted !== null && (
                   <span class="muted">
                     utility {number(reason.utility)}, {number(reason.wanted)} wanted

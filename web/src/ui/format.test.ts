@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { ago, divisor, left, millis, number, reasonText, small, spaced } from "./format";
+import { ago, divisor, left, millis, number, reasonText, small, spaced, stateWord } from "./format";
 
 test("ages are said as people say them", () => {
   expect([0.4, 12.3, 89, 200, 7200, 200_000].map(ago)).toEqual([
@@ -31,6 +31,15 @@ test("names of classes are spaced, acronyms stay", () => {
     "Locate faces",
     "Go to",
     "Teleoperation",
+  ]);
+});
+
+test("what gets as much as it wants is fulfilled, though not at its best", () => {
+  expect(["fulfilled", "degraded", "unfulfilled", "needed"].map(stateWord)).toEqual([
+    "fulfilled",
+    "fulfilled, below its best",
+    "unfulfilled",
+    "needed",
   ]);
 });
 

@@ -52,6 +52,11 @@ export function spaced(name: string): string {
   return words.map((word, i) => (i === 0 || /^[A-Z0-9]{2,}/.test(word) ? word : word.toLowerCase())).join(" ");
 }
 
+/** A state in words. `degraded` still has all the utility that was wanted, which is no fault to shout about. */
+export function stateWord(state: string): string {
+  return state === "degraded" ? "fulfilled, below its best" : state;
+}
+
 /** A reason without the state it begins with, for where the state stands beside it. */
 export function reasonText(state: string, text: string): string {
   const rest = text.startsWith(`${state}: `) ? text.slice(state.length + 2) : text;

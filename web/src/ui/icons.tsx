@@ -129,13 +129,10 @@ export function StateMark({ state }: { state: string }) {
     <svg class={`mark mark-${state}`} viewBox="0 0 12 12" aria-hidden="true">
       {state === "fulfilled" && <circle cx="6" cy="6" r="5" fill="currentColor" />}
       {state === "degraded" && (
-        <path
-          d="M6 1a5 5 0 010 10z M6 1.7a4.3 4.3 0 100 8.6"
-          fill="currentColor"
-          fill-rule="evenodd"
-          stroke="currentColor"
-          stroke-width="1"
-        />
+        <>
+          <circle cx="6" cy="6" r="4.3" fill="none" stroke="currentColor" stroke-width="1.4" />
+          <path d="M6 1.7a4.3 4.3 0 010 8.6z" fill="currentColor" />
+        </>
       )}
       {state === "unfulfilled" && (
         <path d="M2 2l8 8M10 2l-8 8" stroke="currentColor" stroke-width="2.4" stroke-linecap="round" />
