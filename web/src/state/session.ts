@@ -52,13 +52,13 @@ export class Session {
   /** Asks whether we may, then connects; shows the login when we may not and the address holds no token that opens. */
   async enter(): Promise<void> {
     if ((await this.refused()) && !(await this.logInByAddress()))
-      this.store.link.value = { phase: "login", wasDriving: false, retryAt: 0 };
+      this.store.link.value = { phase: "login", retryAt: 0 };
     else this.live.open();
   }
 
   async logIn(token: string): Promise<void> {
     await this.rest.logIn(token);
-    this.store.link.value = { phase: "connecting", wasDriving: false, retryAt: 0 };
+    this.store.link.value = { phase: "connecting", retryAt: 0 };
     this.live.open();
   }
 
@@ -144,7 +144,7 @@ export class Session {
     if (message.type === "status") {
       store.status.value = message;
       if (store.link.value.phase !== "live" && this.fresh())
-        store.link.value = { phase: "live", wasDriving: false, retryAt: 0 };
+        store.link.value = { phase: "live", retryAt: 0 };
     } else if (message.type === "lanes") store.rows.value = message.rows;
     else if (message.type === "desires") store.desires.value = message.desires;
     else if (message.type === "intention") store.intention.value = message.intention;
@@ -194,17 +194,15 @@ export class Session {
 
   private lost(everOpened: boolean, retryInMs: number): void {
     const { store } = this;
-    const was = store.link.value;
-    const wasDriving = was.wasDriving || (everOpened && store.status.value?.driver?.mine === true);
     const phase = store.hello.value ? "lost" : "connecting";
-    store.link.value = { phase, wasDriving, retryAt: performance.now() + retryInMs };
+    store.link.value = { phase, retryAt: performance.now() + retryInMs };
     store.rttMs.value = null;
     if (everOpened) return;
     // A refused handshake looks like a dead robot: ask which it is.
     void this.refused().then((refused) => {
       if (!refused) return;
       this.live.close();
-      store.link.value = { phase: "login", wasDriving: false, retryAt: 0 };
+      store.link.value = { phase: "login", retryAt: 0 };
     });
   }
 }

@@ -22,8 +22,6 @@ export type CameraMode = "inset" | "large" | "hidden";
 
 export interface LinkView {
   phase: Phase;
-  /** This page was driving when the connection was lost. */
-  wasDriving: boolean;
   /** The page's clock (ms) at which the next attempt starts. */
   retryAt: number;
 }
@@ -53,7 +51,7 @@ export function createStore() {
   const status = signal<Status | null>(null);
   const now = signal<number | null>(null);
   const intention = signal<Intention | null>(null);
-  const link = signal<LinkView>({ phase: "connecting", wasDriving: false, retryAt: 0 });
+  const link = signal<LinkView>({ phase: "connecting", retryAt: 0 });
   const events = signal<RobotEvent[]>([]);
   const loadHistory = signal<LoadPoint[]>([]);
   const notices = signal<Notice[]>([]);

@@ -6,7 +6,7 @@ import { WarnIcon } from "./icons";
 
 export function Banner() {
   const { store } = useApp();
-  const { phase, wasDriving, retryAt } = store.link.value;
+  const { phase, retryAt } = store.link.value;
   void store.now.value; // counts down with the clock
   void store.viewAgeMs.value;
   if (phase === "live" || phase === "login") return null;
@@ -33,9 +33,7 @@ export function Banner() {
       )}
       {phase === "lost" && (
         <p>
-          <b>
-            {wasDriving ? "Lost the robot. It has been told to stop. Reconnecting…" : "Lost the robot. Reconnecting…"}
-          </b>
+          <b>Lost the robot. Without commands it stops by itself. Reconnecting…</b>
           <span aria-hidden="true">{soon}</span>
         </p>
       )}

@@ -79,13 +79,13 @@ export function TopBar({ narrow }: { narrow: boolean }) {
           id="view-age"
           label="View"
           unit="ms"
-          tone={tone(store.viewAgeMs.value, 200, 500)}
+          tone={live ? tone(store.viewAgeMs.value, 200, 500) : ""}
           hint="Age of what you see"
         >
-          {millis(store.viewAgeMs.value)}
+          {live ? millis(store.viewAgeMs.value) : "–"}
         </Metric>
         <Metric id="driver" label="Drives" hint="Who has the wheel, and the behavior that commands the base">
-          {driverName(status)}
+          {live ? driverName(status) : "–"}
         </Metric>
       </dl>
       {slow && (
