@@ -101,7 +101,9 @@ export class DriveController {
   private keyDown(event: KeyboardEvent): void {
     if (event.code === "Escape" && !event.repeat) {
       this.release();
-      this.session.eStop();
+      // What opens over a page closes with Escape everywhere: that must not leave a robot latched.
+      if (this.store.help.peek()) this.store.help.value = false;
+      else this.session.eStop();
       return;
     }
     if (event.ctrlKey || event.altKey || event.metaKey) {
