@@ -152,7 +152,12 @@ export function Lanes() {
         </div>
       )}
       {hit.value && !asTable.value && (
-        <Tooltip hit={hit.value} area={area.current!.getBoundingClientRect()} now={chart.current?.now() ?? 0} />
+        <Tooltip
+          hit={hit.value}
+          area={area.current!.getBoundingClientRect()}
+          top={body.current!.getBoundingClientRect().top}
+          now={chart.current?.now() ?? 0}
+        />
       )}
       <LaneTable visible={asTable.value} />
     </section>

@@ -1,25 +1,35 @@
 /** What a lane showed at the time under the cursor, and why. */
 
+import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import { useApp } from "../state/context";
 import { clockTime, divisor, number, percent, reasonText, spaced, stateWord } from "../ui/format";
 import { StateMark } from "../ui/icons";
 import type { Hit } from "./chart";
+import { placeBeside } from "./viewport";
 
 const WIDTH = 300;
+const GAP = 4;
 
-export function Tooltip({ hit, area, now }: { hit: Hit; area: DOMRect; now: number }) {
+/** `area`: the lanes on the screen; `top`: where they begin to be seen, which is below what they are steered with. */
+export function Tooltip({ hit, area, top, now }: { hit: Hit; area: DOMRect; top: number; now: number }) {
   const { store } = useApp();
+  const box = useRef<HTMLDivElement>(null);
+  const [high, setHigh] = useState(0);
+  useLayoutEffect(() => setHigh(box.current!.offsetHeight));
   const { sample, events } = hit;
   const title = store.hello.value?.classes.find((c) => c.name === hit.name)?.title || spaced(hit.name);
   const wide = Math.min(WIDTH, window.innerWidth - 16);
   const at = area.left + hit.x;
   const x = Math.max(8, Math.min(window.innerWidth - wide - 8, at + (at > area.right - wide ? -wide - 14 : 14)));
+  const bottom = document.querySelector(".dock")?.getBoundingClientRect().top ?? window.innerHeight;
+  const y = placeBeside(area.top + hit.y, area.top + hit.y + hit.height, high + GAP, top, bottom - GAP);
   return (
     <div
       class="tooltip"
+      ref={box}
       role="status"
       data-testid="lane-tooltip"
-      style={{ left: `${x}px`, bottom: `${window.innerHeight - area.top - hit.y + 4}px`, width: `${wide}px` }}
+      style={{ left: `${x}px`, top: `${y}px`, width: `${wide}px` }}
     >
       <p class="tooltip-head">
         <b>{title}</b>

@@ -19,6 +19,7 @@ export interface Hit {
   /** CSS pixels within the chart. */
   x: number;
   y: number;
+  height: number;
 }
 
 export class LaneChart {
@@ -120,7 +121,8 @@ export class LaneChart {
       return Math.abs(event.stamp - stamp) <= near && (place < 0 || place === row);
     });
     const sample = this.store.lanes.sample(name, stamp);
-    return { row, name, stamp, sample, events, x: this.cursor.share * this.width, y: row * this.rowHeight };
+    const height = this.rowHeight;
+    return { row, name, stamp, sample, events, x: this.cursor.share * this.width, y: row * height, height };
   }
 
   private fit(ratio: number, rows: number): void {

@@ -3,7 +3,18 @@ import type { LaneRow, LanesHistory } from "../protocol/types";
 import { Columns, toColumns } from "./columns";
 import { CAPACITY, LaneHistory } from "./history";
 import { spells } from "./spells";
-import { edges, INITIAL, LONGEST_S, pan, SHORTEST_S, stepZoom, TRAIL_S, togglePause, zoom } from "./viewport";
+import {
+  edges,
+  INITIAL,
+  LONGEST_S,
+  pan,
+  placeBeside,
+  SHORTEST_S,
+  stepZoom,
+  togglePause,
+  TRAIL_S,
+  zoom,
+} from "./viewport";
 
 const START = 1_790_000_000;
 
@@ -200,6 +211,13 @@ describe("spells", () => {
       ),
     ).toEqual([]);
   });
+});
+
+test("what tells about a row stands over it, else under it, and never over the head of the lanes", () => {
+  expect(placeBeside(300, 340, 150, 100, 500)).toBe(150);
+  expect(placeBeside(120, 160, 150, 100, 500)).toBe(160);
+  expect(placeBeside(200, 260, 150, 100, 400)).toBe(250);
+  expect(placeBeside(120, 160, 150, 100, 200)).toBe(100);
 });
 
 describe("viewport", () => {
