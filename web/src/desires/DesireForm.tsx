@@ -5,7 +5,7 @@ import { useEffect, useRef } from "preact/hooks";
 import type { DesireClass } from "../protocol/types";
 import { idempotencyKey, Problem } from "../protocol/rest";
 import { useApp } from "../state/context";
-import { spaced } from "../ui/format";
+import { nameAndTitle, spaced } from "../ui/format";
 import { LockIcon, PlusIcon } from "../ui/icons";
 import { FieldInput, Labelled } from "./FieldInput";
 import { type Errors, fieldsOf, initialValues, paramsOf, placeErrors, type Values } from "./schema";
@@ -121,7 +121,7 @@ function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => voi
           >
             {classes.map((candidate) => (
               <option key={candidate.name} value={candidate.name}>
-                {candidate.title || spaced(candidate.name)}
+                {nameAndTitle(candidate)}
               </option>
             ))}
           </select>

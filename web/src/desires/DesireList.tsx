@@ -61,7 +61,6 @@ function Row({ desire }: { desire: Desire }) {
             security
           </span>
         )}
-        <span class="desire-by">{sourceWords(desire.source)}</span>
         <TimeLeft expires={desire.expires} />
         <button
           type="button"
@@ -73,6 +72,7 @@ function Row({ desire }: { desire: Desire }) {
           <TrashIcon />
         </button>
       </div>
+      <p class="desire-by">{sourceWords(desire.source)}</p>
       {params.length > 0 && (
         <p class="desire-params">
           {params

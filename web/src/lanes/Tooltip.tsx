@@ -1,7 +1,6 @@
 /** What a lane showed at the time under the cursor, and why. */
 
 import { useLayoutEffect, useRef, useState } from "preact/hooks";
-import { useApp } from "../state/context";
 import { clockTime, divisor, number, percent, reasonText, spaced, stateWord } from "../ui/format";
 import { StateMark } from "../ui/icons";
 import type { Hit } from "./chart";
@@ -12,12 +11,10 @@ const GAP = 4;
 
 /** `area`: the lanes on the screen; `top`: where they begin to be seen, which is below what they are steered with. */
 export function Tooltip({ hit, area, top, now }: { hit: Hit; area: DOMRect; top: number; now: number }) {
-  const { store } = useApp();
   const box = useRef<HTMLDivElement>(null);
   const [high, setHigh] = useState(0);
   useLayoutEffect(() => setHigh(box.current!.offsetHeight));
   const { sample, events } = hit;
-  const title = store.hello.value?.classes.find((c) => c.name === hit.name)?.title || spaced(hit.name);
   const wide = Math.min(WIDTH, window.innerWidth - 16);
   const at = area.left + hit.x;
   const x = Math.max(8, Math.min(window.innerWidth - wide - 8, at + (at > area.right - wide ? -wide - 14 : 14)));
@@ -32,7 +29,7 @@ export function Tooltip({ hit, area, top, now }: { hit: Hit; area: DOMRect; top:
       style={{ left: `${x}px`, top: `${y}px`, width: `${wide}px` }}
     >
       <p class="tooltip-head">
-        <b>{title}</b>
+        <b>{spaced(hit.name)}</b>
         <span>
           {clockTime(hit.stamp)} · {number(hit.stamp - now, 1)} s
         </span>

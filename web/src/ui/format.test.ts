@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { ago, divisor, left, millis, number, reasonText, small, spaced, stateWord } from "./format";
+import { ago, divisor, left, millis, nameAndTitle, number, reasonText, small, spaced, stateWord } from "./format";
 
 test("ages are said as people say them", () => {
   expect([0.4, 12.3, 89, 200, 7200, 200_000].map(ago)).toEqual([
@@ -41,6 +41,14 @@ test("what gets as much as it wants is fulfilled, though not at its best", () =>
     "unfulfilled",
     "needed",
   ]);
+});
+
+test("a class goes by one name, with its title beside it where that says more", () => {
+  const said = (name: string, title: string) => nameAndTitle({ name, title });
+  expect(said("Telepresence", "See through the robot's eyes")).toBe("Telepresence: see through the robot's eyes");
+  expect(said("Map", "SLAM of the rooms")).toBe("Map: SLAM of the rooms");
+  expect(said("FindQRCodes", "Find QR codes")).toBe("Find QR codes");
+  expect(said("GoTo", "")).toBe("Go to");
 });
 
 test("a reason does not repeat the state that stands beside it", () => {

@@ -52,6 +52,14 @@ export function spaced(name: string): string {
   return words.map((word, i) => (i === 0 || /^[A-Z0-9]{2,}/.test(word) ? word : word.toLowerCase())).join(" ");
 }
 
+/** Telepresence: see through the robot's eyes. The name as everywhere on the page, then what the class says it is. */
+export function nameAndTitle(kind: { name: string; title: string }): string {
+  const name = spaced(kind.name);
+  if (kind.title === "" || kind.title.toLowerCase() === name.toLowerCase()) return name;
+  const title = /^[A-Z][a-z ]/.test(kind.title) ? kind.title.charAt(0).toLowerCase() + kind.title.slice(1) : kind.title;
+  return `${name}: ${title}`;
+}
+
 /** A state in words. `degraded` still has all the utility that was wanted, which is no fault to shout about. */
 export function stateWord(state: string): string {
   return state === "degraded" ? "fulfilled, below its best" : state;
