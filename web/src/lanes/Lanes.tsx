@@ -38,7 +38,9 @@ export function Lanes() {
     chart.current = made;
     const measure = () => {
       if (!body.current || !area.current) return;
-      const room = (body.current.clientHeight - AXIS_PX) / Math.max(1, classesNow.current.length);
+      const head =
+        area.current.getBoundingClientRect().top - body.current.getBoundingClientRect().top + body.current.scrollTop;
+      const room = (body.current.clientHeight - head - AXIS_PX) / Math.max(1, classesNow.current.length);
       rowHeight.value = Math.max(ROW_MIN, Math.min(ROW_MAX, Math.floor(room)));
       made.resize(area.current.clientWidth, rowHeight.value);
     };
@@ -121,20 +123,19 @@ export function Lanes() {
       {!empty && !asTable.value && (
         <div class="lanes-body" ref={body} style={{ "--row": `${rowHeight.value}px` }}>
           <ol class="lane-names" aria-hidden="true">
+            <li class="lane-heads">
+              <b>intensity</b>
+              <em>utility</em>
+              <i>let through</i>
+            </li>
             {rows.map((row) => (
               <li key={row.class} class={`lane-name ${row.state} ${hit.value?.name === row.class ? "at" : ""}`}>
                 <StateMark state={row.state} />
                 <span class="lane-title">{spaced(row.class)}</span>
                 <span class="lane-figures">
-                  {row.intensity === null ? (
-                    "–"
-                  ) : (
-                    <>
-                      <b>{number(row.intensity)}</b>
-                      <em>{number(row.utility)}</em>
-                    </>
-                  )}
-                  <i>{divisor(row.divisor)}</i>
+                  <b title="Intensity">{number(row.intensity)}</b>
+                  <em title="Desired utility">{number(row.utility)}</em>
+                  <i title="Messages let through">{divisor(row.divisor)}</i>
                 </span>
               </li>
             ))}
