@@ -20,10 +20,7 @@ export function SceneView() {
       pace = document.hidden ? startPace(now, pace.step) : paced(pace, now);
       if (hopeless(pace) && !told.current) {
         told.current = true;
-        store.notify(
-          "info",
-          "This computer draws the 3D view slowly. Without it the hands on the wheel are steadier: Hide 3D.",
-        );
+        store.notify("info", "The 3D view is slow on this computer. Driving is smoother without it.");
       }
       if (pace.step !== step) setStep(pace.step);
       else request = requestAnimationFrame(frame);
