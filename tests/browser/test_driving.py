@@ -178,3 +178,16 @@ def test_two_pages_share_one_wheel(robot: Robot, open_page: Callable[[], Page]) 
     second.keyboard.down("KeyW")
     wait_driving(second)
     second.keyboard.up("KeyW")
+
+
+def test_escape_closes_the_help_of_a_standing_robot_and_stops_a_moving_one(robot: Robot, page: Page) -> None:
+    """What opens over a page closes with Escape; but a robot that moves is stopped, whatever is open."""
+    page.get_by_test_id("help").click()
+    page.keyboard.press("Escape")
+    page.get_by_test_id("help-sheet").wait_for(state="detached")
+    assert robot.get("/robot")["guard"]["e_stopped"] is False
+    page.keyboard.down("KeyW")
+    wait_driving(page)
+    page.get_by_test_id("help").click()
+    page.keyboard.press("Escape")
+    page.locator("[data-testid=guard-state][data-state=e_stopped]").wait_for()

@@ -101,9 +101,10 @@ export class DriveController {
   private keyDown(event: KeyboardEvent): void {
     if (event.code === "Escape" && !event.repeat) {
       this.release();
-      // What opens over a page closes with Escape everywhere: that must not leave a robot latched.
-      if (this.store.help.peek()) this.store.help.value = false;
-      else this.session.eStop();
+      // What opens over a page closes with Escape everywhere: that must not leave a standing robot latched.
+      const onlyTheSheet = this.store.help.peek() && this.store.status.peek()?.guard.state === "idle";
+      this.store.help.value = false;
+      if (!onlyTheSheet) this.session.eStop();
       return;
     }
     if (event.ctrlKey || event.altKey || event.metaKey) {

@@ -8,7 +8,7 @@ const KEYS: [string[], string][] = [
   [["W", "A", "S", "D"], "Drive while held; so do the arrow keys"],
   [["Shift"], "Held: slowly"],
   [["Space"], "Stop driving: every key must be pressed anew"],
-  [["Esc"], "Emergency stop, from anywhere on the page but this sheet, which it closes. It stays latched until it is released"],
+  [["Esc"], "Emergency stop, from anywhere on the page. It stays latched until it is released. While the robot stands, it closes this sheet instead"],
   [["?"], "This sheet"],
 ];
 const PAD: [string[], string][] = [
