@@ -1,119 +1,20 @@
-"""The Intention Translator: newest desires win, one step of the loop, and the last intention survives failures."""
+"""The Intention Translator: newest desires win, and an intention is applied in one step of the loop."""
 
 from __future__ import annotations
 
 import asyncio
 import math
 import random
-from collections.abc import AsyncIterator, Callable, Collection, Mapping
-from contextlib import asynccontextmanager
 from itertools import count
-from typing import Any
 
 import pytest
-from pydantic import BaseModel
 
-from app.attention.desires import DesireClass, DesireClasses, Source
 from app.attention.intention import Intention, divisors_of
-from app.attention.problem import Problem, Selection
-from app.attention.solver import CachedSolver, SolverFailed, solve
+from app.attention.solver import solve
 from app.attention.strategies import Resource, Strategy, StrategyTable
-from app.attention.timeline import Timeline
-from app.attention.translator import Hysteresis, IntentionTranslator
-from app.attention.workspace import IntentionWorkspace
-from app.runtime.clock import VirtualClock, in_virtual_time, run_virtual
-from tests.attention.thesis import TABLE_4_4
-
-ME = Source("operator", "console")
-TABLE = StrategyTable(TABLE_4_4, {"cpu": Resource("cpu", 100, "% of one core")})
-
-
-class Goal(BaseModel):
-    x: float = 0.0
-
-
-CLASSES = DesireClasses(DesireClass(name, name, "", Goal) for name in TABLE.classes)
-
-
-class Bank:
-    """Filters as the runtime's bank keeps them, remembering every call."""
-
-    def __init__(self, names: Collection[str]) -> None:
-        self.phi = dict.fromkeys(names, math.inf)
-        self.calls: list[dict[str, float]] = []
-
-    def names(self) -> Collection[str]:
-        return self.phi.keys()
-
-    def apply(self, divisors: Mapping[str, float]) -> None:
-        self.calls.append(dict(divisors))
-        self.phi.update(divisors)
-
-
-class Sink:
-    def __init__(self) -> None:
-        self.calls: list[tuple[str, dict[str, Any]]] = []
-
-    def configure(self, module: str, parameters: Mapping[str, Any]) -> None:
-        self.calls.append((module, dict(parameters)))
-
-
-class Setting:
-    def __init__(self, table: StrategyTable = TABLE, **options: Any) -> None:
-        self.clock = VirtualClock()
-        self.workspace = IntentionWorkspace(CLASSES, self.clock.now)
-        self.bank = Bank(table.filters | {"Kinect.images"})
-        self.sink = Sink()
-        self.timeline = Timeline(1000, self.clock.now)
-        self.translator = IntentionTranslator(
-            self.workspace, table, self.bank, self.sink, self.timeline, self.clock, **options
-        )
-
-    def add(self, cls: str, intensity: float = 8, utility: float = 1, **more: Any) -> str:
-        return self.workspace.add(cls, intensity=intensity, utility=utility, source=ME, **more).id
-
-    @property
-    def selected(self) -> tuple[str, ...]:
-        assert self.translator.current is not None
-        return self.translator.current.selection.strategies
-
-    def events(self, kind: str) -> list[str]:
-        return [e.subject for e in self.timeline.query(kinds={kind})]
-
-    @asynccontextmanager
-    async def running(self) -> AsyncIterator[None]:
-        task = asyncio.create_task(self.translator.run())
-        try:
-            yield
-        finally:
-            task.cancel()
-            await asyncio.gather(task, return_exceptions=True)
-
-
-class HeldSolver(CachedSolver):
-    """Answers when told to; ``waiting`` holds what it was asked."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.waiting: list[tuple[Problem, asyncio.Future[None]]] = []
-        self.asked = asyncio.Event()
-
-    def recall(self, problem: Problem) -> Selection | None:
-        return None
-
-    async def offload(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        if function == self.solve:
-            future: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-            self.waiting.append((arguments[0], future))
-            self.asked.set()
-            await future
-        return function(*arguments)
-
-    async def next(self) -> tuple[Problem, asyncio.Future[None]]:
-        while not self.waiting:
-            self.asked.clear()
-            await self.asked.wait()
-        return self.waiting.pop(0)
+from app.attention.translator import Hysteresis
+from app.runtime.clock import in_virtual_time
+from tests.attention.setting import CLASSES, TABLE, HeldSolver, Setting
 
 
 @in_virtual_time
@@ -247,81 +148,6 @@ async def test_a_late_result_that_breaks_a_newer_constraint_is_never_applied() -
         assert s.selected == ()
 
 
-class FailingSolver(CachedSolver):
-    def __init__(self) -> None:
-        super().__init__()
-        self.failure: Exception | None = None
-        self.silent = False
-
-    def recall(self, problem: Problem) -> Selection | None:
-        return None
-
-    def solve(self, problem: Problem) -> Selection:
-        if self.silent:
-            return None  # type: ignore[return-value]
-        if self.failure is not None:
-            raise self.failure
-        return super().solve(problem)
-
-
-@in_virtual_time
-async def test_a_solver_failure_keeps_the_last_intention() -> None:
-    solver = FailingSolver()
-    s = Setting(solver=solver)
-    async with s.running():
-        s.add("DetectNoises")
-        await s.translator.settled()
-        before = dict(s.bank.phi)
-        for failure in (SolverFailed("no time"), MemoryError()):
-            solver.failure = failure
-            s.add("LocateVoices")
-            await s.translator.settled()
-            assert s.bank.phi == before
-            assert s.selected == ("9",)
-        solver.silent = True
-        s.add("SLAM")
-        await s.translator.settled()
-        assert s.selected == ("9",)
-        assert s.translator.statistics().failures == 3
-        solver.failure, solver.silent = None, False
-        s.add("Teleoperation")
-        await s.translator.settled()
-        assert s.selected == ("9", "10", "11", "12")
-        assert [e.text for e in s.timeline.query(kinds={"solver"})][-1] == "the solver answers again"
-
-
-@in_virtual_time
-async def test_the_safe_strategies_hold_until_the_first_answer() -> None:
-    solver = HeldSolver()
-    s = Setting(solver=solver, offload=solver.offload, safe=["12"])
-    async with s.running():
-        _, first = await solver.next()
-        assert s.selected == ("12",)
-        assert s.bank.phi["Teleop.twist"] == 1
-        first.set_result(None)
-        await s.translator.settled()
-        assert s.selected == ()
-
-
-@in_virtual_time
-async def test_the_safe_strategies_stay_while_there_is_no_answer() -> None:
-    solver = FailingSolver()
-    solver.failure = SolverFailed("no time")
-    s = Setting(solver=solver, safe=["12"])
-    async with s.running():
-        await s.translator.settled()
-        assert s.selected == ("12",)
-        assert s.bank.phi["Teleop.twist"] == 1
-
-
-def test_names_are_checked() -> None:
-    with pytest.raises(ValueError, match="safe strategies that do not exist: 99"):
-        Setting(safe=["99"])
-    workspace = IntentionWorkspace(CLASSES, lambda: 0.0)
-    with pytest.raises(ValueError, match=r"filters that do not exist: FaceDetector\.images"):
-        IntentionTranslator(workspace, TABLE, Bank(["QRCodeDetector.images"]), Sink(), Timeline(9), VirtualClock())
-
-
 @in_virtual_time
 async def test_an_intention_is_applied_in_one_step_of_the_loop() -> None:
     """A task that runs at every step of the loop never sees half an intention."""
@@ -438,81 +264,6 @@ async def test_reasons_come_with_the_intention_and_are_completed_after_it() -> N
         offers = told[1].reasons["LocateFaces"].alternatives
         assert [(a.kind, a.amount, a.without) for a in offers] == [("capacity", 40, ""), ("without", 0, "FindQRCodes")]
         assert s.translator.current is told[1]
-
-
-@in_virtual_time
-async def test_observers_and_modules_that_fail_do_not_stop_attention(caplog: pytest.LogCaptureFixture) -> None:
-    s = Setting()
-
-    def broken(intention: Intention) -> None:
-        raise ZeroDivisionError
-
-    def refuse(module: str, parameters: Mapping[str, Any]) -> None:
-        raise ValueError("no such thing")
-
-    s.translator.observe(broken)
-    s.sink.configure = refuse  # type: ignore[method-assign]
-    async with s.running():
-        s.add("LocateVoices", params={"x": 1})
-        await s.translator.settled()
-        assert s.bank.phi["VoiceLocalizer.audio"] == 1
-        s.add("DetectNoises")
-        await s.translator.settled()
-        assert s.selected == ("9", "10")
-    assert "no longer told" in caplog.text
-    assert "refused its parameters" in caplog.text
-    assert s.events("module") == ["VoiceLocalizer", "LoudNoiseDetector"]
-
-
-@in_virtual_time
-async def test_a_solver_that_cannot_even_remember_does_not_stop_attention() -> None:
-    solver = FailingSolver()
-    s = Setting(solver=solver)
-    async with s.running():
-        s.add("DetectNoises")
-        await s.translator.settled()
-
-        def forget(problem: Problem) -> Selection | None:
-            raise ZeroDivisionError
-
-        solver.recall = forget  # type: ignore[method-assign]
-        s.add("SLAM", ttl=5)
-        await s.translator.settled()
-        assert s.selected == ("9",)
-        await s.clock.sleep(6)
-        assert [d.cls for d in s.workspace.desires()] == ["DetectNoises"], "desires still expire"
-        del solver.recall
-        s.add("Teleoperation")
-        await s.translator.settled()
-        assert s.selected == ("9", "12")
-
-
-@in_virtual_time
-async def test_reasons_that_cannot_be_found_do_not_stop_attention(monkeypatch: pytest.MonkeyPatch) -> None:
-    s = Setting()
-    async with s.running():
-        s.add("DetectNoises")
-        await s.translator.explained()
-
-        def lost(*_: object, **options: Any) -> dict[str, Any]:
-            raise ZeroDivisionError
-
-        monkeypatch.setattr(s.translator, "_reasons", lost)
-        s.add("SLAM")
-        await s.translator.explained()
-        assert s.selected == ("9", "11")
-        s.add("Teleoperation")
-        await s.translator.settled()
-        assert s.selected == ("9", "11", "12")
-
-
-@pytest.mark.parametrize("capacity", [math.inf, math.nan, -1, 1e18, 1e300])
-def test_a_capacity_that_cannot_be_is_refused_at_the_door(capacity: float) -> None:
-    async def refused() -> None:
-        with pytest.raises(ValueError, match="capacity of cpu must be from 0 to 1,000,000,000"):
-            Setting().translator.set_capacity("cpu", capacity, "a test")
-
-    run_virtual(refused())
 
 
 @in_virtual_time
