@@ -141,7 +141,11 @@ class System:
             self._feed.freshness(self.freshness.sample(self.clock.now()))
 
     async def _follow_exploitation(self) -> None:
-        async for message in self.graph.channel("exploitation").subscribe("timeline"):
+        channel = self.graph.channels.get("exploitation")
+        if channel is None:  # a program that drives nothing
+            await asyncio.Event().wait()
+            return
+        async for message in channel.subscribe("timeline"):
             self._feed.exploitation(message)
 
 

@@ -17,9 +17,12 @@ Notify = Callable[[str, Literal["info", "warning", "error"], str], None]
 
 
 class Driving:
-    """The lease at work. ``notify(session, level, text)`` reaches one page."""
+    """The lease at work. ``notify(session, level, text)`` reaches one page.
 
-    def __init__(self, clock: Clock, link: RobotLink, channel: Channel[OperatorDrive], notify: Notify) -> None:
+    ``channel`` takes the driver's commands; None: this program drives nothing, and nobody is given the wheel.
+    """
+
+    def __init__(self, clock: Clock, link: RobotLink, channel: Channel[OperatorDrive] | None, notify: Notify) -> None:
         self._clock = clock
         self._link = link
         self._channel = channel
@@ -27,6 +30,7 @@ class Driving:
         self._lease = control.Lease()
         self._sequence = 0
         self._timer: asyncio.TimerHandle | None = None
+        self._told_undrivable: set[str] = set()
 
     @property
     def lease(self) -> control.Lease:
@@ -35,11 +39,14 @@ class Driving:
 
     def handle(self, event: control.Event) -> None:
         """Let ``event`` happen now."""
+        if self._channel is None and isinstance(event, control.Drive | control.TakeControl):
+            self._refuse(event.session)
+            return
         now = self._clock.now()
         self._lease, actions = control.step(self._lease, now, event)
         for action in actions:
             match action:
-                case control.Command(operator, held, linear, angular):
+                case control.Command(operator, held, linear, angular) if self._channel is not None:
                     self._sequence += 1
                     self._channel.publish(OperatorDrive(now, operator, self._sequence, held, linear, angular))
                 case control.Tell(session, level, text):
@@ -67,6 +74,11 @@ class Driving:
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
+
+    def _refuse(self, session: str) -> None:
+        if session not in self._told_undrivable:
+            self._told_undrivable.add(session)
+            self._notify(session, "warning", "This program drives nothing: it has no channel operator_drive.")
 
     def _set_timer(self, now: float) -> None:
         if self._timer is not None:

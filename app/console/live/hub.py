@@ -59,7 +59,7 @@ class Hub:
         self._stale: set[str] = set()
         self._new_events: list[str] = []
         self.link_status: LinkStatus | None = None
-        self.driving = Driving(system.clock, system.link, system.graph.channel("operator_drive"), self.notify)
+        self.driving = Driving(system.clock, system.link, system.graph.channels.get("operator_drive"), self.notify)
 
     # --- Life --------------------------------------------------------------------------------------------------------
 

@@ -1,0 +1,72 @@
+"""A program that only looks: no base, no operator_drive, no exploitation. It runs, and the console serves it."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+from typing import Literal
+
+import pytest
+
+from app.config import load_configuration
+from app.console import control
+from app.console.app import create_app
+from app.console.driving import Driving
+from app.system import System
+from tests.console.program import Body
+
+FILES = {
+    "program.yaml": """\
+robot: robot.yaml
+channels: channels.yaml
+strategies: [strategies.yaml]
+modules:
+  Kinect:
+    class: app.modules.sensors.kinect:Kinect
+    outputs: {images: kinect}
+  QRCodeDetector:
+    class: app.modules.perception.qr_code_detector:QRCodeDetector
+    inputs: {images: kinect}
+""",
+    "channels.yaml": "kinect: {type: Image, rate_hz: 15}\n",
+    "robot.yaml": "{}\n",
+    "strategies.yaml": """\
+resources: {cpu: {capacity: 6}}
+strategies:
+  - {name: look, class: FindQRCodes, utility: 1, filters: {QRCodeDetector.images: 1}, costs: {cpu: 1}}
+""",
+}
+
+
+@pytest.fixture
+def system(tmp_path: Path) -> System:
+    for name, text in FILES.items():
+        (tmp_path / name).write_text(text)
+    return System(load_configuration(tmp_path / "program.yaml"), link=Body())
+
+
+async def test_it_goes_on_and_is_served(system: System) -> None:
+    async with system:
+        failed = asyncio.create_task(system.wait_failed())
+        app = create_app(system, early_view=False)
+        async with app.router.lifespan_context(app):
+            await system.translator.settled()
+            await asyncio.wait({failed}, timeout=0.2)
+            assert not failed.done()
+        failed.cancel()
+
+
+async def test_who_would_drive_is_told_once_and_gets_no_wheel(system: System) -> None:
+    told: list[str] = []
+
+    def notify(session: str, level: Literal["info", "warning", "error"], text: str) -> None:
+        told.append(text)
+
+    driving = Driving(system.clock, system.link, None, notify)
+    driving.handle(control.Connected("page", "operator"))
+    for sequence in range(3):
+        driving.handle(control.Drive("page", sequence, True, 1.0, 0.0))
+    driving.handle(control.TakeControl("page"))
+    assert driving.lease.driver is None
+    assert told == ["This program drives nothing: it has no channel operator_drive."]
+    driving.handle(control.Gone("page"))
