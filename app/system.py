@@ -7,6 +7,7 @@ configuration found, before anything starts.
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Mapping
 from contextlib import AsyncExitStack
 from pathlib import Path
 from types import TracebackType
@@ -19,14 +20,19 @@ from app.attention.workspace import IntentionWorkspace
 from app.config import Configuration, load_configuration
 from app.link import RobotLink
 from app.modules.desire_classes import desire_classes
+from app.recording.control import RecorderControl
+from app.recording.library import RecordingLibrary, default_folder
+from app.recording.manifest import Manifest
 from app.robots.config import load_robot_config
 from app.robots.factory import create_link
-from app.runtime.clock import RealClock
+from app.runtime.clock import Clock, RealClock
 from app.runtime.freshness import FreshnessWatch
-from app.runtime.graph import Graph
+from app.runtime.graph import Graph, Pin
 from app.runtime.load import LoadMeter
 from app.runtime.supervisor import Supervisor
 from app.runtime.watchdog import LoopWatchdog
+from app.self_report import SelfReport
+from app.snapshot import snapshot
 from app.timeline_feed import TimelineFeed
 
 LOAD_WINDOW_S = 1.0
@@ -35,28 +41,52 @@ LOAD_WINDOW_S = 1.0
 class System:
     """A robot program: ``async with System.from_file(path) as system: ...``."""
 
-    def __init__(self, configuration: Configuration, *, link: RobotLink | None = None) -> None:
-        """Build everything; ``link`` replaces the body that the configuration names. Raises ConfigError."""
+    def __init__(
+        self,
+        configuration: Configuration,
+        *,
+        link: RobotLink | None = None,
+        clock: Clock | None = None,
+        pins: Mapping[str, Pin] | None = None,
+        recordings: RecordingLibrary | None = None,
+    ) -> None:
+        """Build everything; ``link`` and ``clock`` replace the body that the configuration names and the real clock.
+
+        ``pins`` fixes filters (``Module.port``), whatever strategies say of them. ``recordings`` is where recordings
+        are kept, by default the user's folder. Raises ConfigError.
+        """
         program = configuration.program
         self.config = configuration
-        self.clock = RealClock()
-        self.link = link or create_link(load_robot_config(configuration.path(program.robot)), self.clock.offset)
+        real = RealClock()
+        self.clock: Clock = clock or real
+        self.link = link or create_link(load_robot_config(configuration.path(program.robot)), real.offset)
         self.classes = DesireClasses(desire_classes())
         self.workspace = IntentionWorkspace(self.classes, self.clock.now)
         self.timeline = Timeline(program.attention.history, self.clock.now)
+        self.recordings = recordings or RecordingLibrary(default_folder())
+        self.recorder = RecorderControl()
+        services: dict[type[object], object] = {
+            RobotLink: self.link,
+            IntentionWorkspace: self.workspace,
+            RecordingLibrary: self.recordings,
+            RecorderControl: self.recorder,
+        }
         self.graph = Graph(
             clock=self.clock,
             channels=configuration.channels,
             modules=program.modules,
-            services={RobotLink: self.link, IntentionWorkspace: self.workspace},
+            services=services,
             error=configuration.wiring_error,
         )
+        services[Manifest] = snapshot(configuration, self.graph, self.link.description.name)
         self.table = load_strategies(
             [configuration.path(file) for file in program.strategies],
             classes=self.classes,
             ports=self.graph.ports(),
         )
         self.graph.attend(self.table.filters)
+        for name, pin in (pins or {}).items():
+            self.graph.filters.pin(name, pin)
         self.supervisor = Supervisor(self.graph.modules, self.clock)
         meters = {name: slot.context.meter for name, slot in self.graph.modules.items()}
         self.freshness = FreshnessWatch(self.graph, self.supervisor.states)
@@ -65,6 +95,7 @@ class System:
         self.translator = self._make_translator()
         self._stack = AsyncExitStack()
         self._tasks: list[asyncio.Task[None]] = []
+        self._report = SelfReport(self.graph.channels, self.clock.now, self.graph.filters.divisors)
         self._feed = TimelineFeed(
             self.timeline, {n: spec.cpu_budget for n, spec in program.modules.items() if spec.cpu_budget is not None}
         )
@@ -80,6 +111,9 @@ class System:
             stack.push_async_callback(self.link.stop)
             await self.link.start()
             self.supervisor.observe(self._feed.module)
+            self.supervisor.observe(self._report.module)
+            self._report.open(self.workspace, self.translator, self.timeline)
+            stack.callback(self._report.close)
             stack.callback(self.link.attach("status", self._feed.guard))
             await stack.enter_async_context(self.watchdog)
             await stack.enter_async_context(self.supervisor)
@@ -137,7 +171,9 @@ class System:
     async def _sample(self) -> None:
         while True:
             await self.clock.sleep(LOAD_WINDOW_S)
-            self._feed.load(self.load.sample())
+            load = self.load.sample()
+            self._feed.load(load)
+            self._report.load(load)
             self._feed.freshness(self.freshness.sample(self.clock.now()))
 
     async def _follow_exploitation(self) -> None:

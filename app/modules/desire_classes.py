@@ -47,6 +47,28 @@ class TelepresenceParameters(BaseModel):
     )
 
 
+class RecordParameters(BaseModel):
+    """Parameters of a desire of class Record."""
+
+    model_config = ConfigDict(extra="forbid", title="Record")
+
+    name: str = Field(
+        "",
+        max_length=100,
+        pattern=r"^([A-Za-z0-9][A-Za-z0-9._-]*)?$",
+        title="Name",
+        description="What the recording is called; empty: the date and time at which it begins.",
+    )
+    keep_minutes: float = Field(
+        0,
+        ge=0,
+        le=120,
+        title="Keep the last minutes",
+        description="0 records everything into one file; otherwise only the last so many minutes are kept on disk, "
+        "until they are saved.",
+    )
+
+
 def desire_classes() -> tuple[DesireClass, ...]:
     """Every desire class that modules of this program serve, in the order the console shows them."""
     return (
@@ -67,5 +89,11 @@ def desire_classes() -> tuple[DesireClass, ...]:
             title="See through the robot's eyes",
             description="Send people the camera's picture and its coloured point cloud (m, in base_link).",
             parameters=TelepresenceParameters,
+        ),
+        DesireClass(
+            name="Record",
+            title="Record",
+            description="Write what the robot senses, decides and does into a log that can be replayed.",
+            parameters=RecordParameters,
         ),
     )

@@ -23,7 +23,7 @@ class ChannelSpec(BaseModel):
     rate_hz: float | None = Field(None, gt=0, description="nominal rate; none for a channel of events")
     frame: str = Field("", description="frame of the message's coordinates")
     decimable: bool = Field(True, description="whether attention may decimate it")
-    log: Literal["always", "decimated", "never"] = Field("always", description="how it is recorded")
+    log: Literal["always", "never"] = Field("always", description="whether it is recorded")
     stale_periods: float = Field(3.0, gt=0, description="stale after this many commanded periods")
     stale_min_s: float = Field(0.3, gt=0, description="... but never before this many seconds")
     external: bool = Field(False, description="fed from outside the graph (the console), not by a module")

@@ -51,6 +51,11 @@ class RateFilter:
         if self.on_change is not None:
             self.on_change(before, divisor)
 
+    def begin(self, offset: int) -> None:
+        """Let ``offset`` messages go by before the next one that passes: the phase at which decimation begins."""
+        if self.is_open:
+            self.skip = offset
+
     @property
     def is_open(self) -> bool:
         """Whether anything passes at all."""

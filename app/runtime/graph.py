@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -92,11 +93,20 @@ class ModuleSlot:
             self.module.reconfigure(self.context.parameters)
 
 
+@dataclass(frozen=True, slots=True)
+class Pin:
+    """A filter held at φ = ``divisor`` whatever attention wants; the first ``offset`` messages go by."""
+
+    divisor: float
+    offset: int = 0
+
+
 class FilterBank:
     """Every rate filter of the graph by ``Module.port``; rewrites any number of them in one step of the loop."""
 
     def __init__(self) -> None:
         self._filters: dict[str, RateFilter] = {}
+        self._pinned: set[str] = set()
 
     def add(self, name: str, rate_filter: RateFilter) -> None:
         """Register a filter."""
@@ -110,17 +120,30 @@ class FilterBank:
         """φ of every filter now."""
         return {name: f.divisor for name, f in self._filters.items()}
 
+    def pin(self, name: str, pin: Pin) -> None:
+        """Take the filter ``name`` out of others' hands: from now on :meth:`apply` leaves it alone.
+
+        Raises KeyError for a filter that does not exist and ValueError for a φ or an offset that cannot be.
+        """
+        if pin.offset < 0:
+            raise ValueError(f"an offset is a number of messages from 0, not {pin.offset}")
+        self._pinned.discard(name)
+        self.apply({name: pin.divisor})
+        self._filters[name].begin(pin.offset)
+        self._pinned.add(name)
+
     def apply(self, divisors: Mapping[str, float]) -> dict[str, tuple[float, float]]:
         """Set the φ named, those that open (or speed up) first, and return what changed: name -> (before, after).
 
-        Raises KeyError for a filter that does not exist and ValueError for a φ that cannot be, changing nothing.
+        Pinned filters stay as they are. Raises KeyError for a filter that does not exist and ValueError for a φ that
+        cannot be, changing nothing.
         """
         changes: dict[str, tuple[float, float]] = {}
         for name, divisor in divisors.items():
             if name not in self._filters:
                 raise KeyError(f"no filter {name!r}; there are: {', '.join(sorted(self._filters))}")
             before = self._filters[name].divisor
-            if check_divisor(divisor) != before:
+            if check_divisor(divisor) != before and name not in self._pinned:
                 changes[name] = (before, divisor)
         opening_first = sorted(changes.items(), key=lambda change: change[1][1] > change[1][0])
         for name, (_, after) in opening_first:
@@ -251,8 +274,15 @@ class Graph:
             self.filters.add(f"{slot.name}.{port_name}", port.filter)
 
     def _wire_inputs(self, slot: ModuleSlot) -> None:
-        for port_name, channel_name in slot.spec.inputs.items():
+        inputs = slot.spec.inputs or {
+            port: channel
+            for port, channel in slot.module_class.default_inputs(self.specs).items()
+            if channel in self.producers or self.specs[channel].external
+        }
+        for port_name, channel_name in inputs.items():
             key = ("modules", slot.name, "inputs", port_name)
+            if port_name not in slot.context.inputs and channel_name in self.channels:
+                slot.module.accept(port_name, self.channels[channel_name].message_type)
             port = slot.context.inputs.get(port_name)
             if port is None:
                 raise self._error(_unknown("input", port_name, slot.context.inputs), key)

@@ -15,6 +15,7 @@ from typing import Any, ClassVar, TypeVar
 from pydantic import BaseModel, ConfigDict
 
 from app.messages import Message
+from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import Clock
 from app.runtime.errors import ModuleFailed
 from app.runtime.load import CpuMeter, MeteredCoroutine
@@ -58,6 +59,18 @@ class Module:
     title: ClassVar[str] = ""
     #: The model its settings are checked against.
     Settings: ClassVar[type[Settings]] = Settings
+    #: Which stream of the body each output relays: the way back from a recorded channel to the body's stream.
+    streams: ClassVar[Mapping[str, str]] = {}
+
+    @classmethod
+    def default_inputs(cls, channels: Mapping[str, ChannelSpec]) -> Mapping[str, str]:
+        """Input port: channel, for a module whose configuration names no inputs; ``channels`` is the whole table."""
+        return {}
+
+    def accept(self, name: str, message_type: type[Message]) -> None:
+        """Declare an input that configuration asks for and the constructor did not; a module that takes whatever there
+        is overrides it. By default nothing is declared, and the graph refuses the input.
+        """
 
     def __init__(self, context: ModuleContext) -> None:
         self._context = context

@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from types import MappingProxyType
 from typing import Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -59,6 +60,7 @@ class MobileBaseControl(Module):
     """Lets one behavior at a time drive, and tells which."""
 
     title = "Mobile base control"
+    streams = MappingProxyType({"status": "status"})
     Settings = MobileBaseControlSettings
     settings: MobileBaseControlSettings
 

@@ -42,7 +42,7 @@ class PointCloudBuilder(Module):
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
         self._max_points = self.settings.max_points
-        self._poses = PoseAt()
+        self._poses = PoseAt(self.clock)
         self._poseless = False
         self.images = self.input("images", Image)
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)

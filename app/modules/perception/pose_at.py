@@ -7,6 +7,7 @@ import asyncio
 from app.geometry import Pose2
 from app.messages import Odometry
 from app.pose_buffer import PoseBuffer
+from app.runtime.clock import Clock
 
 
 class PoseAt:
@@ -16,7 +17,8 @@ class PoseAt:
     interpolated.
     """
 
-    def __init__(self, span_s: float = 10.0) -> None:
+    def __init__(self, clock: Clock, span_s: float = 10.0) -> None:
+        self._clock = clock
         self._buffer = PoseBuffer(span_s, tolerance_s=0.0)
         self._newest = float("-inf")
         self._arrived = asyncio.Event()
@@ -29,11 +31,18 @@ class PoseAt:
         arrived.set()
 
     async def at(self, stamp: float, patience_s: float = 0.5) -> Pose2 | None:
-        """X_OB at ``stamp``; None if odometry did not reach it within ``patience_s``, or begins later than it."""
-        try:
-            async with asyncio.timeout(patience_s):
-                while self._newest < stamp:
-                    await self._arrived.wait()
-        except TimeoutError:
-            return None
-        return self._buffer.at(stamp)
+        """X_OB at ``stamp``; None if odometry did not reach it within ``patience_s`` of the robot's clock, or begins
+        later than it."""
+        if self._newest < stamp:
+            reached = asyncio.create_task(self._reached(stamp), name="odometry reaches a stamp")
+            too_late = asyncio.create_task(self._clock.sleep(patience_s), name="odometry is late")
+            try:
+                await asyncio.wait({reached, too_late}, return_when=asyncio.FIRST_COMPLETED)
+            finally:
+                reached.cancel()
+                too_late.cancel()
+        return self._buffer.at(stamp) if self._newest >= stamp else None
+
+    async def _reached(self, stamp: float) -> None:
+        while self._newest < stamp:
+            await self._arrived.wait()

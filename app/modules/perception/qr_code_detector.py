@@ -55,7 +55,7 @@ class QRCodeDetector(Module):
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
         self._upscale = self.settings.upscale
-        self._poses = PoseAt()
+        self._poses = PoseAt(self.clock)
         self._map = LandmarkMap()
         self._told: Landmarks | None = None
         self._poseless = False

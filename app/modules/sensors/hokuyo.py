@@ -9,6 +9,8 @@ Computes nothing: what the body's stream ``hokuyo`` gives is published as it com
 
 from __future__ import annotations
 
+from types import MappingProxyType
+
 from app.messages import LaserScan
 from app.modules.body import StreamModule
 from app.runtime.module import ModuleContext
@@ -18,6 +20,7 @@ class Hokuyo(StreamModule):
     """The body's ``hokuyo`` stream on a channel."""
 
     title = "Hokuyo laser"
+    streams = MappingProxyType({"scans": "hokuyo"})
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)

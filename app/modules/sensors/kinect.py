@@ -10,6 +10,8 @@ A closed eye costs no rendering, no transport and no memory traffic: that is whe
 
 from __future__ import annotations
 
+from types import MappingProxyType
+
 from app.messages import Image
 from app.modules.body import StreamModule
 from app.runtime.module import ModuleContext
@@ -19,6 +21,7 @@ class Kinect(StreamModule):
     """The body's ``kinect`` stream on a channel."""
 
     title = "Kinect"
+    streams = MappingProxyType({"images": "kinect"})
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)

@@ -10,6 +10,8 @@ Computes nothing; both streams always run, since self-motion and safety may have
 
 from __future__ import annotations
 
+from types import MappingProxyType
+
 from app.messages import JointState, Odometry
 from app.modules.body import StreamModule
 from app.runtime.module import ModuleContext
@@ -19,6 +21,7 @@ class WheelOdometry(StreamModule):
     """The body's ``odometry`` and ``joints`` streams on channels."""
 
     title = "Wheel odometry"
+    streams = MappingProxyType({"odometry": "odometry", "joints": "joints"})
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)

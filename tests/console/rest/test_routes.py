@@ -108,7 +108,7 @@ async def test_a_refused_request_does_not_use_up_its_key(client: httpx.AsyncClie
 async def test_an_unknown_class_names_those_there_are(client: httpx.AsyncClient) -> None:
     response = await client.post("/desires", json={**NEW, "class": "Telepresense"})
     problem = is_problem(response, 422, "unknown-desire-class")
-    assert problem["known"] == ["FindQRCodes", "Teleoperation", "Telepresence"]
+    assert problem["known"] == ["FindQRCodes", "Record", "Teleoperation", "Telepresence"]
     assert problem["errors"][0]["field"] == "class"
     assert "Telepresence" in problem["detail"]
 

@@ -13,7 +13,7 @@ from app.geometry import CameraModel, Pose2, Pose3
 from app.messages import Image, Odometry, PointCloud
 from app.modules.perception.point_cloud import colored_cloud
 from app.modules.perception.pose_at import PoseAt
-from app.runtime.clock import run_virtual
+from app.runtime.clock import VirtualClock, run_virtual
 
 from ..fakes import Bench, drain
 
@@ -151,7 +151,7 @@ def test_the_desire_says_how_many_points() -> None:
 
 def test_a_stamp_older_than_all_odometry_has_no_pose() -> None:
     async def main() -> None:
-        poses = PoseAt()
+        poses = PoseAt(VirtualClock())
         poses.add(odometry(5.0))
         assert await poses.at(4.9) is None
         assert await poses.at(5.0) == Pose2(5.0, 0.0, 0.0)

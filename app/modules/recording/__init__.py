@@ -1,0 +1,1 @@
+"""The Recorder: what the robot lives, on disk."""

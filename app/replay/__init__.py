@@ -1,0 +1,1 @@
+"""Living a log again: the program put together on a recorded body, and what is measured on it."""

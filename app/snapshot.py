@@ -1,0 +1,86 @@
+"""The program's files and facts as they are now, to be attached to every recording: a log is replayable alone."""
+
+from __future__ import annotations
+
+import mimetypes
+import os
+import platform
+import subprocess
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path, PurePath
+
+from app import paths
+from app.config import Configuration
+from app.errors import ConfigError
+from app.recording.manifest import YAML, AttachedFile, Manifest
+from app.robots.config import load_robot_config
+from app.runtime.graph import Graph
+
+
+def snapshot(configuration: Configuration, graph: Graph, robot: str) -> Manifest:
+    """Everything the program was put together from; ``robot`` is the body's name. Reads files."""
+    program = configuration.program
+    robot_file = configuration.path(program.robot).resolve()
+    files = [
+        Path(configuration.program_document.file).resolve(),
+        configuration.path(program.channels).resolve(),
+        *(configuration.path(file).resolve() for file in program.strategies),
+        robot_file,
+        *_body_files(robot_file),
+    ]
+    facts = {
+        "program": files[0].name,
+        "robot": robot,
+        "version": _version(),
+        "commit": _commit(),
+        "host": platform.node(),
+    }
+    facts.update(stream_facts(graph))
+    folder = configuration.folder
+    return Manifest(tuple(_attached(file, folder) for file in dict.fromkeys(files)), facts)
+
+
+def _body_files(robot_file: Path) -> list[Path]:
+    """Model and world of the body; none where the file does not describe one, since the link came from elsewhere."""
+    try:
+        body = load_robot_config(robot_file)
+    except ConfigError:
+        return []
+    return [body.model, body.world]
+
+
+def stream_facts(graph: Graph) -> dict[str, str]:
+    """``stream.<name>``: the channel that the body's stream is published on."""
+    return {
+        f"stream.{stream}": slot.spec.outputs[port]
+        for slot in graph.modules.values()
+        for port, stream in slot.module_class.streams.items()
+        if port in slot.spec.outputs
+    }
+
+
+def _attached(file: Path, folder: Path) -> AttachedFile:
+    name = PurePath(os.path.relpath(file, folder))
+    media_type = YAML if file.suffix in (".yaml", ".yml") else mimetypes.guess_type(file.name)[0]
+    return AttachedFile(name.as_posix(), media_type or "application/octet-stream", file.read_bytes())
+
+
+def _version() -> str:
+    try:
+        return version("hbba")
+    except PackageNotFoundError:
+        return ""
+
+
+def _commit() -> str:
+    root = paths.checkout_dir()
+    if root is None:
+        return ""
+    try:
+        done = subprocess.run(
+            ["git", "-C", str(root), "describe", "--always", "--dirty", "--abbrev=12"],
+            capture_output=True, text=True, check=False, timeout=2,
+        )  # fmt: skip
+    except (OSError, subprocess.TimeoutExpired):
+        return ""
+    return done.stdout.strip() if done.returncode == 0 else ""
