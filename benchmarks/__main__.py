@@ -1,12 +1,17 @@
-"""Every benchmark, one after the other, each in a process of its own: ``python -m benchmarks [NAME ...]``."""
+"""Every benchmark, one after the other, each in a process of its own: ``hbba bench [NAME ...]``, ``make bench``."""
 
 from __future__ import annotations
 
 import argparse
+import json
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
+
+from benchmarks.document import document
+from benchmarks.report import read_rows, write_json
 
 FOLDER = Path(__file__).resolve().parent
 
@@ -23,18 +28,32 @@ def names() -> list[str]:
 def main() -> int:
     """Run the benchmarks asked for, by default all; the exit code counts those that failed."""
     known = names()
-    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser = argparse.ArgumentParser(prog="hbba bench", description=__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"which: {', '.join(known)} (default: all)")
+    parser.add_argument("--quick", action="store_true", help="rough figures, in seconds instead of minutes")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="also write all rows here")
+    parser.add_argument("--markdown", type=Path, metavar="FILE", help="also write them as a page (docs/benchmarks.md)")
     args = parser.parse_args()
     if unknown := sorted(set(args.names) - set(known)):
         parser.error(f"there is no benchmark {', '.join(unknown)}; there are {', '.join(known)}")
-    failed = []
-    for name in args.names or known:
-        print(f"== {name}", flush=True)
-        began = time.perf_counter()
-        if subprocess.run([sys.executable, "-m", f"benchmarks.{name}"], check=False).returncode:
-            failed.append(name)
-        print(f"   {time.perf_counter() - began:.0f} s\n", flush=True)
+    chosen = args.names or known
+    failed, rows = [], []
+    with tempfile.TemporaryDirectory() as folder:
+        for number, name in enumerate(chosen, 1):
+            print(f"== {name} ({number} of {len(chosen)})", flush=True)
+            began = time.perf_counter()
+            result = Path(folder) / f"{name}.json"
+            command = [sys.executable, "-m", f"benchmarks.{name}", "--json", str(result)]
+            done = subprocess.run([*command, *(["--quick"] if args.quick else [])], check=False)
+            if done.returncode or not result.is_file():
+                failed.append(name)
+            else:
+                rows += read_rows(json.loads(result.read_text(encoding="utf-8")))
+            print(f"   {time.perf_counter() - began:.0f} s\n", flush=True)
+    if args.json:
+        write_json(rows, args.json)
+    if args.markdown:
+        args.markdown.write_text(document(rows), encoding="utf-8")
     if failed:
         print(f"failed: {', '.join(failed)}", file=sys.stderr)
     return len(failed)

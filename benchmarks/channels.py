@@ -12,14 +12,13 @@ each figure is the median over the rounds.
 
 from __future__ import annotations
 
-import argparse
 import asyncio
 import gc
 import random
+import sys
 import time
 from collections.abc import Awaitable, Callable, Coroutine, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from statistics import quantiles
 from typing import Any
 
@@ -31,7 +30,7 @@ from app.messages import Image, Message, Twist, read_only
 from app.runtime.channel import Channel
 from app.runtime.clock import RealClock
 from benchmarks.ezmsg_peer import ezmsg_ends, ezmsg_server
-from benchmarks.report import Row, print_table, row, write_json
+from benchmarks.report import Row, benchmark_main, row
 
 CAPACITY = 10
 
@@ -251,17 +250,5 @@ async def run(quick: bool = False) -> list[Row]:
     return rows
 
 
-def main() -> None:
-    """Print the table, and write it where asked."""
-    parser = argparse.ArgumentParser(description="Channels beside asyncio.Queue, anyio and ezmsg, in one process.")
-    parser.add_argument("--quick", action="store_true", help="under ten seconds, rough figures")
-    parser.add_argument("--json", type=Path, help="also write the rows here")
-    arguments = parser.parse_args()
-    rows = asyncio.run(run(arguments.quick))
-    print_table(rows)
-    if arguments.json:
-        write_json(rows, arguments.json)
-
-
 if __name__ == "__main__":
-    main()
+    sys.exit(benchmark_main(__doc__, lambda quick: asyncio.run(run(quick))))

@@ -7,7 +7,7 @@ the wheels are given: ``press`` to the first velocity, ``release`` to the first 
 
 from __future__ import annotations
 
-import argparse
+import sys
 import tempfile
 import time
 from itertools import pairwise
@@ -18,7 +18,7 @@ from playwright.sync_api import Page, sync_playwright
 
 from app.commands.doctor import find_chromium
 from app.robots.simulated.guard_log import GuardRow
-from benchmarks.report import Row, print_table, row
+from benchmarks.report import Row, benchmark_main, row
 from tests.browser.running import CHROMIUM_ARGUMENTS, Robot, running_robot
 
 # The page writes down, on the computer's wall clock, when each event of the drive key came.
@@ -80,12 +80,5 @@ def _first_braking(rows: list[GuardRow], after: float) -> float:
     return next(b.monotonic_s for a, b in pairwise(rows) if b.monotonic_s >= after and b.linear_mps < a.linear_mps)
 
 
-def main() -> None:
-    """Print the table."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.driving", description=__doc__)
-    parser.add_argument("--presses", type=int, default=40, metavar="N", help="how often (default 40)")
-    print_table(measure(parser.parse_args().presses))
-
-
 if __name__ == "__main__":
-    main()
+    sys.exit(benchmark_main(__doc__, lambda quick: measure(8 if quick else 40)))

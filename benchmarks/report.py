@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import platform
+import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from importlib import metadata
 from pathlib import Path
 from statistics import median, quantiles
 from typing import TextIO
@@ -62,10 +65,56 @@ def row(
     )
 
 
+#: What a figure may depend on: ours, the libraries it rests on, and the peers.
+PACKAGES = (
+    "hbba", "numpy", "opencv-python-headless", "ortools", "mujoco", "zxing-cpp", "mcap", "rosbags", "zstandard",
+    "fastapi", "uvicorn", "viser", "anyio", "ezmsg",
+)  # fmt: skip
+
+
 def machine() -> str:
     """What the figures were taken on, in one line."""
     load = f", load average {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
-    return f"{platform.python_implementation()} {platform.python_version()}, {os.cpu_count()} cores{load}"
+    return f"{_processor()}, {os.cpu_count()} cores{load}"
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python, of this project (with its commit, where it is a checkout), of its libraries and peers."""
+    found = {platform.python_implementation(): platform.python_version()}
+    for package in PACKAGES:
+        try:
+            found[package] = metadata.version(package)
+        except metadata.PackageNotFoundError:
+            continue
+    commit = subprocess.run(
+        ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    if commit.returncode == 0:
+        found["hbba"] += f" ({commit.stdout.strip()})"
+    return found
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor() or platform.machine()
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()
+
+
+def benchmark_main(description: str | None, measure: Callable[[bool], Sequence[Row]]) -> int:
+    """The command line of one benchmark: measure (roughly if ``--quick``), print the table, write ``--json FILE``."""
+    parser = argparse.ArgumentParser(description=(description or "").strip().splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="rough figures in a few seconds")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the rows here")
+    args = parser.parse_args()
+    rows = measure(args.quick)
+    print_table(rows)
+    if args.json:
+        write_json(rows, args.json)
+    return 0
 
 
 def print_table(rows: Sequence[Row], stream: TextIO = sys.stdout) -> None:
@@ -77,8 +126,8 @@ def print_table(rows: Sequence[Row], stream: TextIO = sys.stdout) -> None:
             r.case,
             r.metric,
             r.unit,
-            _figure(r.ours),
-            _figure(r.peer),
+            figure(r.ours),
+            figure(r.peer),
             r.peer_name,
             "" if r.ratio is None else f"{r.ratio:.2f}",
             f"{100 * r.spread:.0f} %",
@@ -97,11 +146,17 @@ def print_table(rows: Sequence[Row], stream: TextIO = sys.stdout) -> None:
 
 
 def write_json(rows: Sequence[Row], path: Path) -> None:
-    """Write ``rows`` and the machine they come from to ``path`` (JSON: ``{machine, rows: [...]}``)."""
-    path.write_text(json.dumps({"machine": machine(), "rows": [asdict(r) for r in rows]}, indent=1) + "\n")
+    """Write ``rows`` and what they come from to ``path`` (JSON: ``{machine, versions, rows: [...]}``)."""
+    content = {"machine": machine(), "versions": versions(), "rows": [asdict(r) for r in rows]}
+    path.write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
-def _figure(value: float | None) -> str:
+def read_rows(content: Mapping[str, Sequence[Mapping[str, object]]]) -> list[Row]:
+    """The rows of what :func:`write_json` wrote."""
+    return [Row(**entry) for entry in content["rows"]]  # type: ignore[arg-type]  # as written
+
+
+def figure(value: float | None) -> str:
     """Three significant digits, without an exponent."""
     if value is None:
         return ""

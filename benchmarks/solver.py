@@ -28,7 +28,7 @@ from app.attention.instance import build_instance
 from app.attention.problem import Problem
 from app.attention.solver import CachedSolver, solve
 from app.attention.strategies import Strategy
-from benchmarks.report import Row, print_table, row
+from benchmarks.report import Row, benchmark_main, row
 
 BENCHMARK = "solver"
 DIRECT = "CP-SAT, direct"
@@ -60,14 +60,20 @@ HBBA_LITE_MS = {
 """Medians in ms of CPU, as measured, by family of instances."""
 
 
-def run() -> list[Row]:
-    """All rows. Takes under a minute."""
+def run(rounds_share: float = 1.0) -> list[Row]:
+    """All rows, at this share of the usual rounds. Takes under a minute."""
     rows = []
     table = tableau_4_4()
-    rows += compare("13 strategies, Tableau 4.4", [table], rounds=60, peer_rounds=10)
+    rows += compare(
+        "13 strategies, Tableau 4.4",
+        [table],
+        rounds=round(60 * rounds_share),
+        peer_rounds=max(1, round(10 * rounds_share)),
+    )
     for classes, rounds, peer_rounds in ((7, 24, 6), (13, 24, 3), (50, 12, 1)):
         instances = [contention(classes, seed) for seed in range(6)]
-        rows += compare(f"{4 * classes} strategies, {classes} classes", instances, rounds, peer_rounds)
+        case = f"{4 * classes} strategies, {classes} classes"
+        rows += compare(case, instances, max(2, round(rounds * rounds_share)), peer_rounds)
     rows += limited(contention(250, 1))
     return rows
 
@@ -261,16 +267,17 @@ def _published(instance: Mapping[str, Any]) -> Problem:
     return Problem(desires, table, instance["capacity"])
 
 
-def main() -> int:
-    print_table(run())
+def measure(quick: bool) -> list[Row]:
+    """All rows, and the published instances beside hbba_lite's quoted times where they are at hand."""
+    rows = run(rounds_share=0.2 if quick else 1.0)
     folder = os.environ.get("HBBA_REFERENCE_DATA") or Path(__file__).resolve().parents[2] / "shared" / "data"
     reference = Path(folder) / "solver_instances.json"
-    if reference.is_file():
+    if not reference.is_file():
+        print(f"hbba_lite's instances are not compared: there is no {reference.name} in HBBA_REFERENCE_DATA.\n")
+    elif not quick:
         beside_hbba_lite(reference)
-    else:
-        print(f"\nhbba_lite's instances are not compared: there is no {reference.name} in HBBA_REFERENCE_DATA.")
-    return 0
+    return rows
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(benchmark_main(__doc__, measure))

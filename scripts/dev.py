@@ -66,7 +66,8 @@ def main() -> int:
             set_up({"test"}, page_wanted=False)
             return lint()
         if args.task == "bench":
-            set_up({"test", "bench"}, page_wanted=False)
+            set_up({"test", "bench"})
+            install_debian_packages()
             return run([PYTHON, "-m", "benchmarks", *args.arguments])
         return test(args.arguments)
     except SetupFailed as failure:

@@ -1,0 +1,39 @@
+"""``hbba bench``: the project's benchmarks, ours beside its peers."""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from app import paths
+from app.errors import ConfigError
+
+
+def add_parser(subparsers: Any) -> None:
+    """Declare ``hbba bench``; what stands behind it is handed on to ``python -m benchmarks``."""
+    parser = subparsers.add_parser(
+        "bench",
+        help="measure this program beside its peers",
+        description="Run the benchmarks and print a table of ours beside the peers'. They come with the source: a "
+        "checkout, with the peers installed (pip install -e '.[test,bench]', or make bench).",
+    )
+    parser.add_argument("names", nargs="*", metavar="NAME", help="which (default: all; a wrong name lists them)")
+    parser.add_argument("--quick", action="store_true", help="rough figures, in seconds instead of minutes")
+    parser.add_argument("--json", metavar="FILE", help="also write all rows here")
+    parser.add_argument("--markdown", metavar="FILE", help="also write them as a page (docs/benchmarks.md)")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run them; the exit code counts those that failed. Raises ConfigError where there are none."""
+    checkout = paths.checkout_dir()
+    if checkout is None or not (checkout / "benchmarks").is_dir():
+        raise ConfigError("the benchmarks come with the source: run this in a checkout of the project")
+    options = ["--quick"] if args.quick else []
+    for option in ("json", "markdown"):
+        if getattr(args, option):
+            options += [f"--{option}", str(Path(getattr(args, option)).absolute())]
+    command = [sys.executable, "-m", "benchmarks", *args.names, *options]
+    return subprocess.run(command, cwd=checkout, check=False).returncode

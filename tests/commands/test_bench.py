@@ -1,0 +1,38 @@
+"""``hbba bench``: found in a checkout, refused elsewhere, and a wrong name lists what there is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from app import cli, paths
+
+
+def test_a_name_that_is_none_lists_those_there_are(capfd: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["bench", "speed"]) == 2
+    said = capfd.readouterr().err
+    assert "there is no benchmark speed; there are channels" in said
+    assert "solver" in said
+
+
+def test_an_installed_program_says_where_the_benchmarks_are(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(paths, "checkout_dir", lambda: None)
+    assert cli.main(["bench"]) == 2
+    assert capsys.readouterr().err == (
+        "hbba bench: the benchmarks come with the source: run this in a checkout of the project\n"
+    )
+
+
+def test_results_are_written_where_the_person_stands(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    ran: list[list[str]] = []
+
+    class Done:
+        returncode = 0
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("subprocess.run", lambda command, **_: ran.append(command) or Done())
+    assert cli.main(["bench", "solver", "--json", "rows.json", "--quick"]) == 0
+    assert ran[0][3:] == ["solver", "--quick", "--json", str(tmp_path / "rows.json")]
