@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import pytest
@@ -9,9 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import Field
 
-from app.messages import Odometry, Twist
+from app.messages import Message, Odometry, Twist
+from app.runtime.channel_table import ChannelSpec
 from app.runtime.filter import CLOSED, RateFilter
-from app.runtime.graph import FilterBank, Graph, WiringError, find_cycle, load_class
+from app.runtime.graph import FilterBank, Graph, Pin, WiringError, find_cycle, load_class
 from app.runtime.module import Module, ModuleContext, Settings
 
 Build = Callable[..., Graph]
@@ -43,6 +44,17 @@ class OdometryUser(Module):
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
         self.odometry = self.input("odometry", Odometry)
+
+
+class Collector(Module):
+    """Takes whatever there is."""
+
+    @classmethod
+    def default_inputs(cls, channels: Mapping[str, ChannelSpec]) -> Mapping[str, str]:
+        return {f"of_{name}": name for name, spec in channels.items() if spec.log == "always"}
+
+    def accept(self, name: str, message_type: type[Message]) -> None:
+        self.input(name, message_type)
 
 
 class NeedsDict(Module):
@@ -271,3 +283,35 @@ def test_a_cycle_is_found_exactly_when_there_is_one(followers: dict[str, set[str
     while leaves := {node for node, after in rest.items() if not after}:
         rest = {node: after - leaves for node, after in rest.items() if node not in leaves}
     assert rest == {}
+
+
+def test_a_module_that_names_no_inputs_may_choose_its_own(build: Build) -> None:
+    source = (Source, {}, {"numbers": "n"})
+    channels = {"n": {}, "quiet": {"log": "never", "external": True}, "hands": {"external": True}, "unfed": {}}
+    graph = build({"A": source, "C": (Collector, {}, {})}, channels)
+    assert graph.ports()["C"] == {"of_n", "of_hands"}
+    named = build({"A": source, "C": (Collector, {"it": "n"}, {})}, channels)
+    assert named.ports()["C"] == {"it"}
+    assert "C.it" in named.filters.names()
+
+
+def test_a_pinned_filter_is_nobody_elses(build: Build) -> None:
+    filters = build(*WIRED).filters
+    filters.pin("B.numbers", Pin(4, offset=2))
+    assert filters.apply({"B.numbers": 1, "A.numbers": 2}) == {"A.numbers": (1, 2)}
+    assert filters.divisors()["B.numbers"] == 4
+    filters.pin("B.numbers", Pin(3))
+    assert filters.divisors()["B.numbers"] == 3
+    with pytest.raises(ValueError, match="offset"):
+        filters.pin("B.numbers", Pin(3, offset=-1))
+    with pytest.raises(KeyError, match="no filter"):
+        filters.pin("B.letters", Pin(3))
+
+
+@given(st.integers(1, 9), st.integers(0, 20), st.integers(0, 60))
+def test_decimation_begins_at_the_offset(divisor: int, offset: int, messages: int) -> None:
+    rate_filter = RateFilter(divisor)
+    rate_filter.begin(offset)
+    assert [rate_filter.offer() for _ in range(messages)] == [
+        number >= offset and (number - offset) % divisor == 0 for number in range(messages)
+    ]
