@@ -7,6 +7,8 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, Field, RootModel
 
+from app import paths
+from app.attention.calibration import Calibration, load_calibration
 from app.errors import ConfigError
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.graph import ModuleSpec
@@ -44,6 +46,7 @@ class ProgramConfig(_Model):
     robot: Path
     channels: Path
     strategies: tuple[Path, ...] = Field(min_length=1)
+    calibration: Path = Field(Path("calibration"), description="folder of what modules cost, a file for each computer")
     attention: AttentionConfig = AttentionConfig()
     console: ConsoleConfig = ConsoleConfig()
     modules: dict[str, ModuleSpec] = Field(min_length=1)
@@ -61,6 +64,8 @@ class Configuration:
     channels: dict[str, ChannelSpec]
     program_document: Document
     channels_document: Document
+    #: What modules cost on the computer it runs on; None where that was never measured.
+    calibration: Calibration | None = None
 
     @property
     def folder(self) -> Path:
@@ -78,8 +83,11 @@ class Configuration:
         return self.program_document.error(f"{'.'.join(key)}: {message}", key)
 
 
-def load_configuration(path: Path) -> Configuration:
-    """Read a program's configuration and its table of channels. Raises ConfigError for anything that cannot be."""
+def load_configuration(path: Path, *, host: str | None = None) -> Configuration:
+    """Read a program's configuration, its table of channels and the calibration of ``host`` (None: this computer).
+
+    Raises ConfigError for anything that cannot be.
+    """
     document = load_yaml(path)
     program = document.validate(ProgramConfig)
     folder = Path(path).resolve().parent
@@ -92,4 +100,5 @@ def load_configuration(path: Path) -> Configuration:
             raise document.error(f"there is no file {relative} beside {path}", key)
     channels_document = load_yaml(folder / program.channels)
     channels = channels_document.validate(ChannelTable).root
-    return Configuration(program, channels, document, channels_document)
+    calibration = load_calibration(folder / program.calibration, host or paths.host_name())
+    return Configuration(program, channels, document, channels_document, calibration)

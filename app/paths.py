@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import platform
 from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parent
@@ -22,3 +24,8 @@ def checkout_dir() -> Path | None:
 def static_dir() -> Path:
     """Where the built operator page lies, if it was built."""
     return _PACKAGE / "console" / "static"
+
+
+def host_name() -> str:
+    """What this computer is called: ``$HBBA_HOST``, or its network name. Names its calibration."""
+    return os.environ.get("HBBA_HOST") or platform.node() or "this-computer"

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import mimetypes
 import os
-import platform
 import subprocess
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path, PurePath
 
 from app import paths
+from app.attention.calibration import calibration_file
 from app.config import Configuration
 from app.errors import ConfigError
 from app.recording.manifest import YAML, AttachedFile, Manifest
@@ -28,12 +28,15 @@ def snapshot(configuration: Configuration, graph: Graph, robot: str) -> Manifest
         robot_file,
         *_body_files(robot_file),
     ]
+    host = paths.host_name()
+    if (measured := calibration_file(configuration.path(program.calibration), host)).is_file():
+        files.append(measured.resolve())
     facts = {
         "program": files[0].name,
         "robot": robot,
         "version": _version(),
         "commit": _commit(),
-        "host": platform.node(),
+        "host": host,
     }
     facts.update(stream_facts(graph))
     folder = configuration.folder

@@ -83,6 +83,7 @@ class System:
             [configuration.path(file) for file in program.strategies],
             classes=self.classes,
             ports=self.graph.ports(),
+            calibration=configuration.calibration,
         )
         self.graph.attend(self.table.filters)
         for name, pin in (pins or {}).items():

@@ -17,6 +17,8 @@ settings.load_profile("house")
 def pytest_configure(config: pytest.Config) -> None:
     """Turn asyncio's debug mode on for every loop made from here on, virtual ones included."""
     os.environ["PYTHONASYNCIODEBUG"] = "1"
+    # What was measured on this computer must not decide what attention selects in a test.
+    os.environ["HBBA_HOST"] = "the-tests"
     config.addinivalue_line("markers", "blocking(reason): this test may block the event loop, and says why")
 
 

@@ -16,6 +16,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
+from app.attention.calibration import RESOURCE, Calibration
 from app.attention.desires import GRAIN, SCALE
 from app.yaml_source import Document, KeyPath, load_yaml, suggestion
 
@@ -142,6 +143,14 @@ class ResourceEntry(BaseModel):
     description: str = Field("", description="What it is, for people.")
 
 
+class CalibratedCost(BaseModel):
+    """A cost that calibration of this computer says, and the one that holds where it was not calibrated."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    calibrated_or: Amount = Field(description="Used where this computer was not calibrated for these filters.")
+
+
 class StrategyEntry(BaseModel):
     """A strategy as the file writes it."""
 
@@ -159,7 +168,9 @@ class StrategyEntry(BaseModel):
     parameters: dict[str, dict[str, Any]] = Field(
         default={}, description="What it hands to modules while it is selected, by module."
     )
-    costs: dict[str, Amount] = Field(default={}, description="What it uses of each resource.")
+    costs: dict[str, Amount | CalibratedCost] = Field(
+        default={}, description="What it uses of each resource: an amount, or {calibrated_or: amount}."
+    )
 
 
 class StrategyFile(BaseModel):
@@ -176,16 +187,18 @@ def load_strategies(
     *,
     classes: Iterable[str],
     ports: Mapping[str, Collection[str]] | None = None,
+    calibration: Calibration | None = None,
 ) -> StrategyTable:
     """Read strategy files, in the order given, into one table.
 
-    ``classes`` are the desire classes there are; ``ports`` maps each module to its ports (None: not checked). A
+    ``classes`` are the desire classes there are; ``ports`` maps each module to its ports (None: not checked);
+    ``calibration`` says what calibrated costs are (None: what they are without one). A
     resource may be declared in several files if they agree. Raises ConfigError, with file and line, for an unknown
     class, module, port or resource, a name given twice, or a number out of its range.
     """
     documents = [load_yaml(path) for path in paths]
     files = [document.validate(StrategyFile) for document in documents]
-    return build_table(list(zip(documents, files, strict=True)), classes=classes, ports=ports)
+    return build_table(list(zip(documents, files, strict=True)), classes=classes, ports=ports, calibration=calibration)
 
 
 def build_table(
@@ -193,6 +206,7 @@ def build_table(
     *,
     classes: Iterable[str],
     ports: Mapping[str, Collection[str]] | None = None,
+    calibration: Calibration | None = None,
 ) -> StrategyTable:
     """The table of several read files; checks as :func:`load_strategies` does."""
     files = tuple(files)
@@ -217,8 +231,7 @@ def build_table(
                     f"strategy {item.name!r} is already declared at {table[item.name].location}", (*at, "name")
                 )
             _check_names(document, at, item, known, resources, ports)
-            for resource_name, cost in item.costs.items():
-                _check_amount(document, (*at, "costs", resource_name), cost)
+            costs = _costs(document, at, item, calibration)
             for key, value in (("utility", item.utility), *((f"requires.{c}", v) for c, v in item.requires.items())):
                 _check_amount(document, (*at, *key.split(".", 1)), value)
             table[item.name] = Strategy(
@@ -228,10 +241,27 @@ def build_table(
                 dict(item.requires),
                 dict(item.filters),
                 {module: dict(values) for module, values in item.parameters.items()},
-                {name: cost for name, cost in item.costs.items() if cost},
+                {name: cost for name, cost in costs.items() if cost},
                 Location(document.file, document.line(at)),
             )
     return StrategyTable(tuple(table.values()), resources)
+
+
+def _costs(document: Document, at: KeyPath, item: StrategyEntry, calibration: Calibration | None) -> dict[str, float]:
+    """Each resource's cost, calibrated ones rounded up to what the solver counts in."""
+    costs: dict[str, float] = {}
+    for name, cost in item.costs.items():
+        where = (*at, "costs", name)
+        if not isinstance(cost, CalibratedCost):
+            _check_amount(document, where, cost)
+            costs[name] = cost
+            continue
+        _check_amount(document, (*where, "calibrated_or"), cost.calibrated_or)
+        if name != RESOURCE:
+            raise document.error(f"calibration measures {RESOURCE}, not {name!r}: give an amount", where)
+        measured = calibration.cost(item.filters) if calibration is not None else None
+        costs[name] = cost.calibrated_or if measured is None else math.ceil(measured * GRAIN - 1e-6) / GRAIN
+    return costs
 
 
 def _check_amount(document: Document, at: KeyPath, value: float) -> None:

@@ -1,0 +1,86 @@
+"""What modules cost on this computer, measured: c(φ) and events(φ), read from ``config/calibration/<host>.yaml``.
+
+The thesis measured each perception at several φ on a recording, and found CPU use and events to be close to linear in
+1/φ (thesis 4.2.3, figure 4.4). ``hbba calibrate`` measures and writes this file; a strategy refers to it with
+``costs: {cpu: {calibrated_or: 6}}``: the measured cost where this computer was calibrated, else 6.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from app.yaml_source import load_yaml
+
+#: The resource that calibration measures: thread CPU time, in % of one core.
+RESOURCE = "cpu"
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+class Point(_Model):
+    """One φ as measured."""
+
+    phi: int = Field(ge=1)
+    cpu: float = Field(ge=0, description="% of one core, in real time")
+    events: float = Field(ge=0, description="outputs a second")
+    runs: int = Field(1, ge=1, description="how many runs (starting offsets, repetitions) this is the mean of")
+    cpu_spread: float = Field(0, ge=0, description="least to greatest of the runs, % of one core")
+
+
+class Fit(_Model):
+    """``base + slope / φ``, by least squares; ``residual`` is the root mean square distance of the points from it."""
+
+    base: float
+    slope: float
+    residual: float = Field(ge=0)
+
+    def at(self, phi: float) -> float:
+        """The line's value at ``phi``; a closed filter's (infinite φ) is ``base``."""
+        return self.base + self.slope / phi
+
+
+class Relation(_Model):
+    """What a filter's φ does to its module's CPU use and to how much it finds."""
+
+    points: tuple[Point, ...] = Field(min_length=1)
+    cpu: Fit
+    events: Fit
+
+    def cost(self, phi: float) -> float:
+        """CPU (% of one core) at ``phi``: as measured there, else by the line."""
+        for point in self.points:
+            if point.phi == phi:
+                return point.cpu
+        return max(0.0, self.cpu.at(phi))
+
+
+class Calibration(_Model):
+    """One computer's relations, by filter (``Module.port``), and what they were measured on."""
+
+    host: str
+    made: str = Field(description="date and time, ISO 8601")
+    processor: str = ""
+    version: str = ""
+    log: str = Field("", description="the recording they were measured on")
+    relations: dict[str, Relation] = Field(default_factory=dict)
+
+    def cost(self, filters: Mapping[str, float]) -> float | None:
+        """CPU (% of one core) of modules filtered so; None if none of these filters was measured."""
+        costs = [self.relations[name].cost(phi) for name, phi in filters.items() if name in self.relations]
+        return sum(costs) if costs else None
+
+
+def load_calibration(folder: Path, host: str) -> Calibration | None:
+    """The calibration of ``host`` in ``folder``, or None where there is none. Raises ConfigError."""
+    path = calibration_file(folder, host)
+    return load_yaml(path).validate(Calibration) if path.is_file() else None
+
+
+def calibration_file(folder: Path, host: str) -> Path:
+    """Where the calibration of ``host`` is or would be."""
+    return folder / f"{host}.yaml"
