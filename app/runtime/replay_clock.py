@@ -1,0 +1,143 @@
+"""The clock of a recording played on a real event loop: it runs at any speed, stands, jumps and is moved by hand.
+
+Modules see it as any other clock. :class:`VirtualClock` serves where nobody watches: this one goes on serving pages
+and pictures in real time while the recording's time stands still.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import heapq
+import math
+import time
+from collections.abc import Callable
+from itertools import count
+from typing import NamedTuple
+
+from app.runtime.clock import RealClock
+
+#: A heap with fewer sleepers that gave up than this is not worth tidying.
+_FEW = 64
+#: A timer of the loop may come early by its resolution; then it is asked again, this much later at least.
+_SHORTEST_WAIT_S = 1e-4
+
+
+class _Run(NamedTuple):
+    """The reading was ``base`` at the real moment ``mark`` and has grown by ``rate`` s a second since."""
+
+    base: float
+    mark: float
+    rate: float
+
+
+class ReplayClock:
+    """Stands at ``start`` (s) until :meth:`run`; never reads more than ``end``.
+
+    ``real`` gives real seconds. Its reading never decreases except by :meth:`jump`. Sleepers whose time has come are
+    woken in the order of their stamps, then of their going to sleep. Sleeping takes O(log n).
+    """
+
+    def __init__(self, start: float, end: float = math.inf, *, real: Callable[[], float] = time.monotonic) -> None:
+        self._real = real
+        self._end = end
+        # Replaced as a whole: read in other threads too.
+        self._state = _Run(start, real(), 0.0)
+        self._sleepers: list[tuple[float, int, asyncio.Future[None]]] = []
+        self._order = count()
+        self._given_up = 0
+        self._timer: asyncio.TimerHandle | None = None
+        #: Real time: what paces work that must go on while the recording stands.
+        self.pace = RealClock()
+
+    # --- As modules see it -------------------------------------------------------------------------------------------
+
+    def now(self) -> float:
+        """Seconds of the recording (Unix epoch). May be read in any thread."""
+        base, mark, rate = self._state
+        return min(base + (self._real() - mark) * rate, self._end) if rate else base
+
+    async def sleep(self, seconds: float) -> None:
+        """Let ``seconds`` of the recording pass; zero or less yields to other tasks once."""
+        await self.sleep_until(self.now() + seconds) if seconds > 0 else await asyncio.sleep(0)
+
+    async def sleep_until(self, stamp: float) -> None:
+        """Wait until ``now() >= stamp``, or until the next jump, wherever it leads: look at the clock afterwards."""
+        if stamp <= self.now():
+            await asyncio.sleep(0)
+            return
+        woken = asyncio.get_running_loop().create_future()
+        heapq.heappush(self._sleepers, (stamp, next(self._order), woken))
+        if self._sleepers[0][2] is woken:
+            self._set_timer()
+        try:
+            await woken
+        except asyncio.CancelledError:
+            self._given_up += 1
+            self._tidy()
+            raise
+
+    # --- As playback moves it ----------------------------------------------------------------------------------------
+
+    @property
+    def rate(self) -> float:
+        """Seconds of the recording in a real second; 0 while it stands."""
+        return self._state.rate
+
+    @property
+    def next_due(self) -> float | None:
+        """The stamp that the first sleeper waits for; None while nobody sleeps."""
+        while self._sleepers and self._sleepers[0][2].done():
+            heapq.heappop(self._sleepers)
+            self._given_up = max(0, self._given_up - 1)
+        return self._sleepers[0][0] if self._sleepers else None
+
+    def run(self, rate: float) -> None:
+        """Go on at ``rate`` times real time; 0: stand still. Raises ValueError for a rate below 0 or infinite."""
+        if not 0 <= rate < math.inf:
+            raise ValueError(f"a recording's time runs at a finite rate from 0, not {rate!r}")
+        now = self.now()
+        self._state = _Run(now, self._real(), rate)
+        self._wake()
+
+    def jump(self, stamp: float) -> None:
+        """Read ``stamp`` from now on, be it earlier or later, at the same rate, and release every sleeper."""
+        self._state = _Run(min(stamp, self._end), self._real(), self.rate)
+        sleepers, self._sleepers, self._given_up = sorted(self._sleepers), [], 0
+        for _, _, woken in sleepers:
+            _resolve(woken)
+        self._set_timer()
+
+    def advance_to(self, stamp: float) -> None:
+        """Read ``stamp``, and wake whoever waits for it or for less; an earlier one than now changes nothing."""
+        now = self.now()
+        self._state = _Run(min(max(stamp, now), max(self._end, now)), self._real(), self.rate)
+        self._wake()
+
+    # --- Inside ------------------------------------------------------------------------------------------------------
+
+    def _wake(self) -> None:
+        now = self.now()
+        while (due := self.next_due) is not None and due <= now:
+            _resolve(heapq.heappop(self._sleepers)[2])
+        self._set_timer()
+
+    def _set_timer(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        due, rate = self.next_due, self.rate
+        if due is not None and rate > 0 and due <= self._end:
+            wait_s = max((due - self.now()) / rate, _SHORTEST_WAIT_S)
+            self._timer = asyncio.get_running_loop().call_later(wait_s, self._wake)
+
+    def _tidy(self) -> None:
+        """Drop who gave up before their time once they are the greater part."""
+        if self._given_up > _FEW and 2 * self._given_up > len(self._sleepers):
+            self._sleepers = [sleeper for sleeper in self._sleepers if not sleeper[2].done()]
+            heapq.heapify(self._sleepers)
+            self._given_up = 0
+
+
+def _resolve(woken: asyncio.Future[None]) -> None:
+    if not woken.done():
+        woken.set_result(None)
