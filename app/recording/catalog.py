@@ -1,0 +1,163 @@
+"""What lies in the folder of recordings: sizes and lengths, read from each file once.
+
+A file's length stands in its summary at the end. Reading that of hundreds of files at every look would cost; so it is
+kept for as long as the file's size and time of change stay.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import struct
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import IO
+
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.reader import SeekingReader
+from mcap.records import Chunk, McapRecord, Message, Metadata
+from mcap.stream_reader import MAGIC_SIZE, StreamReader, read_magic
+
+from app.recording.library import NAME, SUFFIX, RecordingLibrary
+from app.recording.mcap_layout import FACTS
+from app.recording.stamps import from_ns
+
+#: A record larger than this, in a file that ends in the middle, is no record but what chance left there.
+_LARGEST_RECORD = 64 * 1024 * 1024
+#: What a damaged file makes the MCAP library raise.
+_DAMAGE = (McapError, ValueError, struct.error, EOFError)
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """A file of the folder.
+
+    ``complete``: it was closed as it should be; if not, its ``end`` is not known. ``begin`` and ``end`` (robot's
+    clock, s) of its messages, None where they cannot be told. ``robot`` as its facts name it, "" where they do not.
+    ``modified`` is the file's own time (s, Unix).
+    """
+
+    name: str
+    bytes: int
+    modified: float
+    complete: bool
+    begin: float | None = None
+    end: float | None = None
+    robot: str = ""
+
+    @property
+    def duration_s(self) -> float | None:
+        """Seconds from the first message to the last."""
+        return None if self.begin is None or self.end is None else self.end - self.begin
+
+
+class Catalog:
+    """The recordings of a library. All methods touch the disk: call them off the event loop, from any thread."""
+
+    def __init__(self, library: RecordingLibrary) -> None:
+        self._library = library
+        self._known: dict[str, tuple[tuple[int, int], Recording]] = {}
+        self._lock = threading.Lock()
+
+    def recordings(self) -> list[Recording]:
+        """Every recording, the newest first; none where there is no folder yet. Raises OSError if it cannot be read."""
+        try:
+            with os.scandir(self._library.folder) as entries:
+                files = [
+                    (entry.name.removesuffix(SUFFIX), Path(entry.path), entry.stat())
+                    for entry in entries
+                    if entry.name.endswith(SUFFIX) and entry.is_file()
+                ]
+        except FileNotFoundError:
+            return []
+        with self._lock:
+            known = {
+                name: self._look(name, path, status) for name, path, status in files if NAME.fullmatch(name) is not None
+            }
+            self._known = known
+        found = [recording for _, recording in known.values()]
+        return sorted(found, key=lambda r: (r.modified if r.begin is None else r.begin, r.name), reverse=True)
+
+    def has(self, name: str) -> bool:
+        """Whether there is a recording of this name. Raises ValueError for a name that may not be."""
+        return self._library.path(name).is_file()
+
+    def delete(self, name: str) -> None:
+        """Remove a recording for good. Raises ValueError for a bad name, FileNotFoundError, or another OSError."""
+        self._library.path(name).unlink()
+
+    def free_bytes(self) -> int:
+        """Room left for recordings, for this user."""
+        folder = self._library.folder
+        while not folder.is_dir() and folder != folder.parent:
+            folder = folder.parent
+        return shutil.disk_usage(folder).free
+
+    def _look(self, name: str, path: Path, status: os.stat_result) -> tuple[tuple[int, int], Recording]:
+        sign = (status.st_mtime_ns, status.st_size)
+        known = self._known.get(name)
+        return known if known is not None and known[0] == sign else (sign, read(name, path, status))
+
+
+def read(name: str, path: Path, status: os.stat_result) -> Recording:
+    """What the file at ``path`` says of itself in its summary, or, where it has none, in its first records."""
+    blank = Recording(name, status.st_size, status.st_mtime, complete=False)
+    try:
+        with path.open("rb") as file:
+            return _summarized(file, blank) if _is_closed(file, status.st_size) else _begun(file, blank)
+    except OSError:
+        return blank
+
+
+def _is_closed(file: IO[bytes], size: int) -> bool:
+    """Whether the file ends as an MCAP file that was closed does."""
+    if size < 2 * MAGIC_SIZE:
+        return False
+    file.seek(-MAGIC_SIZE, os.SEEK_END)
+    try:
+        read_magic(ReadDataStream(file))
+    except _DAMAGE:
+        return False
+    return True
+
+
+def _summarized(file: IO[bytes], blank: Recording) -> Recording:
+    try:
+        file.seek(0)
+        reader = SeekingReader(file, record_size_limit=_LARGEST_RECORD)
+        summary = reader.get_summary()
+        if summary is None or summary.statistics is None:
+            return replace(blank, complete=True)
+        statistics = summary.statistics
+        robot = next((m.metadata.get("robot", "") for m in reader.iter_metadata() if m.name == FACTS), "")
+    except _DAMAGE:
+        return blank
+    if statistics.message_count == 0:
+        return replace(blank, complete=True, robot=robot)
+    begin, end = from_ns(statistics.message_start_time), from_ns(statistics.message_end_time)
+    return replace(blank, complete=True, begin=begin, end=end, robot=robot)
+
+
+def _begun(file: IO[bytes], blank: Recording) -> Recording:
+    robot, begin = "", None
+    try:
+        for record in _records(file):
+            if isinstance(record, Metadata) and record.name == FACTS:
+                robot = record.metadata.get("robot", "")
+            elif isinstance(record, Chunk):
+                begin = from_ns(record.message_start_time)
+                break
+            elif isinstance(record, Message):
+                begin = from_ns(record.log_time)
+                break
+    except _DAMAGE:
+        pass  # what was read before the damage stands
+    return replace(blank, complete=False, begin=begin, robot=robot)
+
+
+def _records(file: IO[bytes]) -> Iterator[McapRecord]:
+    file.seek(0)
+    return iter(StreamReader(file, emit_chunks=True, record_size_limit=_LARGEST_RECORD).records)
