@@ -7,16 +7,17 @@ configuration found, before anything starts.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import AsyncExitStack
 from pathlib import Path
 from types import TracebackType
 
 from app.attention.desires import DesireClasses
-from app.attention.strategies import load_strategies
+from app.attention.solver import CachedSolver
+from app.attention.strategies import StrategyTable, load_strategies, trimmed
 from app.attention.timeline import Timeline
-from app.attention.translator import Hysteresis, IntentionTranslator
-from app.attention.workspace import IntentionWorkspace
+from app.attention.translator import EXPLAIN_S, Hysteresis, IntentionTranslator
+from app.attention.workspace import IntentionWorkspace, random_id
 from app.config import Configuration, load_configuration
 from app.link import RobotLink
 from app.modules.desire_classes import desire_classes
@@ -29,6 +30,7 @@ from app.runtime.clock import Clock, RealClock
 from app.runtime.freshness import FreshnessWatch
 from app.runtime.graph import Graph, Pin
 from app.runtime.load import LoadMeter
+from app.runtime.replay_clock import ReplayClock
 from app.runtime.supervisor import Supervisor
 from app.runtime.watchdog import LoopWatchdog
 from app.self_report import SelfReport
@@ -36,6 +38,8 @@ from app.snapshot import snapshot
 from app.timeline_feed import TimelineFeed
 
 LOAD_WINDOW_S = 1.0
+#: Real seconds for the solver and for reasons where nothing may depend on how fast this computer is.
+PATIENT_S = 60.0
 
 
 class System:
@@ -49,19 +53,29 @@ class System:
         clock: Clock | None = None,
         pins: Mapping[str, Pin] | None = None,
         recordings: RecordingLibrary | None = None,
+        new_id: Callable[[], str] = random_id,
+        partial: bool = False,
+        reproducible: bool = False,
     ) -> None:
         """Build everything; ``link`` and ``clock`` replace the body that the configuration names and the real clock.
 
         ``pins`` fixes filters (``Module.port``), whatever strategies say of them. ``recordings`` is where recordings
-        are kept, by default the user's folder. Raises ConfigError.
+        are kept, by default the user's folder. ``new_id`` makes the ids of desires. ``partial``: strategies may name
+        modules that are not there, and serve without them. ``reproducible``: what happens may not depend on how fast
+        this computer is, so that two runs in virtual time are equal: the solver finds the optimum however long it
+        takes and does not tell how long, nobody watches the loop's real time, no load is reported. Raises ConfigError.
         """
         program = configuration.program
         self.config = configuration
+        self._partial = partial
+        self._reproducible = reproducible
         real = RealClock()
         self.clock: Clock = clock or real
+        #: What paces work for people, which goes on while a recording's time stands; else the robot's clock itself.
+        self.pace: Clock = self.clock.pace if isinstance(self.clock, ReplayClock) else self.clock
         self.link = link or create_link(load_robot_config(configuration.path(program.robot)), real.offset)
         self.classes = DesireClasses(desire_classes())
-        self.workspace = IntentionWorkspace(self.classes, self.clock.now)
+        self.workspace = IntentionWorkspace(self.classes, self.clock.now, new_id=new_id)
         self.timeline = Timeline(program.attention.history, self.clock.now)
         self.recordings = recordings or RecordingLibrary(default_folder())
         self.recorder = RecorderControl()
@@ -79,16 +93,11 @@ class System:
             error=configuration.wiring_error,
         )
         services[Manifest] = snapshot(configuration, self.graph, self.link.description.name)
-        self.table = load_strategies(
-            [configuration.path(file) for file in program.strategies],
-            classes=self.classes,
-            ports=self.graph.ports(),
-            calibration=configuration.calibration,
-        )
+        self.table = self._load_table()
         self.graph.attend(self.table.filters)
         for name, pin in (pins or {}).items():
             self.graph.filters.pin(name, pin)
-        self.supervisor = Supervisor(self.graph.modules, self.clock)
+        self.supervisor = Supervisor(self.graph.modules, self.clock, self.pace)
         meters = {name: slot.context.meter for name, slot in self.graph.modules.items()}
         self.freshness = FreshnessWatch(self.graph, self.supervisor.states)
         self.load = LoadMeter(meters, self.clock.now)
@@ -116,7 +125,8 @@ class System:
             self._report.open(self.workspace, self.translator, self.timeline)
             stack.callback(self._report.close)
             stack.callback(self.link.attach("status", self._feed.guard))
-            await stack.enter_async_context(self.watchdog)
+            if not self._reproducible:
+                await stack.enter_async_context(self.watchdog)
             await stack.enter_async_context(self.supervisor)
             for name, coroutine in {
                 "translator": self.translator.run(),
@@ -135,6 +145,19 @@ class System:
         """Stop the modules, then the wheels, then the body."""
         await self._stack.aclose()
 
+    async def begin_anew(self, jump: Callable[[], None]) -> None:
+        """End every module, forget all that was said, have ``jump`` move clock and body, and start all afresh.
+
+        Desires of others than the modules, budgets and measured costs stay. Returns with the modules about to start.
+        """
+        await self.supervisor.stop_modules()
+        self.graph.forget()
+        self.timeline.clear()
+        self.freshness.forget()
+        self._feed.forget()
+        jump()
+        self.supervisor.start_modules()
+
     async def wait_failed(self) -> Exception:
         """Wait until the program cannot go on, and return why.
 
@@ -152,8 +175,22 @@ class System:
         finally:
             body.cancel()
 
+    def _load_table(self) -> StrategyTable:
+        table = load_strategies(
+            [self.config.path(file) for file in self.config.program.strategies],
+            classes=self.classes,
+            ports=None if self._partial else self.graph.ports(),
+            calibration=self.config.calibration,
+        )
+        return trimmed(table, self.graph.ports()) if self._partial else table
+
     def _make_translator(self) -> IntentionTranslator:
         settings = self.config.program.attention
+        safe = settings.safe_strategies
+        if self._partial:
+            there = {strategy.name for strategy in self.table.strategies}
+            safe = tuple(name for name in safe if name in there)
+        limit_s = PATIENT_S if self._reproducible else settings.solve_time_limit_s
         try:
             return IntentionTranslator(
                 self.workspace,
@@ -162,8 +199,9 @@ class System:
                 self.graph,
                 self.timeline,
                 self.clock,
-                safe=settings.safe_strategies,
-                time_limit_s=settings.solve_time_limit_s,
+                safe=safe,
+                solver=CachedSolver(time_limit_s=limit_s, timed=not self._reproducible),
+                explain_limit_s=PATIENT_S if self._reproducible else EXPLAIN_S,
                 hysteresis=Hysteresis(settings.hysteresis_gain, settings.hysteresis_dwell_s),
             )
         except ValueError as failure:
@@ -171,11 +209,16 @@ class System:
 
     async def _sample(self) -> None:
         while True:
-            await self.clock.sleep(LOAD_WINDOW_S)
-            load = self.load.sample()
-            self._feed.load(load)
-            self._report.load(load)
+            await self.pace.sleep(LOAD_WINDOW_S)
+            if not self._reproducible:
+                self._sample_load()
             self._feed.freshness(self.freshness.sample(self.clock.now()))
+
+    def _sample_load(self) -> None:
+        load = self.load.sample()
+        if self.pace is self.clock:  # budgets are of the robot's time
+            self._feed.load(load)
+        self._report.load(load)
 
     async def _follow_exploitation(self) -> None:
         channel = self.graph.channels.get("exploitation")

@@ -48,6 +48,15 @@ class TimelineFeed:
         self._stale: dict[str, int] = {}
         self._over = dict.fromkeys(budgets, 0)
 
+    def forget(self) -> None:
+        """Begin anew: whatever comes next is news."""
+        self._guard = ""
+        self._behavior = None
+        self._slow_world = False
+        self._world_turned = None
+        self._stale.clear()
+        self._over = dict.fromkeys(self._budgets, 0)
+
     def module(self, state: ModuleState) -> None:
         """A module's state changed."""
         data = {"status": state.status, "restarts": state.restarts, "problem": state.problem}

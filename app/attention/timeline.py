@@ -108,6 +108,10 @@ class Timeline:
                 found.append(event)
         return tuple(reversed(found))
 
+    def clear(self) -> None:
+        """Forget every event; ids grow on, so that what is added after is told from what was."""
+        self._events.clear()
+
     def observe(self, callback: Callable[[TimelineEvent], None]) -> Callable[[], None]:
         """Call ``callback`` with every event from now on; returns what ends it."""
         self._observers.append(callback)

@@ -221,6 +221,13 @@ class Subscription(Generic[M]):
         lost, self._overflowed = self._overflowed, 0
         return lost
 
+    def discard(self) -> None:
+        """Throw away what waits; a loss that was not told yet is forgotten with it."""
+        self._discarded += len(self._inbox)
+        self._inbox.clear()
+        self._overflowed = 0
+        self._wake_senders()
+
     def _filter_changed(self, _before: float, _after: float) -> None:
         if not self.filter.is_open:
             self._discarded += len(self._inbox)
@@ -260,6 +267,7 @@ class Channel(Generic[M]):
         self._closed = False
         self._wanted = False
         self._wanted_callbacks: list[Callable[[bool], None]] = []
+        self._observers: tuple[Callable[[M], None], ...] = ()
 
     def publish(self, message: M) -> None:
         """Give ``message`` to every subscription; never waits. Raises ChannelClosed after :meth:`close`."""
@@ -269,6 +277,8 @@ class Channel(Generic[M]):
         self.latest = message
         for subscription in self._subscriptions:
             subscription.offer(message)
+        for observer in self._observers:
+            observer(message)
 
     async def send(self, message: M, deadline_s: float) -> None:
         """Publish once every lossless inbox has room.
@@ -320,6 +330,24 @@ class Channel(Generic[M]):
         # Not unsubscribed: the counters of a stream that has ended can still be read.
         for subscription in self._subscriptions:
             subscription.end()
+
+    def forget(self) -> None:
+        """Forget :attr:`latest` and what waits in every inbox; the counters go on."""
+        self.latest = None
+        for subscription in self._subscriptions:
+            subscription.discard()
+
+    def observe(self, callback: Callable[[M], None]) -> Callable[[], None]:
+        """Call ``callback`` with every message published, within its ``publish``; returns what ends it.
+
+        An observer is no consumer: the channel is not :attr:`wanted` for it. It must not raise.
+        """
+        self._observers = (*self._observers, callback)
+
+        def end() -> None:
+            self._observers = tuple(o for o in self._observers if o is not callback)
+
+        return end
 
     @property
     def wanted(self) -> bool:

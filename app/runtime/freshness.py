@@ -139,6 +139,12 @@ class FreshnessWatch:
         """Call ``callback(channel, freshness)`` whenever a channel's state becomes another."""
         self._observers.append(callback)
 
+    def forget(self) -> None:
+        """Begin anew: nothing measured, no state known, every channel's first message due from now on."""
+        self._rates = {name: RateMeter() for name in self._rates}
+        self._since.clear()
+        self.latest = {}
+
     def sample(self, now: float) -> dict[str, Freshness]:
         """The freshness of each channel at ``now``, also kept in :attr:`latest`."""
         before, self.latest = self.latest, self.read(now)

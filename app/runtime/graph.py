@@ -9,6 +9,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from app.runtime.activity import Activity
 from app.runtime.channel import Channel
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import Clock
@@ -106,7 +107,10 @@ class FilterBank:
 
     def __init__(self) -> None:
         self._filters: dict[str, RateFilter] = {}
-        self._pinned: set[str] = set()
+        #: Offsets by name of the pinned ones.
+        self._pinned: dict[str, int] = {}
+        #: Offsets by name of those that wait for their first opening.
+        self._delayed: dict[str, int] = {}
 
     def add(self, name: str, rate_filter: RateFilter) -> None:
         """Register a filter."""
@@ -127,10 +131,25 @@ class FilterBank:
         """
         if pin.offset < 0:
             raise ValueError(f"an offset is a number of messages from 0, not {pin.offset}")
-        self._pinned.discard(name)
+        self._pinned.pop(name, None)
         self.apply({name: pin.divisor})
         self._filters[name].begin(pin.offset)
-        self._pinned.add(name)
+        self._pinned[name] = pin.offset
+
+    def begin_anew(self) -> None:
+        """Let the next message pass wherever a filter is open, a pinned one's after its offset: as at the start."""
+        for name, rate_filter in self._filters.items():
+            rate_filter.begin(self._pinned.get(name, 0))
+
+    def delay(self, offset: int) -> None:
+        """Let ``offset`` messages go by at every filter that is closed now, once, when it first opens.
+
+        So each phase of a decimation can be tried. Raises ValueError for an offset that cannot be.
+        """
+        if offset < 0:
+            raise ValueError(f"an offset is a number of messages from 0, not {offset}")
+        closed = (name for name, rate_filter in self._filters.items() if not rate_filter.is_open)
+        self._delayed = {name: offset for name in closed if offset and name not in self._pinned}
 
     def apply(self, divisors: Mapping[str, float]) -> dict[str, tuple[float, float]]:
         """Set the φ named, those that open (or speed up) first, and return what changed: name -> (before, after).
@@ -148,6 +167,8 @@ class FilterBank:
         opening_first = sorted(changes.items(), key=lambda change: change[1][1] > change[1][0])
         for name, (_, after) in opening_first:
             self._filters[name].divisor = after
+            if after != CLOSED and name in self._delayed:
+                self._filters[name].begin(self._delayed.pop(name))
         return changes
 
 
@@ -172,6 +193,7 @@ class Graph:
         """
         self._error = error
         self.clock = clock
+        self.activity = Activity()
         self.specs = dict(channels)
         self.channels: dict[str, Channel[Any]] = {}
         for name, channel_spec in channels.items():
@@ -234,6 +256,12 @@ class Graph:
         """Hand the intention's parameters to ``module``. Raises KeyError for one that is not in the graph."""
         self.modules[module].configure(parameters)
 
+    def forget(self) -> None:
+        """Forget every message: what waits in inboxes, each channel's latest, how far each filter has counted."""
+        for channel in self.channels.values():
+            channel.forget()
+        self.filters.begin_anew()
+
     def channel(self, name: str) -> Channel[Any]:
         """A channel by name. Raises KeyError naming those there are."""
         try:
@@ -251,7 +279,9 @@ class Graph:
         except ValueError as failure:
             raise self._error(_first_problem(failure), (*key, "settings")) from None
         try:
-            return ModuleSlot(name, module_class, spec, ModuleContext(name, self.clock, settings, services))
+            context = ModuleContext(name, self.clock, settings, services)
+            context.activity = self.activity
+            return ModuleSlot(name, module_class, spec, context)
         except ModuleFailed as failure:
             raise self._error(str(failure), key) from None
 

@@ -15,6 +15,7 @@ from typing import Any, ClassVar, TypeVar
 from pydantic import BaseModel, ConfigDict
 
 from app.messages import Message
+from app.runtime.activity import Activity
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import Clock
 from app.runtime.errors import ModuleFailed
@@ -50,6 +51,8 @@ class ModuleContext:
         self.instance: Module | None = None
         self.meter = CpuMeter()
         self.worker = ModuleWorker(name)
+        #: Where work in threads is counted; the graph's own.
+        self.activity = Activity()
 
 
 class Module:
@@ -185,7 +188,8 @@ class Module:
         One at a time, in the order asked. Raises what ``function`` raises.
         """
         loop = asyncio.get_running_loop()
-        return await loop.run_in_executor(self._context.worker, self._context.meter.call, function, *args)
+        with self._context.activity.one():
+            return await loop.run_in_executor(self._context.worker, self._context.meter.call, function, *args)
 
     async def run(self, started: Callable[[], None] = lambda: None) -> None:
         """Live: start, call ``started``, serve every input and timer until cancelled or until one raises, stop."""

@@ -5,12 +5,35 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
+from app.runtime.clock import Clock
 from app.runtime.ports import Input
 
 #: Between two looks no more than this counts. When one module blocks the loop, the others wait without fault.
 LONGEST_STEP_S = 0.2
 #: A periodic handler is hung after this many of its periods.
 HUNG_PERIODS = 10
+
+
+class GivenTime:
+    """Time that modules had to work in: no more than passed by either clock.
+
+    ``clock`` is theirs, which in a recording may stand or run faster than any computer; ``pace`` is real time there and
+    the same clock elsewhere.
+    """
+
+    def __init__(self, clock: Clock, pace: Clock) -> None:
+        self._clock = clock
+        self._pace = pace
+        self._read = (clock.now(), pace.now())
+        self._given_s = 0.0
+
+    def now(self) -> float:
+        """Seconds, from any beginning; never decreasing."""
+        if self._pace is self._clock:
+            return self._clock.now()
+        (clock, pace), self._read = self._read, (self._clock.now(), self._pace.now())
+        self._given_s += max(0.0, min(self._read[0] - clock, self._read[1] - pace))
+        return self._given_s
 
 
 class ProgressWatch:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -20,7 +20,7 @@ from app.runtime.clock import Clock
 from app.runtime.errors import ModuleFailed
 from app.runtime.graph import ModuleSlot
 from app.runtime.load import MeteredCoroutine
-from app.runtime.progress import ProgressWatch
+from app.runtime.progress import GivenTime, ProgressWatch
 from app.runtime.worker import ModuleWorker
 
 log = logging.getLogger("hbba.supervisor")
@@ -58,26 +58,26 @@ class ModuleState:
 class _Run:
     """One life of a module: its task, when it began to serve, and what it turns out to be stuck on."""
 
-    def __init__(self, slot: ModuleSlot, now: float, hung: asyncio.Future[str]) -> None:
+    def __init__(self, slot: ModuleSlot, given: float, hung: asyncio.Future[str]) -> None:
         self.slot = slot
-        self.began_at = now
+        self.began_at = given
         self.serving_since: float | None = None
         self.hung = hung
         self._progress: ProgressWatch | None = None
 
-    def serve(self, now: float) -> None:
-        """Note that the module has started."""
+    def serve(self, now: float, given: float) -> None:
+        """Note that it has started: at ``now`` of the robot's clock, ``given`` of the time modules have to work."""
         self.serving_since = now
         inputs = self.slot.context.inputs.values()
-        self._progress = ProgressWatch(inputs, self.slot.module.ticks, self.slot.spec.hang_after_s, now)
+        self._progress = ProgressWatch(inputs, self.slot.module.ticks, self.slot.spec.hang_after_s, given)
 
-    def look(self, now: float) -> None:
+    def look(self, given: float) -> None:
         """Resolve ``hung`` if the module is."""
         if self._progress is not None:
-            stuck = self._progress.look(now)
+            stuck = self._progress.look(given)
         else:
             limit_s = self.slot.spec.start_within_s
-            stuck = f"did not start within {limit_s:g} s" if now - self.began_at > limit_s else None
+            stuck = f"did not start within {limit_s:g} s" if given - self.began_at > limit_s else None
         if stuck and not self.hung.done():
             self.hung.set_result(stuck)
 
@@ -85,11 +85,16 @@ class _Run:
 class Supervisor:
     """Runs a graph's modules: ``async with supervisor:`` starts them all and stops them all."""
 
-    def __init__(self, slots: Mapping[str, ModuleSlot], clock: Clock) -> None:
+    def __init__(self, slots: Mapping[str, ModuleSlot], clock: Clock, pace: Clock | None = None) -> None:
+        """``pace`` is the time that modules are given to work in, where that is not ``clock``'s: a recording's may run
+        faster than any module, or stand."""
         self._slots = slots
         self._clock = clock
+        self._pace = pace or clock
+        self._given = GivenTime(clock, self._pace)
         self._observers: list[Callable[[ModuleState], None]] = []
-        self._tasks: list[asyncio.Task[None]] = []
+        self._tasks: dict[str, asyncio.Task[None]] = {}
+        self._watching: asyncio.Task[None] | None = None
         self._runs: dict[str, _Run] = {}
         self.states = {name: ModuleState(name, "stopped", 0.0) for name in slots}
 
@@ -104,33 +109,43 @@ class Supervisor:
         return end
 
     async def __aenter__(self) -> Supervisor:
-        self._tasks = [
-            asyncio.create_task(self._supervise(slot), name=f"supervise {name}") for name, slot in self._slots.items()
-        ]
-        self._tasks.append(asyncio.create_task(self._watch(), name="watch modules"))
+        self.start_modules()
+        self._watching = asyncio.create_task(self._watch(), name="watch modules")
         return self
 
     async def __aexit__(self, *_: object) -> None:
-        for task in self._tasks:
-            task.cancel()
-        for result in await asyncio.gather(*self._tasks, return_exceptions=True):
-            if isinstance(result, Exception):
-                log.error("the supervisor itself failed", exc_info=result)
+        if self._watching is not None:
+            self._watching.cancel()
+            _report_failures(await asyncio.gather(self._watching, return_exceptions=True))
+        await self.stop_modules()
         for slot in self._slots.values():
             _replace_worker(slot)
+
+    def start_modules(self) -> None:
+        """Have every module live, a fresh instance each that counts no restarts."""
+        for name, slot in self._slots.items():
+            self.states[name] = replace(self.states[name], restarts=0, problem="")
+            self._tasks[name] = asyncio.create_task(self._supervise(slot), name=f"supervise {name}")
+
+    async def stop_modules(self) -> None:
+        """End every module's life, and wait until nothing of it runs (what does not end is left behind, as ever)."""
+        tasks, self._tasks = self._tasks, {}
+        for task in tasks.values():
+            task.cancel()
+        _report_failures(await asyncio.gather(*tasks.values(), return_exceptions=True))
 
     async def _watch(self) -> None:
         while True:
             for run in tuple(self._runs.values()):
-                run.look(self._clock.now())
-            await self._clock.sleep(WATCH_PERIOD_S)
+                run.look(self._given.now())
+            await self._pace.sleep(WATCH_PERIOD_S)
 
     async def _supervise(self, slot: ModuleSlot) -> None:
         delay = FIRST_DELAY_S
         failed_before = False
         try:
             while True:
-                run = _Run(slot, self._clock.now(), asyncio.get_running_loop().create_future())
+                run = _Run(slot, self._given.now(), asyncio.get_running_loop().create_future())
                 status, problem = await self._live(run, failed_before)
                 if run.serving_since is not None and self._clock.now() - run.serving_since >= TRUSTED_AFTER_S:
                     delay = FIRST_DELAY_S
@@ -155,7 +170,7 @@ class Supervisor:
             log.warning("%s.%s lost %d messages while the module was down", slot.name, port, lost)
 
         def started() -> None:
-            run.serve(self._clock.now())
+            run.serve(self._clock.now(), self._given.now())
             self._change(slot, status="running")
             if again:
                 log.info("%s runs again", slot.name)
@@ -194,6 +209,12 @@ class Supervisor:
             except Exception:  # logged with its traceback
                 # Who looks on must not decide whether a module is restarted.
                 log.exception("an observer of %s failed", slot.name)
+
+
+def _report_failures(results: Iterable[object]) -> None:
+    for result in results:
+        if isinstance(result, Exception):
+            log.error("the supervisor itself failed", exc_info=result)
 
 
 def _replace_worker(slot: ModuleSlot) -> None:
