@@ -110,7 +110,7 @@ async def _live(
 
     log.info("starting", extra={"configuration": configuration.program_document.file})
     async with System(configuration) as system:
-        app = create_app(system, token=token)
+        app = create_app(system, token=token, host=host)
         console = asyncio.create_task(serve(app, host, port, listener=listener, started=announce), name="console")
         failure = asyncio.create_task(system.wait_failed(), name="body's failure")
         try:

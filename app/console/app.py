@@ -15,9 +15,11 @@ from app.console.live.endpoint import live
 from app.console.live.hub import Hub
 from app.console.page import install_page
 from app.console.problems import install_problem_handlers
+from app.console.replays import Replays
 from app.console.rest.attention import attention_router
 from app.console.rest.desires import desires_router
 from app.console.rest.program import program_router, robot_router
+from app.console.rest.recordings import recordings_router
 from app.console.rest.session import session_router
 from app.console.rest.viewers import viewers_router
 from app.console.security import Door, Guarded
@@ -31,17 +33,23 @@ API = "/api/v1"
 
 
 def create_app(
-    system: System, *, static_dir: Path | None = None, token: str | None = None, early_view: bool = True
+    system: System,
+    *,
+    static_dir: Path | None = None,
+    token: str | None = None,
+    host: str = "127.0.0.1",
+    early_view: bool = True,
 ) -> FastAPI:
     """The console of ``system``: REST and live stream under ``/api/v1``, the 3D view under ``/viser``, the page at /.
 
     ``static_dir`` holds the built page (default: where the build puts it). ``token`` None: whoever is on this computer
-    may use it, under a name of this computer; see :mod:`app.console.security`. ``early_view``: start the 3D view with
-    the program rather than with the first who looks.
+    may use it, under a name of this computer; see :mod:`app.console.security`. ``host`` is where replays that are
+    started from here listen. ``early_view``: start the 3D view with the program rather than with the first who looks.
     """
     hub = Hub(system)
     view = View(system, early=early_view)
     door = Door(token)
+    replays = Replays(host, token)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
@@ -51,12 +59,14 @@ def create_app(
             yield
         finally:
             hub.close()
+            await replays.close()
             await view.close()
 
     # FastAPI's own documentation pages load scripts from elsewhere; ours need nothing but this server.
     app = FastAPI(lifespan=lifespan, openapi_url=None, docs_url=None, redoc_url=None)
     app.state.hub = hub
     app.state.view = view
+    app.state.replays = replays
     install_problem_handlers(app)
     api = APIRouter(prefix=API)
     for router in (
@@ -64,6 +74,7 @@ def create_app(
         attention_router(system),
         robot_router(system, hub),
         program_router(system, hub),
+        recordings_router(system, replays),
         viewers_router(hub, view),
         session_router(door),
     ):

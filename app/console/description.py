@@ -25,6 +25,7 @@ _TAGS = [
     {"name": "attention", "description": "What it chose, from what, and what happened."},
     {"name": "robot", "description": "Its body: pose, guard, emergency stop."},
     {"name": "program", "description": "Modules and channels."},
+    {"name": "recordings", "description": "What the robot lived, kept on disk and lived again."},
     {"name": "session", "description": "Logging in."},
 ]
 

@@ -20,6 +20,7 @@ from app.console.live.outbox import Outbox
 from app.console.live.protocol import PROTOCOL, picture_frame
 from app.console.live.sampler import Sampler
 from app.console.presence import Presence
+from app.console.recordings import RecorderReport
 from app.console.taps import Tap
 from app.console.wire import encode_text
 from app.messages import EncodedImage, LinkStatus
@@ -51,6 +52,7 @@ class Hub:
         self._viewers: dict[str, Viewer] = {}
         self._presence = Presence(system.workspace)
         self._sampler = Sampler(system, self)
+        self._recorder = RecorderReport(system)
         self._stack = ExitStack()
         self._watching = ExitStack()
         self._sampling: asyncio.Task[None] | None = None
@@ -148,6 +150,10 @@ class Hub:
         keep(system.workspace.observe(lambda _: self._mark_stale("desires")))
         keep(system.translator.observe(lambda _: self._mark_stale("intention")))
         keep(system.timeline.observe(self._on_event))
+        if self._recorder.channel is not None:
+            keep(Tap(self._recorder.channel, "console.recorder", lambda _: self._on_recorder()).close)
+            for source in (system.workspace, system.translator, system.supervisor):
+                keep(source.observe(lambda _: self._on_recorder()))
         for channel, handler in self._sampler.channels().items():
             if channel in system.graph.channels:
                 keep(Tap(system.graph.channel(channel), f"console.{channel}", handler).close)
@@ -184,6 +190,10 @@ class Hub:
         self._new_events.append(encode_text(event_to_json(event)))
         self._mark_stale("events")
 
+    def _on_recorder(self) -> None:
+        if self._recorder.news():
+            self._mark_stale("recorder")
+
     def _mark_stale(self, kind: str) -> None:
         """Several changes in one step of the loop make one frame."""
         if not self._stale:
@@ -203,7 +213,8 @@ class Hub:
     # --- Frames ------------------------------------------------------------------------------------------------------
 
     def _builders(self) -> dict[str, Callable[[], str]]:
-        return {"desires": self._desires, "intention": self._intention}
+        builders = {"desires": self._desires, "intention": self._intention}
+        return builders if self._recorder.channel is None else builders | {"recorder": self._recording}
 
     def _standing_frames(self) -> dict[str, str]:
         """What a newcomer must know that is otherwise told on change only."""
@@ -243,3 +254,6 @@ class Hub:
                 "intention": None if current is None else intention_to_json(current, self._system.table),
             }
         )
+
+    def _recording(self) -> str:
+        return encode_text({"type": "recorder", **(self._recorder.json() or {})})

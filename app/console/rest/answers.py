@@ -25,9 +25,12 @@ _WORDS = {
     401: "The console's token is needed.",
     404: "There is no such thing.",
     409: "It cannot be done now.",
+    416: "The file has no such part.",
     421: "The console does not answer to this host name.",
     422: "Something in the request is not allowed; `errors` says which field.",
+    502: "What was started for it failed.",
     504: "The robot's body did not confirm it in time.",
+    507: "The disk did not take it.",
 }
 
 

@@ -1,0 +1,244 @@
+"""Recordings: making them, listing, downloading, deleting, replaying."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING, Annotated, Any
+
+from fastapi import APIRouter, Header, Path, Request
+from fastapi.responses import Response
+
+from app.attention.serialize import desire_to_json
+from app.console.problems import Problem
+from app.console.recordings import RecorderReport, record, withdraw
+from app.console.replays import ReplayFailed, ReplayReplaced, Replays, reached_by
+from app.console.rest.answers import Json, problems
+from app.console.rest.desires import source_of
+from app.console.rest.download import MCAP, Download
+from app.console.rest.idempotency import IdempotencyStore
+from app.console.rest.models import DesireModel
+from app.console.rest.recording_models import (
+    NewRecording,
+    RecordingList,
+    ReplayModel,
+    Saved,
+    SaveRequest,
+    Withdrawn,
+)
+from app.recording.catalog import Catalog, Recording
+from app.recording.control import RecorderUnavailable
+from app.recording.log import LogError
+
+if TYPE_CHECKING:
+    from app.system import System
+
+Name = Annotated[str, Path(description="The recording's name.", examples=["tour"])]
+
+
+def recordings_router(system: System, replays: Replays) -> APIRouter:
+    """Routes of ``/recordings``."""
+    router = APIRouter(tags=["recordings"])
+    catalog = Catalog(system.recordings)
+    report = RecorderReport(system)
+    store = IdempotencyStore(system.clock.now)
+
+    @router.get("/recordings", response_model=RecordingList, summary="List all recordings")
+    async def list_recordings(request: Request) -> Response:
+        """The newest first, with the room left on the disk and what the Recorder does."""
+        found, free = await asyncio.gather(asyncio.to_thread(catalog.recordings), asyncio.to_thread(catalog.free_bytes))
+        return Json(
+            {
+                "folder": str(system.recordings.folder),
+                "free_bytes": free,
+                "recorder": report.json(),
+                "replay": _replay_json(replays, request),
+                "recordings": [_recording_json(recording, report) for recording in found],
+            }
+        )
+
+    @router.post(
+        "/recordings",
+        response_model=DesireModel,
+        status_code=201,
+        summary="Record",
+        responses={
+            201: {"headers": {"Location": {"schema": {"type": "string"}, "description": "Where the desire is."}}},
+            **problems(400, 409, 422),
+        },
+    )
+    async def start_recording(
+        request: Request,
+        new: NewRecording | None = None,
+        idempotency_key: Annotated[
+            str | None, Header(description="As of POST /desires: a repeated request with the same key is done once.")
+        ] = None,
+    ) -> Response:
+        """Creates a desire of class Record; attention weighs it as any other. Whether it records, and if not why, is in
+        `recorder` of the list and on the live stream. Needs no body."""
+        new = new or NewRecording()
+        body = new.model_dump()
+        if known := store.find(idempotency_key, body):
+            headers = {"Location": known.location, "Idempotency-Replayed": "true"}
+            return Json(known.body, status_code=201, headers=headers)
+        _need_recorder(report)
+        await _need_free(new.name)
+        desire = record(
+            system,
+            source_of(request),
+            name=new.name,
+            keep_minutes=new.keep_minutes,
+            intensity=new.intensity,
+            utility=new.utility,
+        )
+        answer, location = desire_to_json(desire), f"/api/v1/desires/{desire.id}"
+        store.remember(idempotency_key, body, location, answer)
+        return Json(answer, status_code=201, headers={"Location": location})
+
+    @router.post("/recordings/stop", response_model=Withdrawn, summary="Stop recording")
+    async def stop_recording() -> Response:
+        """Withdraws every desire of class Record that came over the console. Needs no body. May be repeated."""
+        ours, remaining = withdraw(system)
+        return Json(
+            {
+                "withdrawn": [desire.id for desire in ours],
+                "remaining": [desire_to_json(desire) for desire in remaining],
+            }
+        )
+
+    @router.post(
+        "/recordings/save",
+        response_model=Saved,
+        status_code=201,
+        summary="Keep the ring's last minutes",
+        responses={
+            201: {"headers": {"Location": {"schema": {"type": "string"}, "description": "Where the recording is."}}},
+            **problems(400, 409, 422, 507),
+        },
+    )
+    async def save_ring(save: SaveRequest | None = None) -> Response:
+        """Makes a recording of what the ring holds, and lets it turn on. Needs no body."""
+        save = save or SaveRequest()
+        _need_recorder(report)
+        await _need_free(save.name)
+        try:
+            name = await system.recorder.save_ring(save.minutes, save.name or None)
+        except RecorderUnavailable as refusal:
+            raise Problem(409, "no-ring", f"Nothing can be saved: {refusal}.") from None
+        except LogError as failure:
+            raise Problem(507, "recording-not-saved", f"The ring was not saved: {failure}") from None
+        return Json({"name": name}, status_code=201, headers={"Location": f"/api/v1/recordings/{name}"})
+
+    @router.get(
+        "/recordings/{name}",
+        response_class=Download,
+        summary="Download a recording",
+        responses={
+            200: {"content": {MCAP: {}}, "description": "The MCAP file."},
+            206: {"content": {MCAP: {}}, "description": "The part of it asked for with `Range`."},
+            **problems(404, 409, 416, 422),
+        },
+    )
+    async def download_recording(name: Name, request: Request) -> Response:
+        """The file as it is, to open here or in Foxglove, Rerun and other MCAP tools. `Range` is understood."""
+        path = await _closed(name)
+        try:
+            return await Download.of(path, request)
+        except FileNotFoundError:
+            raise _no_such(name) from None
+
+    @router.delete(
+        "/recordings/{name}", status_code=204, summary="Delete a recording", responses=problems(404, 409, 422)
+    )
+    async def delete_recording(name: Name) -> Response:
+        """For good. One that is being written is refused: stop first."""
+        await _closed(name)
+        try:
+            await asyncio.to_thread(catalog.delete, name)
+        except FileNotFoundError:
+            raise _no_such(name) from None
+        except OSError as failure:
+            raise Problem(409, "not-deleted", f"{name} cannot be deleted: {failure.strerror}.") from None
+        return Response(status_code=204)
+
+    @router.post(
+        "/recordings/{name}/replay",
+        response_model=ReplayModel,
+        status_code=201,
+        summary="Replay a recording",
+        responses=problems(404, 409, 422, 502),
+    )
+    async def replay_recording(name: Name, request: Request) -> Response:
+        """Starts `hbba replay` with a console of its own and answers once that is up, within seconds. A replay started
+        here before is ended. It ends with this console, and by itself three minutes after its last viewer left."""
+        path = await _closed(name)
+        try:
+            await replays.start(name, path)
+        except ReplayReplaced as refusal:
+            raise Problem(409, "replay-replaced", f"{name} is not replayed: {refusal}.") from None
+        except ReplayFailed as failure:
+            raise Problem(502, "replay-failed", f"{name} cannot be replayed: {failure}") from None
+        running = _replay_json(replays, request)
+        if running is None or running["name"] != name:
+            raise Problem(409, "replay-replaced", f"{name} is not replayed any more: it was ended meanwhile.")
+        return Json(running, status_code=201)
+
+    @router.delete("/recordings/{name}/replay", status_code=204, summary="End a replay", responses=problems(404, 422))
+    async def end_replay(name: Name) -> Response:
+        _checked(name)
+        if not await replays.end(name):
+            raise Problem(404, "no-such-replay", f"{name} is not being replayed by this console.")
+        return Response(status_code=204)
+
+    def _checked(name: str) -> FilePath:
+        try:
+            return system.recordings.path(name)
+        except ValueError as refusal:
+            raise Problem(422, "invalid-name", f"{refusal}.", errors=[("path.name", str(refusal))]) from None
+
+    async def _closed(name: str) -> FilePath:
+        """Where the recording is; refused where there is none, or while it is being written."""
+        path = _checked(name)
+        if report.writes(name):
+            raise Problem(
+                409, "recording-in-progress", f"{name} is being written: stop first, with POST /api/v1/recordings/stop."
+            )
+        if not await asyncio.to_thread(catalog.has, name):
+            raise _no_such(name)
+        return path
+
+    async def _need_free(name: str) -> None:
+        if name and (report.writes(name) or await asyncio.to_thread(catalog.has, name)):
+            raise Problem(409, "recording-exists", f"There is a recording called {name} already; choose another name.")
+
+    return router
+
+
+def _recording_json(recording: Recording, report: RecorderReport) -> dict[str, Any]:
+    written = report.writes(recording.name)
+    status = report.status
+    return {
+        "name": recording.name,
+        "bytes": recording.bytes,
+        "duration_s": round(status.duration_s, 3) if written else recording.duration_s,
+        "began": status.began if written else recording.begin,
+        "state": "recording" if written else "complete" if recording.complete else "unfinished",
+        "robot": recording.robot,
+    }
+
+
+def _replay_json(replays: Replays, request: Request) -> dict[str, Any] | None:
+    if (current := replays.current) is None:
+        return None
+    name, url = current
+    return {"name": name, "url": reached_by(url, request.url.scheme, request.url.hostname)}
+
+
+def _need_recorder(report: RecorderReport) -> None:
+    if not report.available:
+        why = (report.json() or {}).get("reason") or "this program has no Recorder at work, or no strategy for it"
+        raise Problem(409, "recorder-missing", f"Nothing can be recorded: {why}.")
+
+
+def _no_such(name: str) -> Problem:
+    return Problem(404, "no-such-recording", f"No recording is called {name}; GET /api/v1/recordings lists all.")
