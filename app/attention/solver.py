@@ -118,11 +118,13 @@ class CachedSolver:
     """``solve`` with a bounded memory of equal problems (the least recently asked is forgotten).
 
     Problems are equal if they ask the same of the same table: who desires, since when and with which parameters does
-    not matter. Only proven selections are remembered. Use from one thread at a time.
+    not matter. Only proven selections are remembered. Use from one thread at a time. Unless ``timed``, no answer tells
+    how long it took: two runs of the same program can be compared.
     """
 
-    def __init__(self, *, size: int = 256, time_limit_s: float = 1.0) -> None:
+    def __init__(self, *, size: int = 256, time_limit_s: float = 1.0, timed: bool = True) -> None:
         self.time_limit_s = time_limit_s
+        self._timed = timed
         self._size = size
         self._answers: OrderedDict[object, Selection] = OrderedDict()
         self._table: object = None
@@ -149,6 +151,8 @@ class CachedSolver:
             return known
         self._misses += 1
         selection = solve(problem, time_limit_s=self.time_limit_s)
+        if not self._timed:
+            selection = replace(selection, solve_time_s=0.0)
         if selection.proven:
             self._answers[_key(problem)] = selection
             if len(self._answers) > self._size:

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import combinations
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -105,6 +106,33 @@ class StrategyTable:
 def exclusive(one: Strategy, other: Strategy) -> bool:
     """Whether two strategies can never be selected together: same class and a filter in common."""
     return one.cls == other.cls and not one.filters.keys().isdisjoint(other.filters.keys())
+
+
+def trimmed(table: StrategyTable, ports: Mapping[str, Collection[str]]) -> StrategyTable:
+    """The table for a program of which only the modules in ``ports`` (with these ports) are there.
+
+    Strategies lose the filters and parameters of what is not there; those that had filters and lost them all are left
+    out. What excluded each other by a filter that is gone still does: by a resource of its own, of which there is 1.
+    """
+
+    def there(name: str) -> bool:
+        module, _, port = name.partition(".")
+        return port in ports.get(module, ())
+
+    kept: dict[str, Strategy] = {}
+    for strategy in table.strategies:
+        filters = {name: divisor for name, divisor in strategy.filters.items() if there(name)}
+        parameters = {module: values for module, values in strategy.parameters.items() if module in ports}
+        if filters or not strategy.filters:
+            kept[strategy.name] = replace(strategy, filters=filters, parameters=parameters)
+    resources = dict(table.resources)
+    for one, other in combinations([s for s in table.strategies if s.name in kept], 2):
+        if exclusive(one, other) and not exclusive(kept[one.name], kept[other.name]):
+            name = f"{one.cls} by {min(one.filters.keys() & other.filters.keys())}"
+            resources.setdefault(name, Resource(name, 1, description=f"One way at a time to serve {one.cls}"))
+            for strategy in (kept[one.name], kept[other.name]):
+                kept[strategy.name] = replace(strategy, costs={**strategy.costs, name: 1})
+    return StrategyTable(tuple(kept.values()), resources)
 
 
 # --- The file -----------------------------------------------------------------------------------------------------

@@ -27,6 +27,9 @@ from app.attention.workspace import IntentionWorkspace, WorkspaceChange
 
 _log = logging.getLogger(__name__)
 
+EXPLAIN_S: Final = 0.05
+"""Real seconds that reasons may take."""
+
 _PATIENCE: Final = 3
 """So many results in a row may come too late before one that still holds under the newest desires is applied."""
 
@@ -75,7 +78,7 @@ class IntentionTranslator:
         safe: Collection[str] = (),
         solver: Solver | None = None,
         time_limit_s: float = 0.5,
-        explain_limit_s: float = 0.05,
+        explain_limit_s: float = EXPLAIN_S,
         weights: Weights | None = None,
         hysteresis: Hysteresis | None = None,
         offload: Callable[..., Awaitable[Any]] = asyncio.to_thread,
