@@ -1,0 +1,143 @@
+"""Images of cameras: JPEG for colour, raw millimetres for depth, and what a viewer needs to place them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from app.geometry import CameraModel, Pose3
+from app.messages import EncodedImage, Image, read_only
+from app.recording.ros import typestore
+from app.recording.ros.frames import BASE, TF, Transform, header, pose3_numbers
+from app.recording.ros.info import InfoTopic, pose_key
+from app.recording.ros.patch import assembled, stamped, with_length
+from app.recording.ros.record import MAIN, Record, Topic
+
+_COMPRESSED = "sensor_msgs/msg/CompressedImage"
+_RAW = "sensor_msgs/msg/Image"
+_CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
+_NO_BYTES = np.zeros(0, np.uint8)
+
+
+@dataclass(frozen=True, slots=True)
+class ImageInfo:
+    """An Image but for its pixels; ``has_depth`` tells a camera without depth from depth that was lost."""
+
+    stamp: float
+    frame: str
+    has_depth: bool
+    camera: CameraModel
+    X_BC: Pose3
+
+
+@dataclass(frozen=True, slots=True)
+class EncodedImageInfo:
+    """The size (px) of an EncodedImage."""
+
+    stamp: float
+    width: int
+    height: int
+
+
+class ImageConverter:
+    """Colour (JPEG), depth (raw 16UC1, mm), camera and the camera's pose, all of one stamp.
+
+    Everything but the colour's pixels comes back exactly.
+    """
+
+    def __init__(self, channel: str, jpeg_quality: int) -> None:
+        """``jpeg_quality`` 1 to 100."""
+        self._color = Topic(f"/{channel}/color/compressed", _COMPRESSED, "color")
+        self._depth = Topic(f"/{channel}/depth", _RAW, "depth")
+        self._camera = Topic(f"/{channel}/camera_info", _CAMERA_INFO, None)
+        self._info = InfoTopic(channel, ImageInfo)
+        self.topics = (self._color, self._depth, self._camera, TF, self._info.topic)
+        self._options = (cv2.IMWRITE_JPEG_QUALITY, jpeg_quality)
+        self._known: tuple[str, CameraModel, tuple[int, ...]] | None = None
+
+    def encode(self, message: Image, stamp_ns: int) -> list[Record]:
+        """Colour, depth if there is any, camera, transform, info. Raises cv2.error for what JPEG cannot hold."""
+        depth = message.depth
+        shape = () if depth is None else depth.shape
+        known = (message.frame, message.camera, shape)
+        if known != self._known:
+            self._prepare(message.frame, message.camera, shape)
+            self._known = known
+        jpeg = cv2.imencode(".jpg", cv2.cvtColor(message.color, cv2.COLOR_RGB2BGR), self._options)[1]
+        color = assembled(self._color_head, stamp_ns, *with_length(jpeg.data, jpeg.size))
+        records = [Record(self._color.name, _COMPRESSED, stamp_ns, color)]
+        if depth is not None:
+            bulk = np.ascontiguousarray(depth, "<u2")
+            raw = assembled(self._depth_head, stamp_ns, *with_length(bulk.data.cast("B"), bulk.nbytes))
+            records.append(Record(self._depth.name, _RAW, stamp_ns, raw))
+        pose = pose3_numbers(message.X_BC)
+        info = ImageInfo(message.stamp, message.frame, depth is not None, message.camera, message.X_BC)
+        records += (
+            Record(self._camera.name, _CAMERA_INFO, stamp_ns, stamped(self._camera_data, stamp_ns)),
+            self._transform.record(stamp_ns, pose),
+            self._info.record(info, stamp_ns, (known, pose_key(message.X_BC))),
+        )
+        return records
+
+    def decode(self, parts: Mapping[str, bytes]) -> Image | None:
+        """The image, with JPEG's colours; None where its colour or depth was lost."""
+        info = self._info.decode(parts[MAIN])
+        if "color" not in parts or (info.has_depth and "depth" not in parts):
+            return None
+        jpeg = typestore.deserialise(_COMPRESSED, parts["color"]).data
+        color = cv2.imdecode(jpeg, cv2.IMREAD_COLOR_RGB)
+        if color is None:
+            raise ValueError("the colour image is no JPEG")
+        depth: NDArray[np.uint16] | None = None
+        if info.has_depth:
+            raw = typestore.deserialise(_RAW, parts["depth"])
+            depth = raw.data.view("<u2").reshape(raw.height, raw.width)
+        pixels = read_only(color.astype(np.uint8, copy=False))
+        return Image(info.stamp, info.frame, pixels, depth, info.camera, info.X_BC)
+
+    def _prepare(self, frame: str, camera: CameraModel, depth: tuple[int, ...]) -> None:
+        self._transform = Transform(BASE, frame)
+        # Both end with the length of their data, still 0.
+        self._color_head = typestore.serialise(_COMPRESSED, header(frame), "jpeg", _NO_BYTES)[:-4]
+        if depth:
+            height, width = depth
+            fields = (height, width, "16UC1", 0, 2 * width, _NO_BYTES)
+            self._depth_head = typestore.serialise(_RAW, header(frame), *fields)[:-4]
+        k = np.array([camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1], np.float64)
+        p = np.array([camera.fx, 0, camera.cx, 0, 0, camera.fy, camera.cy, 0, 0, 0, 1, 0], np.float64)
+        region = typestore.make("sensor_msgs/msg/RegionOfInterest", 0, 0, 0, 0, False)
+        self._camera_data = typestore.serialise(
+            _CAMERA_INFO, header(frame), camera.height, camera.width, "plumb_bob", np.zeros(5), k,
+            np.eye(3).reshape(-1), p, 0, 0, region,
+        )  # fmt: skip
+
+
+class EncodedImageConverter:
+    """``sensor_msgs/CompressedImage`` of the JPEG as it is."""
+
+    def __init__(self, channel: str) -> None:
+        self._picture = Topic(f"/{channel}", _COMPRESSED, "jpeg")
+        self._info = InfoTopic(channel, EncodedImageInfo)
+        self.topics = (self._picture, self._info.topic)
+
+    def encode(self, message: EncodedImage, stamp_ns: int) -> list[Record]:
+        """Picture, info."""
+        head = typestore.serialise(_COMPRESSED, header(message.frame), "jpeg", _NO_BYTES)[:-4]
+        data = assembled(head, stamp_ns, *with_length(message.jpeg, len(message.jpeg)))
+        size = (message.width, message.height)
+        return [
+            Record(self._picture.name, _COMPRESSED, stamp_ns, data),
+            self._info.record(EncodedImageInfo(message.stamp, *size), stamp_ns, size),
+        ]
+
+    def decode(self, parts: Mapping[str, bytes]) -> EncodedImage | None:
+        """The message; None where the picture was lost."""
+        if "jpeg" not in parts:
+            return None
+        info = self._info.decode(parts[MAIN])
+        ros = typestore.deserialise(_COMPRESSED, parts["jpeg"])
+        return EncodedImage(info.stamp, ros.header.frame_id, ros.data.tobytes(), info.width, info.height)

@@ -1,0 +1,48 @@
+"""The table: which converter a message class has. A class that is not in it is recorded by its own fields."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from app.messages import EncodedImage, Image, JointState, LaserScan, LogLine, Odometry, PointCloud, Twist
+from app.recording.ros.camera import EncodedImageConverter, ImageConverter
+from app.recording.ros.cloud import PointCloudConverter
+from app.recording.ros.laser import LaserScanConverter
+from app.recording.ros.plain import (
+    GeneratedConverter,
+    JointStateConverter,
+    LogLineConverter,
+    OdometryConverter,
+    TwistConverter,
+)
+from app.recording.ros.record import Converter
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What converters may be told: nominal rate of the channel (Hz), quality of JPEG (1 to 100)."""
+
+    rate_hz: float | None = None
+    jpeg_quality: int = 90
+
+
+CONVERTERS: Mapping[type[Any], Callable[[str, Options], Converter]] = {
+    EncodedImage: lambda channel, _: EncodedImageConverter(channel),
+    Image: lambda channel, options: ImageConverter(channel, options.jpeg_quality),
+    JointState: lambda channel, _: JointStateConverter(channel),
+    LaserScan: lambda channel, options: LaserScanConverter(channel, options.rate_hz),
+    LogLine: lambda channel, _: LogLineConverter(channel),
+    Odometry: lambda channel, _: OdometryConverter(channel),
+    PointCloud: lambda channel, _: PointCloudConverter(channel),
+    Twist: lambda channel, _: TwistConverter(channel),
+}
+
+
+def converter(channel: str, message_type: type[Any], options: Options | None = None) -> Converter:
+    """The converter of a channel of such messages. Raises UnrecordableType for a class that ROS can say nothing of."""
+    make = CONVERTERS.get(message_type)
+    if make is None:
+        return GeneratedConverter(channel, message_type)
+    return make(channel, options or Options())

@@ -1,0 +1,56 @@
+"""The ROS 2 types a recording uses: the ones ROS comes with, and ours, in one store of rosbags."""
+
+from __future__ import annotations
+
+import threading
+from functools import cache
+from typing import Any
+
+from rosbags.serde import SerdeError
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
+
+_adding = threading.Lock()
+
+
+@cache
+def store() -> Typestore:
+    """The store: definitions of ROS 2 Humble, to which ours are added. It only grows; its lock is ours."""
+    return get_typestore(Stores.ROS2_HUMBLE)
+
+
+def add(name: str, text: str) -> None:
+    """Add the type ``name`` (``hbba_msgs/msg/Twist``) with the lines ``text`` of its ``.msg`` file; again is harmless.
+
+    Raises rosbags' TypesysError if the name already stands for something else.
+    """
+    with _adding:
+        store().register(get_types_from_msg(text, name))
+
+
+def definition(name: str) -> str:
+    """``ros2msg`` text of a type: its ``.msg`` file, then those of every type it uses, as MCAP's registry says."""
+    return store().generate_msgdef(name, ros_version=2)[0]
+
+
+def make(name: str, *values: Any) -> Any:
+    """A rosbags object of the type, its fields in order; arrays of numbers are numpy arrays."""
+    return store().types[name](*values)
+
+
+def serialise(name: str, *values: Any) -> bytes:
+    """Little-endian CDR of the type with these fields, in order."""
+    return bytes(store().serialize_cdr(make(name, *values), name, little_endian=True))
+
+
+def deserialise(name: str, data: bytes) -> Any:
+    """The rosbags object in ``data``; its arrays are views of ``data``. Raises ValueError where it is damaged."""
+    try:
+        return store().deserialize_cdr(data, name)
+    except SerdeError as error:
+        raise ValueError(str(error)) from error
+
+
+def encodable(text: str) -> str:
+    """What cannot be written as UTF-8 (half a surrogate pair, out of a file's name) becomes a question mark."""
+    return text if text.isascii() else text.encode("utf-8", "replace").decode()
