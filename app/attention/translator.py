@@ -175,6 +175,11 @@ class IntentionTranslator:
             self._strategies = tuple(replace(s, costs=grained) if s.name == strategy else s for s in self._strategies)
             self._touch()
 
+    @property
+    def is_settled(self) -> bool:
+        """Whether the current desires, budgets and costs are answered: applied, held back or failed."""
+        return self._answered == self._version
+
     async def settled(self) -> None:
         """Wait until the current desires, budgets and costs are answered: applied, held back or failed."""
         while self._answered != self._version:

@@ -2,19 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import asyncio
+import contextlib
+import logging
+from collections.abc import Callable, Coroutine, Iterable, Set
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, TypeVar
 
 from app.link import RobotLink
-from app.recording.log import Log, LogInfo
+from app.messages import EventRecord, Image, LaserScan, LogLine, OperatorDrive, Twist
+from app.recording.log import Log, LogError, Logged, LogInfo
+from app.replay.past import Past
 from app.runtime.replay_clock import ReplayClock
 from app.system import System
+
+T = TypeVar("T")
 
 Phase = Literal["playing", "paused", "ended", "seeking"]
 
 SLOWEST = 0.1
 FASTEST = 20.0
+#: These were meant for their moment: what was commanded or noted long ago is not said again at a jump.
+OF_THE_MOMENT = (OperatorDrive, Twist, EventRecord, LogLine)
+#: A step where the recording has neither images nor scans.
+STEP_S = 0.1
+#: After a jump, modules get this long (real s) to start, and then to work on what they are shown.
+START_WITHIN_S = 2.0
+SHOW_WITHIN_S = 0.3
+#: While the body reads, it is asked so often (s) whether it is done.
+_READ_AGAIN_S = 0.001
+
+log = logging.getLogger("hbba.playback")
 
 
 class ReplayBody(RobotLink, Protocol):
@@ -32,6 +51,11 @@ class ReplayBody(RobotLink, Protocol):
 
         Channels that are no stream of the body are passed over.
         """
+        ...
+
+    @property
+    def listened(self) -> Set[str]:
+        """The channels of the log that somebody wants now."""
         ...
 
     @property
@@ -59,68 +83,323 @@ class PlaybackState:
 
 
 class Playback:
-    """Owns the clock, the body and the program that relives the recording: ``async with playback`` while it runs.
+    """Drives the clock, the body and the program that relives the recording: ``async with playback`` while it runs.
 
-    ``log`` is a handle of the recording of its own, besides the body's: it is read in another thread.
+    ``log`` is a handle of the recording of its own, besides the body's: it is read in another thread, and not closed.
     """
 
     def __init__(
-        self, system: System, body: ReplayBody, clock: ReplayClock, log: Log, *, speed: float | None = 1.0
+        self,
+        system: System,
+        body: ReplayBody,
+        clock: ReplayClock,
+        log: Log,
+        *,
+        speed: float | None = 1.0,
+        playing: bool = True,
     ) -> None:
+        """``speed`` and ``playing`` are how it begins, where the clock stands. Raises ValueError for such a speed."""
         self.system = system
         self._body = body
         self._clock = clock
-        self._log = log
-        self._speed = speed
+        self._info = log.info
+        self._past = Past(log)
+        self._speed = checked_speed(speed)
+        self._playing = playing
+        self._ended = False
+        self._target: float | None = None
+        self._jumping = False
+        self._waiting: list[asyncio.Future[None]] = []
+        self._steps: list[asyncio.Future[None]] = []
+        self._changed = asyncio.Event()
+        self._observers: list[Callable[[PlaybackState], None]] = []
+        self._jump_observers: list[Callable[[float], None]] = []
+        self._reader: ThreadPoolExecutor | None = None
+        self._driver: asyncio.Task[None] | None = None
+
+    # --- Life --------------------------------------------------------------------------------------------------------
 
     async def __aenter__(self) -> Playback:
-        """Begin to play. The program (:attr:`system`) must be running."""
-        raise NotImplementedError
+        """Begin to play. The program (:attr:`system`) must be running; the scene where it begins is shown at once."""
+        self._reader = ThreadPoolExecutor(1, thread_name_prefix="playback reader")
+        if self._clock.now() > self._info.begin:
+            self._target = self._clock.now()
+        self._driver = asyncio.create_task(self._drive(), name="playback")
+        self._driver.add_done_callback(self._driver_ended)
+        return self
 
     async def __aexit__(self, *_: object) -> None:
-        """Stop; closes the log given."""
+        """Stand still; the log may be closed then."""
+        self._clock.run(0)
+        if self._driver is not None:
+            self._driver.cancel()
+            await asyncio.wait({self._driver})
+        if self._reader is not None:
+            await asyncio.get_running_loop().run_in_executor(None, self._reader.shutdown)
+        for future in (*self._waiting, *self._steps):
+            future.cancel()
+
+    # --- What it is --------------------------------------------------------------------------------------------------
 
     @property
     def info(self) -> LogInfo:
         """What is played."""
-        return self._log.info
+        return self._info
 
     @property
     def state(self) -> PlaybackState:
         """Where it is now."""
-        raise NotImplementedError
+        phase: Phase
+        if self._target is not None or self._jumping:
+            phase = "seeking"
+        elif self._ended:
+            phase = "ended"
+        else:
+            phase = "playing" if self._playing else "paused"
+        position = self._target if self._target is not None else self._clock.now()
+        return PlaybackState(
+            min(max(position, self._info.begin), self._info.end),
+            self._info.begin,
+            self._info.end,
+            self._speed,
+            self._playing,
+            phase,
+        )
 
     def observe(self, callback: Callable[[PlaybackState], None]) -> Callable[[], None]:
         """Call ``callback(state)`` at every change but the mere passing of time; returns what ends it."""
-        raise NotImplementedError
+        return _listed(self._observers, callback)
 
     def on_jump(self, callback: Callable[[float], None]) -> Callable[[], None]:
         """Call ``callback(position)`` at every jump, when everything before it is forgotten and before anything of
         the new place is shown; returns what ends it."""
-        raise NotImplementedError
+        return _listed(self._jump_observers, callback)
+
+    # --- What it can be told -----------------------------------------------------------------------------------------
 
     def play(self) -> None:
         """Go on; from the end, begin again."""
-        raise NotImplementedError
+        if self._ended and self._target is None:
+            self._target = self._info.begin
+        self._playing = True
+        self._tell()
 
     def pause(self) -> None:
         """Stand still."""
-        raise NotImplementedError
+        self._playing = False
+        self._tell()
 
     def set_speed(self, speed: float | None) -> None:
         """Seconds of the recording in a real second, 0.1 to 20; None: as fast as possible with nothing dropped.
 
         Raises ValueError saying what is allowed.
         """
-        raise NotImplementedError
+        self._speed = checked_speed(speed)
+        self._tell()
 
     async def seek(self, position: float) -> None:
         """Be at ``position`` (robot's clock, s; beyond an end: at that end), playing or standing as before.
 
         Returns once the scene there is shown, or that of a newer seek: of several in a row only the newest counts.
+        Raises LogError where the recording cannot be read; playback stays where it was.
         """
-        raise NotImplementedError
+        self._target = min(max(position, self._info.begin), self._info.end)
+        done: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._waiting.append(done)
+        self._tell()
+        await done
 
     async def step(self) -> None:
-        """On to the next image of the first camera, where there is none the next scan, else 0.1 s; then stand."""
-        raise NotImplementedError
+        """On to the next image of the first camera, where there is none the next scan, else 0.1 s; then stand.
+
+        Raises LogError where the recording cannot be read.
+        """
+        self._playing = False
+        done: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._steps.append(done)
+        self._tell()
+        await done
+
+    # --- Time --------------------------------------------------------------------------------------------------------
+
+    def _tell(self) -> None:
+        """Something changed: have time pass as it should from now on, and say so."""
+        free = self._target is None and not self._jumping and not self._steps and not self._ended
+        rate = self._speed if free and self._playing and self._speed is not None else 0.0
+        if rate != self._clock.rate:
+            self._clock.run(rate)
+        self._changed.set()
+        state = self.state
+        for observer in tuple(self._observers):
+            observer(state)
+
+    async def _drive(self) -> None:
+        self._tell()
+        while True:
+            self._changed.clear()
+            if self._target is not None:
+                await self._seek_once()
+            elif self._steps:
+                await self._step_once()
+            elif self._playing and not self._ended:
+                await (self._advance() if self._speed is None else self._pass())
+            else:
+                await self._changed.wait()
+
+    def _driver_ended(self, driver: asyncio.Task[None]) -> None:
+        if not driver.cancelled() and (failure := driver.exception()) is not None:
+            log.critical("playback failed; start the replay anew", exc_info=failure)
+            _fail([*self._waiting, *self._steps], LogError(f"playback failed: {failure}"))
+
+    async def _pass(self) -> None:
+        """Let time pass by itself until something is said or the end is reached."""
+        end = asyncio.create_task(self._clock.sleep_until(self._info.end), name="recording ends")
+        said = asyncio.create_task(self._changed.wait(), name="playback changes")
+        try:
+            await asyncio.wait({end, said}, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            end.cancel()
+            said.cancel()
+        self._end_if_there()
+
+    async def _advance(self) -> None:
+        """Move time on by hand to the next thing that waits for it, once nothing is left to be done now."""
+        await self._quiet()
+        if self._changed.is_set():
+            return
+        self._clock.advance_to(self._next_due())
+        self._end_if_there()
+
+    def _next_due(self) -> float:
+        due = self._clock.next_due
+        return self._info.end if due is None else min(due, self._info.end)
+
+    def _end_if_there(self) -> None:
+        if self._clock.now() >= self._info.end and self._target is None and not self._ended:
+            self._ended = True
+            self._playing = False
+            self._tell()
+
+    async def _quiet(self) -> None:
+        """Wait until everybody waits: for time, or for somebody outside."""
+        activity, translator = self.system.graph.activity, self.system.translator
+        while True:
+            await translator.settled()
+            await activity.quiet()
+            if self._body.reading:
+                await asyncio.sleep(_READ_AGAIN_S)
+            elif translator.is_settled:
+                return
+
+    async def _step_once(self) -> None:
+        done = self._steps[0]
+        try:
+            until = min(await self._read(self._next_step, self._clock.now()), self._info.end)
+            while self._target is None and self._clock.now() < until:
+                await self._quiet()
+                self._clock.advance_to(min(self._next_due(), until))
+            # What came then is worked on before anybody is told.
+            await _patiently(self._quiet(), SHOW_WITHIN_S)
+        except LogError as failure:
+            _fail([done], failure)
+        else:
+            _finish([done])
+        self._steps.remove(done)
+        self._end_if_there()
+        self._tell()
+
+    def _next_step(self, position: float) -> float:
+        for kind in (Image, LaserScan):
+            for name, channel in self._info.channels.items():
+                if channel.message_type is kind and channel.count:
+                    later = self._past.next_at(name, position)
+                    return self._info.end if later is None else later
+        return position + STEP_S
+
+    # --- Place -------------------------------------------------------------------------------------------------------
+
+    async def _seek_once(self) -> None:
+        """Go to the newest target; one that comes meanwhile is gone to next."""
+        assert self._target is not None
+        position, waiting, self._waiting = self._target, self._waiting, []
+        self._jumping = True
+        failure: LogError | None = None
+        try:
+            scene, known = await self._read(self._look_back, position)
+            await self.system.begin_anew(lambda: self._jump(position, known))
+            await _patiently(self.system.supervisor.started(), START_WITHIN_S)
+            for logged in scene:
+                self._body.show(logged.channel, logged.message)
+            await _patiently(self._quiet(), SHOW_WITHIN_S)
+        except LogError as error:
+            log.error("cannot go to %.3f s: %s", position - self._info.begin, error)
+            failure = error
+        finally:
+            self._jumping = False
+        if self._target == position:
+            self._target = None
+        if failure is not None:
+            _fail(waiting, failure)
+        elif self._target is None:
+            _finish(waiting)
+        else:
+            # Of several in a row only the newest counts: whoever asked before waits for that one.
+            self._waiting = [*waiting, *self._waiting]
+        self._end_if_there()
+        self._tell()
+
+    def _jump(self, position: float, known: list[Logged]) -> None:
+        self._ended = False
+        self._clock.jump(position)
+        self._body.seek(position)
+        for observer in tuple(self._jump_observers):
+            observer(position)
+        channels = self.system.graph.channels
+        for logged in known:
+            channel = channels.get(logged.channel)
+            if channel is not None and channel.message_type is type(logged.message):
+                channel.publish(logged.message)
+
+    def _look_back(self, position: float) -> tuple[list[Logged], list[Logged]]:
+        shown = [c.name for c in self._info.channels.values() if c.message_type not in OF_THE_MOMENT]
+        return self._past.scene(position, self._body.listened & set(shown)), self._past.accumulated(position)
+
+    async def _read(self, function: Callable[[float], T], position: float) -> T:
+        assert self._reader is not None
+        return await asyncio.get_running_loop().run_in_executor(self._reader, function, position)
+
+
+def checked_speed(speed: float | None) -> float | None:
+    """``speed`` if it may be. Raises ValueError saying what is allowed."""
+    if speed is not None and not SLOWEST <= speed <= FASTEST:
+        raise ValueError(f"a speed is from {SLOWEST:g} to {FASTEST:g}, or none for as fast as possible, not {speed!r}")
+    return speed
+
+
+def _listed(observers: list[T], callback: T) -> Callable[[], None]:
+    observers.append(callback)
+
+    def end() -> None:
+        if callback in observers:
+            observers.remove(callback)
+
+    return end
+
+
+async def _patiently(waiting: Coroutine[Any, Any, None], within_s: float) -> None:
+    """Wait, but no longer than that: what takes longer goes on by itself."""
+    with contextlib.suppress(TimeoutError):
+        async with asyncio.timeout(within_s):
+            await waiting
+
+
+def _finish(futures: Iterable[asyncio.Future[None]]) -> None:
+    for future in futures:
+        if not future.done():
+            future.set_result(None)
+
+
+def _fail(futures: Iterable[asyncio.Future[None]], failure: LogError) -> None:
+    for future in futures:
+        if not future.done():
+            future.set_exception(LogError(str(failure)))

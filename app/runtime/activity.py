@@ -6,6 +6,9 @@ import asyncio
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+#: A loop that does not say what it has left to do is quiet after so many turns, too: no chain of tasks is longer.
+LONGEST_SPIN = 100
+
 
 class Activity:
     """Counts the calls under way; for use on the event loop."""
@@ -28,6 +31,19 @@ class Activity:
                 for future in waiting:
                     if not future.done():
                         future.set_result(None)
+
+    async def quiet(self) -> None:
+        """Wait until no task of the loop has anything to do but wait, and none of this is under way.
+
+        Tasks that never wait are not waited for: after :data:`LONGEST_SPIN` turns of the loop it is quiet enough.
+        """
+        # What is due in this turn of the loop or the next; empty, when it is asked for here, if everybody waits.
+        ready = getattr(asyncio.get_running_loop(), "_ready", None)
+        for _ in range(LONGEST_SPIN):
+            await self.ended()
+            await asyncio.sleep(0)
+            if ready is not None and not ready and not self.under_way:
+                return
 
     async def ended(self) -> None:
         """Wait until none is under way."""

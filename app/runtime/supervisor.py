@@ -127,6 +127,16 @@ class Supervisor:
             self.states[name] = replace(self.states[name], restarts=0, problem="")
             self._tasks[name] = asyncio.create_task(self._supervise(slot), name=f"supervise {name}")
 
+    async def started(self) -> None:
+        """Wait until every module has begun to serve, or has failed to."""
+        while any(self.states[name].status in ("stopped", "starting") for name in self._tasks):
+            changed = asyncio.Event()
+            end = self.observe(lambda _, told=changed: told.set())  # type: ignore[misc]  # bound here, not later
+            try:
+                await changed.wait()
+            finally:
+                end()
+
     async def stop_modules(self) -> None:
         """End every module's life, and wait until nothing of it runs (what does not end is left behind, as ever)."""
         tasks, self._tasks = self._tasks, {}

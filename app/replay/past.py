@@ -1,0 +1,107 @@
+"""What a recording said last before any moment of it: the scene to show where playback is put down."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+
+from app.messages import JointState, Landmarks, Odometry
+from app.recording.log import Log, Logged
+
+#: How the body moved and stood belongs to whatever was seen meanwhile: every such message is taken, not the last alone.
+MOTION = (Odometry, JointState)
+#: Messages that tell everything found since the beginning: modules that begin anew cannot know it.
+ACCUMULATED = (Landmarks,)
+
+#: The body's motion is given from this long before what was seen, so that poses can be interpolated there.
+LEAD_S = 0.1
+#: Looking back begins with so many periods of the slowest channel, and spans from so many seconds to so many.
+PERIODS = 2.5
+SHORTEST_S = 0.15
+LONGEST_S = 0.6
+
+
+class Past:
+    """Looks back in ``log``. Its methods read the file: call them off the event loop, one at a time."""
+
+    def __init__(self, log: Log) -> None:
+        self._log = log
+        self._channels = log.info.channels
+
+    def scene(self, position: float, channels: Collection[str]) -> list[Logged]:
+        """What to say so that whoever begins at ``position`` (s) sees what was there, in the order of arrival.
+
+        The last message of each of ``channels`` that arrived at or before ``position``; of the body's motion, what came
+        since shortly before the first of these. Raises LogError.
+        """
+        wanted = [name for name in channels if name in self._channels and self._channels[name].count]
+        moving = [name for name in wanted if self._channels[name].message_type in MOTION]
+        seen = [name for name in wanted if name not in moving]
+        since = position - self._span_s(wanted) - LEAD_S
+        recent = list(self._between(since, position, wanted))
+        last = {logged.channel: logged for logged in recent if logged.channel in seen}
+        motion = [logged for logged in recent if logged.channel in moving]
+        for name in seen:
+            if name not in last and (found := self.last(name, since)) is not None:
+                last[name] = found
+                motion.extend(self._between(found.at - LEAD_S, min(found.at + LEAD_S, since), moving))
+        still = [name for name in moving if all(logged.channel != name for logged in recent)]
+        motion.extend(found for name in still if (found := self.last(name, since)) is not None)
+        begin = min((logged.at for logged in last.values()), default=position) - LEAD_S
+        # Two looks may overlap.
+        once = {(m.at, m.channel, m.message.stamp): m for m in motion if m.at >= begin or m.at < since}
+        return sorted([*once.values(), *last.values()], key=lambda logged: logged.at)
+
+    def accumulated(self, position: float) -> list[Logged]:
+        """The last message at or before ``position`` (s) of every channel that tells all that was found so far."""
+        names = [name for name, channel in self._channels.items() if channel.message_type in ACCUMULATED]
+        return [last for name in names if (last := self.last(name, position)) is not None]
+
+    def last(self, channel: str, position: float) -> Logged | None:
+        """The last message of ``channel`` at or before ``position`` (s), None where there is none.
+
+        Probes ever further back, then halves: a handful of messages is decoded, wherever the last one is.
+        """
+        if channel not in self._channels or not self._channels[channel].count:
+            return None
+        step_s, late = SHORTEST_S, position
+        while (found := self._first(channel, late - step_s, late)) is None:
+            late -= step_s
+            step_s *= 2
+            if late < self._log.info.begin:
+                return None
+        early = found.at
+        # `found` is the first in (late - step, late], which holds the last one too.
+        while late - early > LONGEST_S:
+            middle = (early + late) / 2
+            later = self._first(channel, middle, late)
+            if later is None:
+                late = middle
+            else:
+                found, early = later, later.at
+        for found in self._between(early, late, (channel,)):  # noqa: B007  # the last one counts
+            pass
+        return found
+
+    def next_at(self, channel: str, position: float) -> float | None:
+        """When the first message of ``channel`` after ``position`` (s) arrived, None where none did."""
+        for logged in self._log.messages(position, (channel,)):
+            if logged.at > position:
+                return logged.at
+        return None
+
+    def _span_s(self, channels: Collection[str]) -> float:
+        duration_s = self._log.info.duration_s
+        periods = (duration_s / self._channels[name].count for name in channels)
+        return min(max(PERIODS * max(periods, default=0.0), SHORTEST_S), LONGEST_S)
+
+    def _first(self, channel: str, begin: float, end: float) -> Logged | None:
+        return next(self._between(begin, end, (channel,)), None)
+
+    def _between(self, begin: float, end: float, channels: Collection[str]) -> Iterator[Logged]:
+        """What arrived from ``begin`` to ``end``, both included."""
+        if not channels:
+            return
+        for logged in self._log.messages(begin, channels):
+            if logged.at > end:
+                return
+            yield logged
