@@ -1,0 +1,79 @@
+"""A fingerprint of messages: equal for equal messages, whatever process made them."""
+
+from __future__ import annotations
+
+import hashlib
+import struct
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from typing import Any
+
+import numpy as np
+
+
+class Digest:
+    """Of all messages of a channel, in their order."""
+
+    def __init__(self) -> None:
+        self._hash = hashlib.blake2b(digest_size=16)
+        #: How many there were.
+        self.count = 0
+
+    def add(self, message: Any) -> None:
+        """One more. Raises TypeError for what has no certain bytes."""
+        self.count += 1
+        _feed(self._hash.update, message)
+
+    def hex(self) -> str:
+        """The fingerprint so far, 32 hexadecimal digits."""
+        return self._hash.hexdigest()
+
+
+def fingerprint(message: Any) -> str:
+    """Of one message; also of numbers, texts, arrays, tuples and mappings of them."""
+    digest = Digest()
+    digest.add(message)
+    return digest.hex()
+
+
+def _feed(update: Any, value: Any) -> None:
+    """Write ``value`` so that no two different values are written alike: each with its kind and its length."""
+    match value:
+        case None:
+            update(b"0")
+        case bool():
+            update(b"b1" if value else b"b0")
+        case int():
+            text = b"%d" % value
+            update(b"i%d:" % len(text) + text)
+        case float():
+            update(b"f" + struct.pack("<d", value))
+        case str():
+            data = value.encode()
+            update(b"s%d:" % len(data) + data)
+        case bytes():
+            update(b"y%d:" % len(value))
+            update(value)
+        case Enum():
+            _feed(update, value.value)
+        case np.ndarray():
+            update(f"a{value.dtype.str}{value.shape}:".encode())
+            update(np.ascontiguousarray(value).data)
+        case np.generic():
+            _feed(update, value.item())
+        case tuple() | list():
+            update(b"t%d:" % len(value))
+            for item in value:
+                _feed(update, item)
+        case Mapping():
+            update(b"m%d:" % len(value))
+            for key in sorted(value):
+                _feed(update, key)
+                _feed(update, value[key])
+        case _ if is_dataclass(value) and not isinstance(value, type):
+            update(f"d{type(value).__name__}:".encode())
+            for entry in fields(value):
+                _feed(update, getattr(value, entry.name))
+        case _:
+            raise TypeError(f"a {type(value).__name__} has no certain bytes")

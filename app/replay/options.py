@@ -1,0 +1,28 @@
+"""What may be chosen when a log is lived again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+
+@dataclass(frozen=True, slots=True)
+class ReplayOptions:
+    """How a log is replayed.
+
+    ``begin`` and ``end``: robot's clock (s), None for the log's own. ``only`` names the modules that run (None: all
+    that can). ``phi`` holds filters (``Module.port``) at a divisor whatever attention wants (``inf``: closed); at every
+    filter that is held or attended, the first ``offset`` messages go by. ``config``: another program than the log's
+    own. ``desires``: those that others than the program's modules had are had again. ``record``: name of a new
+    recording of the replay.
+    """
+
+    begin: float | None = None
+    end: float | None = None
+    only: tuple[str, ...] | None = None
+    phi: Mapping[str, float] = field(default_factory=dict)
+    offset: int = 0
+    config: Path | None = None
+    desires: bool = True
+    record: str | None = None

@@ -1,0 +1,195 @@
+"""The program that lives a log again: the log's own, less what the log has nothing for."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from app import paths
+from app.config import Configuration, load_configuration
+from app.errors import ConfigError
+from app.link import RobotDescription, StreamDescription
+from app.messages import (
+    DesiresRecord,
+    Divisors,
+    EventRecord,
+    IntentionRecord,
+    LoadRecord,
+    LogLine,
+    ModuleRecord,
+    RecorderStatus,
+)
+from app.modules.recording.recorder import Recorder
+from app.recording.log import Log, LogInfo
+from app.replay.extract import extract
+from app.replay.options import ReplayOptions
+from app.robots.config import load_robot_config
+from app.runtime.channel_table import ChannelSpec
+from app.runtime.graph import ModuleSpec, load_class
+from app.runtime.module import Module
+from app.yaml_source import suggestion
+
+#: What a program tells of itself: a replayed one tells it anew.
+OWN_RECORDS: frozenset[type[Any]] = frozenset(
+    {DesiresRecord, Divisors, EventRecord, IntentionRecord, LoadRecord, LogLine, ModuleRecord, RecorderStatus}
+)
+_STREAM = "stream."
+
+
+@dataclass(frozen=True, slots=True)
+class ReplayProgram:
+    """A program to be run on a log.
+
+    ``configuration`` as it will run; ``description`` of the body; ``streams``: the channel of the log each stream of
+    the body comes from; ``fed``: channels that nobody in the program produces, taken from the log; ``left_out``:
+    modules that cannot or shall not run, with the reason in words; ``silent``: inputs (``Module.port``) of running
+    modules on whose channel nothing can come.
+    """
+
+    configuration: Configuration
+    description: RobotDescription
+    streams: Mapping[str, str]
+    fed: tuple[str, ...]
+    left_out: Mapping[str, str]
+    silent: Mapping[str, str]
+
+
+def prepare(log: Log, options: ReplayOptions, folder: Path) -> ReplayProgram:
+    """Put the program together; the log's files are written under ``folder``, which must outlive the program.
+
+    Raises ConfigError for a mistake in the configuration or the options, LogError for files that cannot be.
+    """
+    configuration = _configuration(log, options, folder)
+    robot = load_robot_config(configuration.path(configuration.program.robot))
+    facts = log.manifest.facts
+    streams = _streams(log, configuration)
+    modules, left_out = _modules(configuration, options, streams)
+    if not modules:
+        reasons = "; ".join(f"{name}: {why}" for name, why in left_out.items())
+        raise ConfigError(f"no module of this program can run on it ({reasons})", str(log.info.path))
+    produced = {channel for spec in modules.values() for channel in spec.outputs.values()}
+    fed = tuple(
+        name for name in configuration.channels if name not in produced and _feeds(log.info, configuration, name)
+    )
+    channels = _opened(configuration.channels, produced, fed, modules.values())
+    silent = {
+        f"{module}.{port}": channel
+        for module, spec in modules.items()
+        for port, channel in spec.inputs.items()
+        if channel not in produced and channel not in fed
+    }
+    program = configuration.program.model_copy(update={"modules": modules})
+    return ReplayProgram(
+        replace(configuration, program=program, channels=channels),
+        RobotDescription(
+            name=facts.get("robot") or robot.name,
+            model_path=robot.model,
+            limits=robot.limits.base(),
+            streams={name: _describe(log.info, configuration, name, channel) for name, channel in streams.items()},
+            simulated=False,
+        ),
+        streams,
+        fed,
+        left_out,
+        silent,
+    )
+
+
+def _configuration(log: Log, options: ReplayOptions, folder: Path) -> Configuration:
+    if options.config is not None:
+        return load_configuration(options.config)
+    program = log.manifest.facts.get("program")
+    if not program:
+        # Recorded by another program: ours runs on it, as far as the log has something for it.
+        return load_configuration(paths.config_dir() / "lab.yaml")
+    home = extract(log.manifest, folder)
+    # Costs as they were where it was recorded, or other intentions would follow.
+    return load_configuration(home / program, host=log.manifest.facts.get("host") or None)
+
+
+def _streams(log: Log, configuration: Configuration) -> dict[str, str]:
+    """Stream: channel of the log, as its manifest says, else as the configuration would record it."""
+    named = {
+        fact.removeprefix(_STREAM): channel for fact, channel in log.manifest.facts.items() if fact.startswith(_STREAM)
+    }
+    for spec in configuration.program.modules.values():
+        module_class = load_class(spec.class_path)
+        for port, stream in (module_class.streams if module_class else {}).items():
+            if port in spec.outputs:
+                named.setdefault(stream, spec.outputs[port])
+    return {stream: channel for stream, channel in named.items() if channel in log.info.channels}
+
+
+def _modules(
+    configuration: Configuration, options: ReplayOptions, streams: Collection[str]
+) -> tuple[dict[str, ModuleSpec], dict[str, str]]:
+    """The modules that run, and those that do not with the reason."""
+    everything = configuration.program.modules
+    for name in options.only or ():
+        if name not in everything:
+            raise ConfigError(
+                f"there is no module {name!r}; {suggestion(name, list(everything))}",
+                configuration.program_document.file,
+            )
+    kept: dict[str, ModuleSpec] = {}
+    left_out: dict[str, str] = {}
+    for name, spec in everything.items():
+        module_class = load_class(spec.class_path)
+        why = _obstacle(name, module_class, options, streams)
+        if why:
+            left_out[name] = why
+        else:
+            kept[name] = spec
+    return kept, left_out
+
+
+def _obstacle(name: str, module_class: type[Module] | None, options: ReplayOptions, streams: Collection[str]) -> str:
+    """Why the module stays out, in words; "" for one that runs (one that does not exist is the graph's to refuse)."""
+    if module_class is not None and issubclass(module_class, Recorder):
+        return "" if options.record else "a replay is not recorded unless asked for"
+    if options.only is not None and name not in options.only:
+        return "not asked for"
+    missing = sorted(set(module_class.streams.values()) - set(streams)) if module_class is not None else []
+    return f"the log has no {' and no '.join(missing)}" if missing else ""
+
+
+def _feeds(info: LogInfo, configuration: Configuration, name: str) -> bool:
+    """Whether the log can feed the channel ``name``."""
+    logged = info.channels.get(name)
+    if logged is None or logged.message_type in OWN_RECORDS:
+        return False
+    return logged.message_type is _message_type(configuration.channels[name])
+
+
+def _message_type(spec: ChannelSpec) -> type[Any] | None:
+    try:
+        return spec.message_type
+    except KeyError:
+        return None  # the graph says so, with the line
+
+
+def _opened(
+    channels: Mapping[str, ChannelSpec],
+    produced: Collection[str],
+    fed: Collection[str],
+    modules: Collection[ModuleSpec],
+) -> dict[str, ChannelSpec]:
+    """The table of channels, where those that are read but not produced are fed from outside."""
+    read = {channel for spec in modules for channel in spec.inputs.values()}
+    return {
+        name: spec.model_copy(update={"external": True})
+        if name not in produced and (name in fed or name in read)
+        else spec
+        for name, spec in channels.items()
+    }
+
+
+def _describe(info: LogInfo, configuration: Configuration, stream: str, channel: str) -> StreamDescription:
+    logged = info.channels[channel]
+    spec = configuration.channels.get(channel)
+    rate_hz = logged.rate_hz or (spec.rate_hz if spec is not None else None)
+    if rate_hz is None:
+        rate_hz = (logged.count - 1) / info.duration_s if logged.count > 1 and info.duration_s > 0 else 1.0
+    return StreamDescription(stream, logged.message_type, rate_hz)

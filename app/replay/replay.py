@@ -1,0 +1,160 @@
+"""A log lived again: its program on a body of the past, with what came from outside then coming again."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from contextlib import AsyncExitStack
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from types import TracebackType
+
+from app.attention.desires import InvalidDesire, Source
+from app.errors import ConfigError
+from app.messages import DesiresRecord
+from app.recording.library import RecordingLibrary
+from app.recording.log import Log
+from app.replay.desires import CountedIds, RecordedDesires
+from app.replay.options import ReplayOptions
+from app.replay.program import ReplayProgram, prepare
+from app.robots.replayed.body import ReplayedBody
+from app.runtime.clock import Clock
+from app.runtime.graph import Pin
+from app.system import System
+
+RECORD = "Record"
+
+log_lines = logging.getLogger("hbba.replay")
+
+
+class Replay:
+    """``async with Replay(log, clock) as replay``: its ``system`` runs, its ``body`` delivers what was recorded.
+
+    ``clock`` stands at ``options.begin`` (or the log's) when the replay is entered, and drives everything; whoever owns
+    it says how fast, and must not let it pass while the replay is being entered unless it is virtual. The log is the
+    caller's to close afterwards. Making one reads files: off the event loop.
+    """
+
+    def __init__(
+        self,
+        log: Log,
+        clock: Clock,
+        options: ReplayOptions | None = None,
+        *,
+        recordings: RecordingLibrary | None = None,
+        reproducible: bool = False,
+    ) -> None:
+        """Build everything. ``reproducible`` as for ``System``. Raises ConfigError, LogError."""
+        self.log = log
+        self.options = options or ReplayOptions()
+        self._folder = TemporaryDirectory(prefix="hbba-replay-")
+        self._stack = AsyncExitStack()
+        try:
+            self.program: ReplayProgram = prepare(log, self.options, Path(self._folder.name))
+            self.body = ReplayedBody(
+                log,
+                clock,
+                self.program.description,
+                self.program.streams,
+                begin=self.options.begin,
+                end=self.options.end,
+                hold=True,
+            )
+            ids = CountedIds()
+            self.system = System(
+                self.program.configuration,
+                link=self.body,
+                clock=clock,
+                recordings=recordings,
+                new_id=ids,
+                partial=True,
+                reproducible=reproducible,
+            )
+            self._pin()
+        except BaseException:
+            self._folder.cleanup()
+            raise
+        self._desires = RecordedDesires(
+            self.system.workspace, ids, self.system.graph.modules.keys(), clock.now, ignored={RECORD}
+        )
+        #: The channels of the log that say which desires stood.
+        self._desire_channels = [
+            name for name, channel in log.info.channels.items() if channel.message_type is DesiresRecord
+        ]
+
+    def notes(self) -> list[str]:
+        """What is not as it was, in sentences for people."""
+        program = self.program
+        lines = [f"{name} does not run: {why}" for name, why in program.left_out.items() if why != "not asked for"]
+        lines += [f"{port} gets nothing: the log has no {channel}" for port, channel in program.silent.items()]
+        return lines
+
+    async def __aenter__(self) -> Replay:
+        """Start the program, have the desires that stood then, let the log speak. Raises LinkFailed, ConfigError."""
+        async with AsyncExitStack() as stack:
+            stack.callback(self._folder.cleanup)
+            await stack.enter_async_context(self.system)
+            self._connect(stack)
+            await self._started()
+            await self.system.translator.settled()
+            if self.options.desires and self._desire_channels:
+                before = await self.body.latest_before(self.body.begin, self._desire_channels)
+                for logged in before.values():
+                    self._desires.take(logged.message)
+            self._record()
+            await self.system.translator.settled()
+            self._stack = stack.pop_all()
+        self.body.release()
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Stop the program; remove the log's files."""
+        await self._stack.aclose()
+
+    def _pin(self) -> None:
+        filters, offset = self.system.graph.filters, self.options.offset
+        try:
+            for name, divisor in self.options.phi.items():
+                filters.pin(name, Pin(divisor, offset))
+            filters.delay(offset)
+        except (KeyError, ValueError) as failure:
+            raise ConfigError(str(failure.args[0]), self.program.configuration.program_document.file) from None
+
+    def _connect(self, stack: AsyncExitStack) -> None:
+        """Have the channels that nobody here produces, and desires, come from the log."""
+        graph = self.system.graph
+        for name in self.program.fed:
+            channel = graph.channels[name]
+            stack.callback(channel.on_wanted(self.body.feed(name, channel.publish).demand))
+        if self.options.desires:
+            for name in self._desire_channels:
+                self.body.feed(name, self._desires.take).demand(True)
+            self.body.on_seek = lambda: self._desires.take(None)
+
+    async def _started(self) -> None:
+        """Wait until every module runs, or has failed to."""
+        supervisor = self.system.supervisor
+        told = asyncio.Event()
+        end = supervisor.observe(lambda _: told.set())
+        try:
+            while any(state.status in ("starting", "stopped") for state in supervisor.states.values()):
+                told.clear()
+                await told.wait()
+        finally:
+            end()
+
+    def _record(self) -> None:
+        if self.options.record is None:
+            return
+        try:
+            self.system.workspace.add(
+                RECORD,
+                intensity=8,
+                utility=1,
+                source=Source("operator", "replay"),
+                params={"name": self.options.record},
+            )
+        except InvalidDesire as failure:
+            raise ConfigError(str(failure), "--record") from None

@@ -1,0 +1,1 @@
+"""A body that lives a log again instead of a world."""

@@ -1,0 +1,97 @@
+"""Reading a log ahead of time, in pieces: what a body of the past will say next, decoded before it is due."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Generator, Mapping
+from dataclasses import dataclass, field
+
+from app.recording.log import Log, Logged
+
+#: One piece spans no more than this (s of the log), nor more messages: two of them are all that is held of a log.
+PIECE_S = 0.25
+PIECE_MESSAGES = 256
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A place between two messages of a log.
+
+    What arrived before ``at`` (s) has gone by, and so have the first ``passed[channel]`` that arrived at ``at`` itself.
+    ``since`` says for channels that are read from a later time on (because nobody wanted them before) when that is.
+    """
+
+    at: float
+    passed: Mapping[str, int] = field(default_factory=dict)
+    since: Mapping[str, float] = field(default_factory=dict)
+
+
+class LogSource:
+    """The messages of ``channels`` from ``place`` to ``end`` (s, inclusive), in pieces. Used in one thread."""
+
+    def __init__(self, log: Log, channels: Collection[str], place: Place, end: float) -> None:
+        self._log = log
+        self._channels = frozenset(channels)
+        self._place = place
+        self._end = end
+        self._messages: Generator[Logged, None, None] | None = None
+        self._next: Logged | None = None
+
+    def piece(self) -> list[Logged]:
+        """The next messages, in the order of the log; none at the end. Raises LogError where the file is damaged."""
+        if self._messages is None:
+            self._messages = self._read()
+        piece: list[Logged] = []
+        if self._next is not None:
+            piece.append(self._next)
+            self._next = None
+        for logged in self._messages:
+            if piece and logged.at - piece[0].at > PIECE_S:
+                self._next = logged
+                break
+            piece.append(logged)
+            if len(piece) >= PIECE_MESSAGES:
+                break
+        return piece
+
+    def close(self) -> None:
+        """Let go of the log."""
+        if self._messages is not None:
+            self._messages.close()
+
+    def _read(self) -> Generator[Logged, None, None]:
+        if not self._channels:
+            return
+        place = self._place
+        begin = max(place.at, min(place.since.get(channel, place.at) for channel in self._channels))
+        passed = dict(place.passed)
+        for logged in self._log.messages(begin, self._channels):
+            if logged.at > self._end:
+                return
+            if logged.at < max(place.at, place.since.get(logged.channel, place.at)):
+                continue
+            if logged.at == place.at and passed.get(logged.channel, 0) > 0:
+                passed[logged.channel] -= 1
+                continue
+            yield logged
+
+
+def latest_before(log: Log, position: float, channels: Collection[str]) -> dict[str, Logged]:
+    """The last message of each of ``channels`` that arrived at or before ``position`` (s); those without are left out.
+
+    Looks back over ever longer spans, so that frequent channels cost little however long the log is.
+    """
+    found: dict[str, Logged] = {}
+    missing = {name for name in channels if name in log.info.channels and log.info.channels[name].count}
+    span_s, until = 1.0, position
+    while missing and until >= log.info.begin:
+        begin = position - span_s
+        last: dict[str, Logged] = {}
+        for logged in log.messages(begin, missing):
+            if logged.at > until:
+                break
+            last[logged.channel] = logged
+        found.update(last)
+        missing -= last.keys()
+        # What arrived at `begin` itself has been seen.
+        until, span_s = begin, 4 * span_s
+    return found
