@@ -1,0 +1,125 @@
+"""Any log that the program can read, told by what is in the file: our recordings, ROS bags, CARMEN laser logs."""
+
+from __future__ import annotations
+
+import gzip
+import zlib
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.recording.log import Log, LogError
+from app.recording.mcap_layout import CHANNEL, FACTS
+
+if TYPE_CHECKING:
+    from app.recording.foreign.remap import Remap
+
+_MCAP = b"\x89MCAP0\r\n"
+_BAG = b"#ROSBAG V"
+_SQLITE = b"SQLite format 3\x00"
+_GZIP = b"\x1f\x8b"
+#: What a head of a file must be long enough for: the beginning of a CARMEN log is text.
+_HEAD = 4096
+
+ACCEPTED = (
+    "accepted are recordings of hbba (.mcap), ROS 1 bags (.bag), ROS 2 bags (a folder with metadata.yaml, or its .mcap "
+    "or .db3 file) and CARMEN logs (.log, .log.gz)"
+)
+
+
+def open_log(path: Path, remap: Remap | None = None) -> Log:
+    """The log at ``path``; ``remap`` says which topics of a ROS bag become which channels.
+
+    Raises LogError for a file that cannot be read or is none of the accepted kinds, and where a bag's topics do not
+    say which of them is meant; RemapError (a LogError) where ``remap`` does not fit the bag.
+    """
+    if path.is_dir():
+        if not (path / "metadata.yaml").is_file():
+            raise LogError(f"{path}: is a folder without metadata.yaml, so no ROS 2 bag; {ACCEPTED}")
+        return _ros(path, remap)
+    head = _head(path)
+    if head.startswith(_MCAP):
+        return _mcap(path, head, remap)
+    if head.startswith((_BAG, _SQLITE)):
+        return _ros(path, remap)
+    if head.startswith(_GZIP):
+        head = _unpacked_head(path)
+    from app.recording.foreign.carmen import CarmenLog, is_carmen
+
+    if is_carmen(head):
+        if remap is not None:
+            raise LogError(f"{path}: is a CARMEN log, which has no topics to remap; leave the remap file away")
+        return CarmenLog(path)
+    raise LogError(f"{path}: is no log this program can read; {ACCEPTED}")
+
+
+def _head(path: Path) -> bytes:
+    try:
+        with path.open("rb") as file:
+            head = file.read(_HEAD)
+    except OSError as failure:
+        raise LogError(f"{path}: cannot be read: {failure.strerror or failure}") from None
+    if not head:
+        raise LogError(f"{path}: is empty; {ACCEPTED}")
+    return head
+
+
+def _unpacked_head(path: Path) -> bytes:
+    try:
+        with gzip.open(path, "rb") as file:
+            return file.read(_HEAD)
+    except (OSError, EOFError, zlib.error) as failure:
+        raise LogError(f"{path}: is damaged: {failure}") from None
+
+
+def _ros(path: Path, remap: Remap | None) -> Log:
+    from app.recording.foreign.ros_bag import RosBag
+
+    return RosBag(path, remap)
+
+
+def _mcap(path: Path, head: bytes, remap: Remap | None) -> Log:
+    whole = _ends_well(path)
+    if not _is_ours(path, head, whole):
+        if not whole:
+            raise LogError(f"{path}: is an MCAP file without its end; 'mcap recover' of the MCAP tools makes it whole")
+        return _ros(path, remap)
+    if not whole:
+        raise LogError(f"{path}: was not closed, since its writer was stopped; make it whole with: hbba log repair {path}")
+    if remap is not None:
+        raise LogError(f"{path}: is a recording of hbba, whose channels have their names; leave the remap file away")
+    from app.recording.mcap_log import McapLog
+
+    return McapLog(path)
+
+
+def _ends_well(path: Path) -> bool:
+    with path.open("rb") as file:
+        size = file.seek(0, 2)
+        file.seek(max(size - len(_MCAP), len(_MCAP)))
+        return file.read() == _MCAP
+
+
+def _is_ours(path: Path, head: bytes, whole: bool) -> bool:
+    """Whether hbba wrote it: by the header's library, or, where another tool copied it, by what it carries."""
+    at = len(_MCAP) + 1 + 8
+    for _ in range(2):  # profile, library
+        length = int.from_bytes(head[at : at + 4], "little")
+        text = head[at + 4 : at + 4 + length]
+        at += 4 + length
+    if text.startswith(b"hbba"):
+        return True
+    if not whole:
+        return False
+    from mcap.exceptions import McapError
+    from mcap.reader import make_reader
+
+    try:
+        with path.open("rb") as file:
+            summary = make_reader(file).get_summary()
+    except (McapError, ValueError, EOFError):
+        return False
+    if summary is None:
+        return False
+    return any(index.name == FACTS for index in summary.metadata_indexes) and any(
+        CHANNEL in channel.metadata for channel in summary.channels.values()
+    )
