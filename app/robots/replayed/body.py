@@ -193,6 +193,11 @@ class ReplayedBody:
         return await asyncio.get_running_loop().run_in_executor(self._reader, latest_before, self.log, position, wanted)
 
     @property
+    def listened(self) -> set[str]:
+        """The channels of the log that somebody wants now."""
+        return self._listened()
+
+    @property
     def reading(self) -> bool:
         """Whether the next message is still being read: the clock must not be moved on meanwhile.
 
