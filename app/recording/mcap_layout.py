@@ -17,20 +17,26 @@ SCHEMA_ENCODING = "ros2msg"
 #: Bytes of records in one chunk before compression: about a frame of RGB-D, so that little is lost and much is packed.
 CHUNK_SIZE = 768 * 1024
 
-#: Keys of an MCAP channel's metadata. A topic without ``CHANNEL`` is derived from others, and not read back.
+#: Keys of an MCAP channel's metadata. ``CHANNEL`` and ``MESSAGE``: the channel and message class that it carries.
 CHANNEL = "hbba_channel"
 MESSAGE = "hbba_message"
 #: Which part of a message the topic carries; absent on the topic that has one record for every message.
 PART = "hbba_part"
 RATE_HZ = "rate_hz"
+#: "true" on a topic that is only drawn from messages, for viewers, and not read back; it has none of the others.
+DERIVED = "hbba_derived"
 
 #: Name of the metadata record that holds ``Manifest.facts``.
 FACTS = "hbba"
 
 
+#: What the library named in the file's header begins with.
+NAME = "hbba"
+
+
 def library() -> str:
     """The writing program, as the file's header names it."""
     try:
-        return f"hbba {version('hbba')}"
+        return f"{NAME} {version('hbba')}"
     except PackageNotFoundError:
-        return "hbba"
+        return NAME

@@ -44,7 +44,7 @@ class Encoder:
         spec = self._channels[channel]
         opened = converter(channel, spec.message_type, Options(spec.rate_hz, self._quality))
         for topic in opened.topics:
-            metadata: dict[str, str] = {}
+            metadata = {mcap_layout.DERIVED: "true"}
             if topic.part is not None:
                 metadata = {mcap_layout.CHANNEL: channel, mcap_layout.MESSAGE: spec.message}
                 if topic.part != MAIN:

@@ -1,0 +1,164 @@
+"""Reading our own recordings: MCAP files laid out as ``app.recording.mcap_layout`` says."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Collection, Iterator
+from functools import cached_property
+from pathlib import Path
+
+import zstandard
+from mcap.exceptions import McapError
+from mcap.reader import SeekingReader
+from mcap.records import Statistics
+from mcap.summary import Summary
+
+from app.recording import mcap_layout
+from app.recording.log import LogError, Logged, LoggedChannel, LogInfo
+from app.recording.manifest import AttachedFile, Manifest
+from app.recording.ros.decoder import Contents, Decoder, StoredTopic, contents
+from app.recording.stamps import from_ns, to_ns
+
+FORMAT = "HBBA MCAP"
+MAGIC = b"\x89MCAP0\r\n"
+
+#: What the MCAP library raises where a file is not what it should be.
+_DAMAGE = (McapError, zstandard.ZstdError, ValueError, KeyError, struct.error, EOFError, MemoryError)
+
+
+class McapLog:
+    """A recording of this program, opened for reading; implements ``app.recording.log.Log``."""
+
+    def __init__(self, path: Path) -> None:
+        """Open ``path`` and read its summary.
+
+        Raises LogError where there is no such file, or it is no recording of ours, unfinished or damaged.
+        """
+        self._path = path
+        try:
+            self._file = open(path, "rb")  # noqa: SIM115  # closed by close()
+        except OSError as error:
+            raise LogError(f"{path} cannot be read: {error.strerror}") from error
+        try:
+            self._reader, self._summary = self._open()
+            self._contents = self._topics()
+            self._info = self._describe()
+        except BaseException:
+            self._file.close()
+            raise
+
+    @property
+    def info(self) -> LogInfo:
+        """What it holds, from the file's summary."""
+        return self._info
+
+    @cached_property
+    def manifest(self) -> Manifest:
+        """The files and facts attached. Raises LogError where they are damaged."""
+        try:
+            files = tuple(
+                AttachedFile(attachment.name, attachment.media_type, attachment.data)
+                for attachment in self._reader.iter_attachments()
+            )
+            facts = {}
+            for metadata in self._reader.iter_metadata():
+                if metadata.name == mcap_layout.FACTS:
+                    facts.update(metadata.metadata)
+        except _DAMAGE as error:
+            raise self._damaged("what is attached", error) from error
+        return Manifest(files, facts)
+
+    def messages(self, begin: float | None = None, channels: Collection[str] | None = None) -> Iterator[Logged]:
+        """Messages that arrived at ``begin`` or later, of these channels (None: all), in order of arrival.
+
+        Chunks before ``begin``, and those without a topic that is wanted, are not read. Raises KeyError for a channel
+        that the log does not have, LogError where the file is damaged.
+        """
+        known = self._contents.channels
+        decoder = Decoder(known.values() if channels is None else [known[name] for name in channels])
+        return self._messages(decoder, None if begin is None else to_ns(begin))
+
+    def close(self) -> None:
+        """Release the file."""
+        self._file.close()
+
+    def _messages(self, decoder: Decoder, begin_ns: int | None) -> Iterator[Logged]:
+        log_time = self._summary_times()[0]
+        if not decoder.topics:
+            return
+        try:
+            for _, channel, record in self._reader.iter_messages(decoder.topics, starting_at=begin_ns):
+                log_time = record.log_time
+                made = decoder.add(channel.topic, record.data)
+                if made is not None:
+                    yield Logged(from_ns(log_time), *made)
+        except _DAMAGE as error:
+            raise self._damaged(f"what follows {from_ns(log_time):.3f} s", error) from error
+
+    def _open(self) -> tuple[SeekingReader, Summary]:
+        if self._file.read(len(MAGIC)) != MAGIC:
+            raise LogError(f"{self._path} is no MCAP file")
+        self._file.seek(-min(len(MAGIC), self._path.stat().st_size), 2)
+        unfinished = LogError(
+            f"{self._path} has no end: it is still being written, or its program was killed."
+            f" `hbba log repair {self._path}` makes it readable"
+        )
+        if self._file.read() != MAGIC or self._file.tell() == len(MAGIC):
+            raise unfinished
+        reader = SeekingReader(self._file, validate_crcs=True)
+        try:
+            summary = reader.get_summary()
+        except _DAMAGE as error:
+            raise self._damaged("its summary", error) from error
+        if summary is None or summary.statistics is None:
+            raise unfinished
+        return reader, summary
+
+    def _topics(self) -> Contents:
+        topics = []
+        for channel in self._summary.channels.values():
+            schema = self._summary.schemas.get(channel.schema_id)
+            name, text = ("", b"") if schema is None else (schema.name, schema.data)
+            definition = text.decode("utf-8", "replace")
+            topics.append(StoredTopic(channel.topic, name, definition, channel.metadata))
+        ours = any(mcap_layout.CHANNEL in topic.metadata for topic in topics)
+        if not ours and not self._reader.get_header().library.startswith(mcap_layout.NAME):
+            raise LogError(f"{self._path} is an MCAP file, but no recording of this program")
+        return contents(topics)
+
+    def _describe(self) -> LogInfo:
+        counts: dict[str, int] = {}
+        for channel_id, count in self._statistics.channel_message_counts.items():
+            topic = self._summary.channels[channel_id].topic
+            counts[topic] = counts.get(topic, 0) + count
+        channels = {
+            name: LoggedChannel(name, channel.message_type, counts.get(channel.main_topic, 0), channel.rate_hz)
+            for name, channel in self._contents.channels.items()
+        }
+        begin, end = self._summary_times()
+        return LogInfo(
+            self._path,
+            FORMAT,
+            from_ns(begin),
+            from_ns(end),
+            channels,
+            self._path.stat().st_size,
+            self._contents.ignored,
+        )
+
+    @property
+    def _statistics(self) -> Statistics:
+        statistics = self._summary.statistics
+        if statistics is None:
+            raise LogError(f"{self._path} has a summary without statistics; `hbba log repair {self._path}` makes them")
+        return statistics
+
+    def _summary_times(self) -> tuple[int, int]:
+        return self._statistics.message_start_time, self._statistics.message_end_time
+
+    def _damaged(self, what: str, error: BaseException) -> LogError:
+        why = f"{type(error).__name__}: {error}"
+        return LogError(
+            f"{self._path} is damaged; {what} cannot be read ({why})."
+            f" `hbba log repair {self._path}` saves what is whole"
+        )
