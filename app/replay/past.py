@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from typing import Any
 
 from app.messages import JointState, Landmarks, Odometry
 from app.recording.log import Log, Logged
@@ -51,9 +52,9 @@ class Past:
         once = {(m.at, m.channel, m.message.stamp): m for m in motion if m.at >= begin or m.at < since}
         return sorted([*once.values(), *last.values()], key=lambda logged: logged.at)
 
-    def accumulated(self, position: float) -> list[Logged]:
-        """The last message at or before ``position`` (s) of every channel that tells all that was found so far."""
-        names = [name for name, channel in self._channels.items() if channel.message_type in ACCUMULATED]
+    def of_types(self, types: Collection[type[Any]], position: float) -> list[Logged]:
+        """The last message at or before ``position`` (s) of every channel of these ``types``. Raises LogError."""
+        names = [name for name, channel in self._channels.items() if channel.message_type in types]
         return [last for name in names if (last := self.last(name, position)) is not None]
 
     def last(self, channel: str, position: float) -> Logged | None:

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import Any, Literal, Protocol, TypeVar
 
 from app.link import RobotLink
-from app.messages import EventRecord, Image, LaserScan, LogLine, OperatorDrive, Twist
+from app.messages import DesiresRecord, EventRecord, Image, LaserScan, LogLine, OperatorDrive, Twist
 from app.recording.log import Log, LogError, Logged, LogInfo
-from app.replay.past import Past
+from app.replay.past import ACCUMULATED, Past
 from app.runtime.replay_clock import ReplayClock
 from app.system import System
 
@@ -325,12 +325,7 @@ class Playback:
         self._jumping = True
         failure: LogError | None = None
         try:
-            scene, known = await self._read(self._look_back, position)
-            await self.system.begin_anew(lambda: self._jump(position, known))
-            await _patiently(self.system.supervisor.started(), START_WITHIN_S)
-            for logged in scene:
-                self._body.show(logged.channel, logged.message)
-            await _patiently(self._quiet(), SHOW_WITHIN_S)
+            await self._go(position)
         except LogError as error:
             log.error("cannot go to %.3f s: %s", position - self._info.begin, error)
             failure = error
@@ -348,21 +343,40 @@ class Playback:
         self._end_if_there()
         self._tell()
 
+    async def _go(self, position: float) -> None:
+        system, body = self.system, self._body
+        # Read before anything is ended: where the recording cannot be read, all stays as it is.
+        known, wishes = await self._read(self._standing, position)
+        await system.begin_anew(lambda: self._jump(position, known))
+        await _patiently(system.supervisor.started(), START_WITHIN_S)
+        for logged in wishes:
+            body.show(logged.channel, logged.message)
+        # What is wanted there decides what is shown there; how attention came to it is no event of the recording.
+        await _patiently(system.translator.settled(), START_WITHIN_S)
+        system.timeline.clear()
+        for observer in tuple(self._jump_observers):
+            observer(position)
+        for logged in await self._read(self._scene, position):
+            body.show(logged.channel, logged.message)
+        await _patiently(self._quiet(), SHOW_WITHIN_S)
+
     def _jump(self, position: float, known: list[Logged]) -> None:
         self._ended = False
         self._clock.jump(position)
         self._body.seek(position)
-        for observer in tuple(self._jump_observers):
-            observer(position)
         channels = self.system.graph.channels
         for logged in known:
             channel = channels.get(logged.channel)
             if channel is not None and channel.message_type is type(logged.message):
                 channel.publish(logged.message)
 
-    def _look_back(self, position: float) -> tuple[list[Logged], list[Logged]]:
-        shown = [c.name for c in self._info.channels.values() if c.message_type not in OF_THE_MOMENT]
-        return self._past.scene(position, self._body.listened & set(shown)), self._past.accumulated(position)
+    def _standing(self, position: float) -> tuple[list[Logged], list[Logged]]:
+        """What modules that begin at ``position`` must know at once, and what was desired there."""
+        return self._past.of_types(ACCUMULATED, position), self._past.of_types((DesiresRecord,), position)
+
+    def _scene(self, position: float) -> list[Logged]:
+        shown = {c.name for c in self._info.channels.values() if c.message_type not in (DesiresRecord, *OF_THE_MOMENT)}
+        return self._past.scene(position, self._body.listened & shown)
 
     async def _read(self, function: Callable[[float], T], position: float) -> T:
         assert self._reader is not None
