@@ -9,11 +9,13 @@ import math
 import random
 import struct
 import time
+from collections.abc import Callable
 from typing import Any
 
 import cv2
 import numpy as np
 from fastapi import WebSocket
+from fastapi.responses import JSONResponse
 
 CLASSES: list[tuple[str, str, float, dict[str, Any]]] = [
     ("Telepresence", "Show people what the robot sees", 20, {}),
@@ -47,6 +49,14 @@ CLASSES: list[tuple[str, str, float, dict[str, Any]]] = [
 ]
 
 
+def problem(status: int, title: str, detail: str, errors: list[dict[str, str]] | None = None) -> JSONResponse:
+    return JSONResponse(
+        {"type": "about:blank", "title": title, "status": status, "detail": detail, "errors": errors or []},
+        status,
+        media_type="application/problem+json",
+    )
+
+
 class Mock:
     def __init__(self, token: str | None) -> None:
         self.token = token
@@ -61,6 +71,7 @@ class Mock:
         self.driver: str | None = None
         self.viewers: dict[str, Viewer] = {}
         self.ids = itertools.count(1)
+        self.now: Callable[[], float] = time.time
         self.began = time.time()
         for name, kind in (
             ("Telepresence", "motivation"),
@@ -82,7 +93,7 @@ class Mock:
     def log(self, kind: str, subject: str | None, text: str, **data: Any) -> None:
         event = {
             "id": next(self.ids),
-            "stamp": time.time(),
+            "stamp": self.now(),
             "kind": kind,
             "subject": subject,
             "text": text,
@@ -96,7 +107,7 @@ class Mock:
             viewer.send(message)
 
     def add(self, body: dict[str, Any], kind: str, who: str) -> dict[str, Any]:
-        now = time.time()
+        now = self.now()
         desire = {
             "id": f"d{next(self.ids)}",
             "class": body["class"],
@@ -203,7 +214,7 @@ class Mock:
                 }
         used = sum(s["costs"]["cpu"] for s in strategies)
         return {
-            "stamp": time.time(),
+            "stamp": self.now(),
             "strategies": strategies,
             "fulfilled": [n for n, (_, state, _) in share.items() if state == "fulfilled"],
             "omega": sum(d["intensity"] for d in self.desires.values()) + sum(s["utility"] for s in strategies),
@@ -242,7 +253,7 @@ class Mock:
         return {
             "type": "status",
             "seq": seq,
-            "stamp": time.time(),
+            "stamp": self.now(),
             "guard": {
                 "state": state,
                 "reason": "as the mock says",
@@ -258,7 +269,7 @@ class Mock:
         }
 
     def load(self) -> dict[str, Any]:
-        wave = 8 * math.sin(time.time() / 7)
+        wave = 8 * math.sin(self.now() / 7)
         figures = [
             ("Kinect", "Kinect camera", 9.0),
             ("QRCodeDetector", "QR code detector", 24 + wave),
@@ -302,11 +313,11 @@ class Mock:
             "problem": "FaceDetector: model file faces.onnx is missing; put it into models/. Next try in 8 s.",
         }
         total = sum(m["cpu"] for m in modules) + 6
-        return {"type": "load", "stamp": time.time(), "process_cpu": total, "budget": 100, "modules": modules}
+        return {"type": "load", "stamp": self.now(), "process_cpu": total, "budget": 100, "modules": modules}
 
     def landmarks(self) -> dict[str, Any]:
         found = [("tour:stop=robotics-lab;say=welcome", 3.1, 1.2, 1.4), ("tour:stop=workshop", -2.0, 4.4, 1.38)]
-        now = time.time()
+        now = self.now()
         return {
             "type": "landmarks",
             "landmarks": [
@@ -348,6 +359,14 @@ def picture(mock: Mock, seq: int) -> bytes:
         cv2.rectangle(image, (x, 90), (x + 120, 330), (96, 110, 120), -1)
         cv2.rectangle(image, (x + 30, 130), (x + 90, 210), (225, 230, 232), -1)
     cv2.rectangle(image, (0, 330), (640, 480), (70, 84, 92), -1)
-    cv2.putText(image, time.strftime("%H:%M:%S"), (20, 460), cv2.FONT_HERSHEY_SIMPLEX, 0.8, (240, 240, 240), 2)
+    cv2.putText(
+        image,
+        time.strftime("%H:%M:%S", time.localtime(mock.now())),
+        (20, 460),
+        cv2.FONT_HERSHEY_SIMPLEX,
+        0.8,
+        (240, 240, 240),
+        2,
+    )
     jpeg = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, 70])[1].tobytes()
-    return struct.pack("<B3xIdHH4x", 1, seq, time.time(), 640, 480) + jpeg
+    return struct.pack("<B3xIdHH4x", 1, seq, mock.now(), 640, 480) + jpeg

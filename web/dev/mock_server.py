@@ -1,9 +1,10 @@
 """A development tool: fakes the console's stream and REST, so that the page can be worked on without a robot.
 
-    python web/dev/mock_server.py [--port 8099] [--token TOKEN]
+    python web/dev/mock_server.py [--port 8099] [--token TOKEN] [--replay]
 
 Nothing it says is computed by the attention: desires are weighed by a rule of thumb, the robot is a point that turns.
-`POST /mock {"frozen": true, "silent": true, "empty": true, "world_rate": 0.85}` puts it into states the page must show.
+`POST /mock {"frozen": true, "silent": true, "empty": true, "world_rate": 0.85}` puts it into states the page must show;
+further modes are those of the mock's recorder. With `--replay` it is the console of a recording.
 """
 
 from __future__ import annotations
@@ -22,25 +23,20 @@ import uvicorn
 from fastapi import FastAPI, Request, WebSocket, WebSocketDisconnect
 from fastapi.responses import FileResponse, HTMLResponse, JSONResponse, Response
 from fastapi.staticfiles import StaticFiles
-from mock_robot import CLASSES, Mock, Viewer, picture
+from mock_playback import MockPlayback, playback_router
+from mock_recordings import MockRecorder, recordings_router
+from mock_robot import CLASSES, Mock, Viewer, picture, problem
 
 STATIC = Path(__file__).parents[2] / "app" / "console" / "static"
 SCENE = Path(__file__).parent / "mock_scene.html"
-PROBLEM = "application/problem+json"
 
 
-def problem(status: int, title: str, detail: str, errors: list[dict[str, str]] | None = None) -> JSONResponse:
-    return JSONResponse(
-        {"type": "about:blank", "title": title, "status": status, "detail": detail, "errors": errors or []},
-        status,
-        media_type=PROBLEM,
-    )
+def build(mock: Mock, playback: MockPlayback | None, static: Path) -> FastAPI:
+    recorder = MockRecorder(mock)
 
-
-def build(mock: Mock) -> FastAPI:
     @contextlib.asynccontextmanager
     async def lifespan(_: FastAPI) -> Any:
-        task = asyncio.create_task(beat(mock))
+        task = asyncio.create_task(beat(mock, recorder, playback))
         yield
         task.cancel()
 
@@ -51,6 +47,8 @@ def build(mock: Mock) -> FastAPI:
     async def mode(request: Request) -> dict[str, Any]:
         change = await request.json()
         mock.mode |= change
+        if playback is None:
+            recorder.tell()
         if change.get("empty"):
             mock.desires.clear()
             mock.events.clear()
@@ -118,7 +116,9 @@ def build(mock: Mock) -> FastAPI:
         await socket.accept()
         viewer = Viewer(socket, operator)
         mock.viewers[viewer.session] = viewer
-        greet(mock, viewer)
+        greet(mock, viewer, playback)
+        if playback is None:
+            viewer.send(recorder.status())
         pump = asyncio.create_task(viewer.pump())
         try:
             while True:
@@ -131,19 +131,22 @@ def build(mock: Mock) -> FastAPI:
             if mock.driver == viewer.session:
                 mock.driver = None
 
+    app.include_router(recordings_router(mock, recorder))
+    app.include_router(playback_router(playback))
+
     @app.get("/viser/")
     async def scene() -> HTMLResponse:
         return HTMLResponse(SCENE.read_text())
 
     @app.get("/")
     async def index() -> FileResponse:
-        return FileResponse(STATIC / "index.html")
+        return FileResponse(static / "index.html")
 
-    app.mount("/", StaticFiles(directory=STATIC))
+    app.mount("/", StaticFiles(directory=static))
     return app
 
 
-def greet(mock: Mock, viewer: Viewer) -> None:
+def greet(mock: Mock, viewer: Viewer, playback: MockPlayback | None) -> None:
     limits = {"linear_mps": 0.4, "angular_radps": 1.0, "linear_mps2": 0.4, "angular_radps2": 4.0}
     classes = [
         {
@@ -159,11 +162,12 @@ def greet(mock: Mock, viewer: Viewer) -> None:
             "type": "hello",
             "protocol": 1,
             "session": viewer.session,
-            "stamp": time.time(),
+            "stamp": mock.now(),
             "robot": {"name": "IRL-1/TR", "simulated": True, "limits": limits},
             "scale": {"intensity": 8, "utility": 8},
             "classes": classes,
             "channels": {"camera": True},
+            "playback": playback and playback.json(),
         }
     )
     viewer.send({"type": "desires", "desires": list(mock.desires.values())})
@@ -174,7 +178,7 @@ def greet(mock: Mock, viewer: Viewer) -> None:
 def hear(mock: Mock, viewer: Viewer, message: dict[str, Any]) -> None:
     kind = message["type"]
     if kind == "ping" and not mock.mode.get("silent"):
-        viewer.send({"type": "pong", "t": message["t"], "stamp": time.time()})
+        viewer.send({"type": "pong", "t": message["t"], "stamp": mock.now()})
     elif kind == "drive":
         if mock.driver is None and message["held"]:
             mock.driver = viewer.session
@@ -199,7 +203,7 @@ def hear(mock: Mock, viewer: Viewer, message: dict[str, Any]) -> None:
         viewer.wants_camera = message["camera"]
 
 
-async def beat(mock: Mock) -> None:
+async def beat(mock: Mock, recorder: MockRecorder, playback: MockPlayback | None) -> None:
     for seq in itertools.count():
         await asyncio.sleep(0.05)
         mock.advance(0.05)
@@ -210,9 +214,15 @@ async def beat(mock: Mock) -> None:
             mock.changed()
         if mock.mode.get("frozen") or mock.mode.get("silent"):
             continue
+        if playback and seq % 2 == 0:
+            playback.beat()
+        if playback and not playback.playing and seq % 20:
+            continue
+        if playback is None and seq % 20 == 0:
+            recorder.tell()
         for viewer in list(mock.viewers.values()):
             viewer.send(mock.status(viewer, seq))
-            viewer.send({"type": "lanes", "seq": seq, "stamp": time.time(), "rows": mock.lanes()})
+            viewer.send({"type": "lanes", "seq": seq, "stamp": mock.now(), "rows": mock.lanes()})
             if seq % 20 == 0:
                 viewer.send(mock.load())
             seen = mock.share()["Telepresence"][0] is not None
@@ -225,5 +235,12 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--port", type=int, default=8099)
     parser.add_argument("--token")
+    parser.add_argument("--static", type=Path, default=STATIC, help="where the built page lies")
+    parser.add_argument("--replay", action="store_true", help="be the console of a replay")
+    parser.add_argument("--slow", type=float, help="the fastest speed that the replay reaches")
     options = parser.parse_args()
-    uvicorn.run(build(Mock(options.token)), host="127.0.0.1", port=options.port, log_level="warning")
+    mock = Mock(options.token)
+    playback = MockPlayback(mock.tell, options.slow) if options.replay else None
+    if playback:
+        mock.now = playback.now
+    uvicorn.run(build(mock, playback, options.static), host="127.0.0.1", port=options.port, log_level="warning")

@@ -8,6 +8,8 @@ import { Events } from "./panels/Events";
 import { Found } from "./panels/Found";
 import { Intention } from "./panels/Intention";
 import { Load } from "./panels/Load";
+import { Transport } from "./playback/Transport";
+import { Recordings } from "./recordings/Recordings";
 import { useApp } from "./state/context";
 import { Banner } from "./ui/Banner";
 import { EStop } from "./ui/EStop";
@@ -26,10 +28,11 @@ export function App() {
   const phase = store.link.value.phase;
   if (phase === "login") return <Login />;
   const phone = narrow.value;
-  const stopped = store.stopped.value;
+  const replay = store.replay.value;
+  const stopped = store.stopped.value && !replay;
   return (
     <div
-      class={`page ${phone ? "narrow" : "wide"} ${phase === "live" ? "" : "not-live"} ${stopped ? "stopped" : ""}`}
+      class={`page ${phone ? "narrow" : "wide"} ${phase === "live" ? "" : "not-live"} ${stopped ? "stopped" : ""} ${replay ? "replay" : ""}`}
       data-testid="page"
       data-phase={phase}
     >
@@ -39,14 +42,21 @@ export function App() {
         <Camera />
         <SceneToggle />
         <Banner />
-        {!phone && <DrivePad />}
+        {!phone && !replay && <DrivePad />}
       </main>
+      {!phone && <Transport />}
       <Side phone={phone} />
       {!phone && <Lanes />}
       {phone && (
         <footer class="dock">
-          <DrivePad />
-          <EStop />
+          {replay ? (
+            <Transport />
+          ) : (
+            <>
+              <DrivePad />
+              <EStop />
+            </>
+          )}
         </footer>
       )}
       <Notices />
@@ -96,6 +106,10 @@ function Side({ phone }: { phone: boolean }) {
     { id: "load", title: "Load", ...(trouble > 0 ? { badge: "!", alarm: true } : {}), content: () => <Load /> },
     { id: "events", title: "Events", content: () => <Events /> },
   ];
+  if (!store.replay.value) {
+    const alarm = store.recorder.value?.state === "stopped" ? { badge: "!", alarm: true } : {};
+    items.push({ id: "recordings", title: "Recordings", short: "Record", ...alarm, content: () => <Recordings /> });
+  }
   if (phone) items.splice(1, 0, { id: "lanes", title: "Lanes", content: () => <Lanes /> });
-  return <Tabs items={items} />;
+  return <Tabs items={items} narrow={phone} />;
 }

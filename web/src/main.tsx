@@ -4,6 +4,8 @@ import { effect } from "@preact/signals";
 import { render } from "preact";
 import { App } from "./App";
 import { DriveController } from "./drive/controller";
+import { PlaybackController } from "./playback/controller";
+import { RecordingControl } from "./recordings/control";
 import { AppContext } from "./state/context";
 import { Session } from "./state/session";
 import { createStore } from "./state/store";
@@ -20,21 +22,26 @@ import "./styles/tooltip.css";
 import "./styles/panels.css";
 import "./styles/load.css";
 import "./styles/forms.css";
+import "./styles/transport.css";
+import "./styles/recordings.css";
 import "./styles/narrow.css";
 import "./styles/dock.css";
 
 const store = createStore();
 const session = new Session(store);
-const drive = new DriveController(store, session);
+const playback = new PlaybackController(store, session.rest);
+const recordings = new RecordingControl(store, session.rest);
+const drive = new DriveController(store, session, playback);
 const camera = new CameraFeed(store, session);
 
 render(
-  <AppContext.Provider value={{ store, session, drive, camera }}>
+  <AppContext.Provider value={{ store, session, drive, camera, playback, recordings }}>
     <App />
   </AppContext.Provider>,
   document.getElementById("app")!,
 );
 drive.start();
+recordings.start();
 camera.start();
 void session.start();
 
@@ -48,5 +55,6 @@ effect(() => {
 });
 effect(() => {
   const robot = store.hello.value?.robot.name;
-  document.title = robot ? `${robot} · HBBA console` : "HBBA console";
+  const what = robot && store.replay.value ? `Recording of ${robot}` : robot;
+  document.title = what ? `${what} · HBBA console` : "HBBA console";
 });

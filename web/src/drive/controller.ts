@@ -1,6 +1,7 @@
 /** Joins the browser's hands (keys, stick, gamepads, focus) to the state machine, and its commands to the socket. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
+import type { PlaybackController } from "../playback/controller";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
 import { type PadReading, readPads } from "./gamepad";
@@ -32,6 +33,7 @@ export class DriveController {
   constructor(
     private readonly store: Store,
     private readonly session: Session,
+    private readonly playback: PlaybackController,
   ) {
     this.refusal = computed(() => whyNot(store));
   }
@@ -99,6 +101,10 @@ export class DriveController {
   }
 
   private keyDown(event: KeyboardEvent): void {
+    if (this.store.replay.peek()) {
+      this.replayKeyDown(event);
+      return;
+    }
     if (event.code === "Escape" && !event.repeat) {
       this.release();
       // What opens over a page closes with Escape everywhere: that must not leave a standing robot latched.
@@ -123,6 +129,25 @@ export class DriveController {
       this.input({ type: "key", code: event.code, down: true, repeat: event.repeat });
     } else if (SLOW_KEYS.has(event.code))
       this.input({ type: "key", code: event.code, down: true, repeat: event.repeat });
+  }
+
+  /** Keys of a recording: nothing in it can be driven or stopped. */
+  private replayKeyDown(event: KeyboardEvent): void {
+    if (event.code === "Escape") this.store.help.value = false;
+    else if (event.ctrlKey || event.altKey || event.metaKey) return;
+    else if (event.key === "?" && !typesText(event.target)) this.store.help.value = !this.store.help.value;
+    else {
+      const onTimeline = !!closest(event.target, "[data-playback-keys]");
+      const taken = this.playback.key({
+        code: event.code,
+        typing: typesText(event.target),
+        ownsArrows: !onTimeline && ownsArrows(event.target),
+        pressable: !onTimeline && isControl(event.target),
+      });
+      if (!taken) return;
+      event.preventDefault();
+      event.stopPropagation();
+    }
   }
 
   private keyUp(event: KeyboardEvent): void {
@@ -153,7 +178,7 @@ export class DriveController {
       if (this.chosenPad && !chosen) this.release();
       this.chosenPad = chosen;
       this.input({ type: "pad", axes: document.hasFocus() ? axes : null });
-      if (stop && !this.padStop) this.session.eStop();
+      if (stop && !this.padStop && !this.store.replay.peek()) this.session.eStop();
       this.padStop = stop;
       this.polling = pads.some((pad) => pad !== null);
       if (this.polling) requestAnimationFrame(frame);
@@ -164,6 +189,7 @@ export class DriveController {
 
 function whyNot(store: Store): string | null {
   const phase = store.link.value.phase;
+  if (store.replay.value) return "This is a recording: nothing in it can be driven.";
   if (phase === "stale") return "What you see is old. Driving waits until the robot is heard again.";
   if (phase !== "live") return "Not connected to the robot.";
   const status = store.status.value;

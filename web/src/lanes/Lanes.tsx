@@ -71,6 +71,7 @@ export function Lanes() {
     if (chart.current) chart.current.view = next;
   };
   const paused = view.value.heldAt !== null;
+  const replay = store.replay.value;
 
   return (
     <section class="lanes panel" aria-label="Lanes of desires" data-testid="lanes">
@@ -99,13 +100,14 @@ export function Lanes() {
           </button>
           <button
             type="button"
+            hidden={replay && !paused}
             class={`button small ${paused ? "accent" : ""}`}
             data-testid="lanes-pause"
             aria-pressed={paused}
             onClick={() => show(togglePause(view.value, chart.current?.now() ?? 0))}
           >
             {paused ? <PlayIcon /> : <PauseIcon />}
-            {paused ? "Live" : "Pause"}
+            {!paused ? "Pause" : replay ? "Follow" : "Live"}
           </button>
           <button
             type="button"

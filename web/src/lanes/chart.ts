@@ -2,9 +2,10 @@
 
 import type { RobotEvent } from "../protocol/types";
 import type { Store } from "../state/store";
+import { clockSpan, clockTime } from "../ui/format";
 import { AXIS_PX, LanePainter, markRow } from "./draw";
 import type { LaneSample } from "./history";
-import { edges, INITIAL, type Viewport } from "./viewport";
+import { edges, INITIAL, TRAIL_S, type Viewport } from "./viewport";
 
 /** Kinds of events that are marked: what changes the attention, and what disturbs it. */
 const MARKED = new Set(["desire", "intention", "overload", "module", "restart", "stale"]);
@@ -55,6 +56,11 @@ export class LaneChart {
     return this.store.clock.now(performance.now() / 1000) ?? this.store.lanes.newest ?? 0;
   }
 
+  /** Nothing arrives late in a recording that stands; in one that runs fast, more of it is under way. */
+  private trail(): number {
+    return this.store.replay.peek() ? TRAIL_S * this.store.clock.rate : TRAIL_S;
+  }
+
   resize(width: number, rowHeight: number): void {
     this.width = Math.max(1, Math.floor(width));
     this.rowHeight = rowHeight;
@@ -67,7 +73,7 @@ export class LaneChart {
     const classes = this.classes();
     const ratio = Math.min(2, window.devicePixelRatio || 1);
     if (this.width < 2 || classes.length === 0) return;
-    const { from, to } = edges(this.view, this.now());
+    const { from, to } = edges(this.view, this.now(), this.trail());
     const perSecond = (this.width * ratio) / (to - from);
     const events = this.store.events.value;
     const key = `${Math.round(to * perSecond * 2)} ${this.view.windowS} ${this.width} ${this.rowHeight} ${ratio} ${classes.length} ${events.length} ${this.cursor?.share} ${this.cursor?.row}`;
@@ -89,10 +95,17 @@ export class LaneChart {
       width: this.width,
       rowHeight: this.rowHeight,
       ratio,
+      edge: this.edgeWord(to),
       cursor: this.cursor && { stamp: from + (to - from) * this.cursor.share, row: this.cursor.row },
     });
     this.cost.painted += 1;
     this.cost.ms += performance.now() - began;
+  }
+
+  /** What the right edge is called: a recording has no present. */
+  private edgeWord(to: number): string {
+    const playback = this.store.playback.peek();
+    return playback ? clockSpan(to - playback.begin) : this.view.heldAt === null ? "now" : clockTime(to);
   }
 
   /** Once a second, tells on the canvas how it is doing: for measurements from outside. */
@@ -113,7 +126,7 @@ export class LaneChart {
     if (!this.cursor || classes.length === 0) return null;
     const row = Math.max(0, Math.min(classes.length - 1, this.cursor.row));
     const name = classes[row]!;
-    const { from, to } = edges(this.view, this.now());
+    const { from, to } = edges(this.view, this.now(), this.trail());
     const stamp = from + (to - from) * this.cursor.share;
     const near = (NEAR_PX / this.width) * (to - from);
     const events = this.marks.filter((event) => {

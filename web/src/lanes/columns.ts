@@ -1,6 +1,6 @@
 /** Samples of one lane brought down to pixel columns: what is drawn is bounded by the width, not by the history. */
 
-import { CAPACITY, GAP_S, type LaneHistory } from "./history";
+import { CAPACITY, type LaneHistory } from "./history";
 
 /** Per column its place and the least, greatest, last and mean value; `end` is where the last value stops holding. */
 export class Columns {
@@ -33,7 +33,7 @@ export interface Span {
 
 /**
  * Fills `out` with the columns of `values` that are visible in `span`, left to right. A sample holds until the next;
- * NaN and silences longer than `GAP_S` leave a hole (the column before ends early).
+ * NaN and silences longer than a sample holds leave a hole (the column before ends early).
  */
 export function toColumns(history: LaneHistory, values: Float32Array, span: Span, out: Columns): void {
   out.length = 0;
@@ -47,8 +47,8 @@ export function toColumns(history: LaneHistory, values: Float32Array, span: Span
     const value = values[slot]!;
     if (Number.isNaN(value)) continue;
     const stamp = history.stamps[slot]!;
-    const next = number + 1 < history.count ? history.stamps[(number + 1) % CAPACITY]! : stamp + GAP_S;
-    const held = Math.min(next, stamp + GAP_S);
+    const next = number + 1 < history.count ? history.stamps[(number + 1) % CAPACITY]! : Infinity;
+    const held = Math.min(next, stamp + history.holds[slot]!);
     if (held <= span.from) continue;
     const x = Math.max(0, (stamp - span.from) * perSecond);
     const end = Math.min(span.width, (held - span.from) * perSecond);

@@ -33,6 +33,8 @@ export interface Scene {
   width: number;
   rowHeight: number;
   ratio: number;
+  /** What the right edge is called. */
+  edge: string;
   cursor: { stamp: number; row: number } | null;
 }
 
@@ -71,7 +73,7 @@ export class LanePainter {
       c.fillStyle = COLORS.band;
       c.fillRect(Math.round(x) - 1, 0, 1, height);
       c.fillStyle = COLORS.axis;
-      const label = s === 0 ? "now" : every >= 60 ? `−${s / 60} min` : `−${s} s`;
+      const label = s === 0 ? scene.edge : every >= 60 ? `−${s / 60} min` : `−${s} s`;
       const half = c.measureText(label).width / 2;
       if (x - half < 0) continue;
       c.fillText(label, Math.min(x - half, scene.width - half * 2 - 1), height + AXIS_PX / 2 + 1);

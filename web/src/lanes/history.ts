@@ -31,6 +31,8 @@ export class Lane {
 
 export class LaneHistory {
   readonly stamps = new Float64Array(CAPACITY);
+  /** How long each sample holds where no other follows: longer in a recording that runs faster than life. */
+  readonly holds = new Float32Array(CAPACITY);
   readonly lanes = new Map<string, Lane>();
   /** How many samples were ever pushed; the newest has the number `count − 1`. */
   count = 0;
@@ -49,7 +51,7 @@ export class LaneHistory {
     return this.count > 0 ? this.stamps[this.first % CAPACITY]! : 0;
   }
 
-  push(message: { stamp: number; rows: LaneRow[] }): void {
+  push(message: { stamp: number; rows: LaneRow[] }, holdS = GAP_S): void {
     const newest = this.newest;
     if (newest !== null && message.stamp <= newest) {
       if (newest - message.stamp < SET_BACK_S) return;
@@ -57,6 +59,7 @@ export class LaneHistory {
     }
     const slot = this.count % CAPACITY;
     this.stamps[slot] = message.stamp;
+    this.holds[slot] = holdS;
     for (const lane of this.lanes.values()) blank(lane, slot);
     for (const row of message.rows) this.write(row, slot);
     this.count += 1;
@@ -103,7 +106,7 @@ export class LaneHistory {
     if (!lane || number < this.first || number < 0) return null;
     const slot = number % CAPACITY;
     const state = lane.state[slot];
-    if (state === undefined || stamp - this.stamps[slot]! > GAP_S) return null;
+    if (state === undefined || stamp - this.stamps[slot]! > this.holds[slot]!) return null;
     return {
       stamp: this.stamps[slot]!,
       intensity: orNull(lane.intensity[slot]!),

@@ -2,7 +2,7 @@
 
 import type { LaneState } from "../protocol/types";
 import type { Span } from "./columns";
-import { CAPACITY, GAP_S, type Lane, type LaneHistory } from "./history";
+import { CAPACITY, type Lane, type LaneHistory } from "./history";
 
 /** Calls `visit` for each stretch of one state that touches `span`, in order; silences belong to none. */
 export function spells(
@@ -29,7 +29,7 @@ export function spells(
       began = stamp;
     }
     const next = number + 1 < history.count ? history.stamps[(number + 1) % CAPACITY]! : Infinity;
-    until = Math.min(next, stamp + GAP_S);
+    until = Math.min(next, stamp + history.holds[slot]!);
   }
   close();
 }

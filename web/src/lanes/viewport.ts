@@ -17,8 +17,8 @@ export interface Viewport {
 export const INITIAL: Viewport = { windowS: DEFAULT_S, heldAt: null };
 const STEPS = [10, 20, 30, 60, 120, 300, 600];
 
-export function edges(view: Viewport, now: number): { from: number; to: number } {
-  const to = view.heldAt ?? now - TRAIL_S;
+export function edges(view: Viewport, now: number, trail = TRAIL_S): { from: number; to: number } {
+  const to = view.heldAt ?? now - trail;
   return { from: to - view.windowS, to };
 }
 

@@ -1,6 +1,6 @@
 /** REST under `api/v1`: JSON in and out, errors as problem details (RFC 9457). */
 
-import type { Desire, RobotEvent } from "./types";
+import type { Desire, Playback, Recordings, RobotEvent } from "./types";
 
 export interface FieldError {
   field: string;
@@ -50,6 +50,50 @@ export class Rest {
     await this.ask("DELETE", `/desires/${encodeURIComponent(id)}`);
   }
 
+  async playback(change: { playing?: boolean; speed?: number | null; position?: number }): Promise<Partial<Playback>> {
+    return ((await this.ask("PATCH", "/playback", change)) ?? {}) as Partial<Playback>;
+  }
+
+  async stepPlayback(): Promise<Partial<Playback>> {
+    return ((await this.ask("POST", "/playback/step")) ?? {}) as Partial<Playback>;
+  }
+
+  async recordings(): Promise<Recordings> {
+    return (await this.ask("GET", "/recordings")) as Recordings;
+  }
+
+  async record(options: { name?: string; keep_minutes?: number }): Promise<void> {
+    await this.ask("POST", "/recordings", options);
+  }
+
+  async stopRecording(): Promise<void> {
+    await this.ask("POST", "/recordings/stop");
+  }
+
+  /** Keeps the ring's last minutes; resolves to the name they are kept under, where the robot says it. */
+  async saveRing(options: { minutes?: number; name?: string }): Promise<string> {
+    const answer = (await this.ask("POST", "/recordings/save", options)) as { name?: string } | null;
+    return answer?.name ?? options.name ?? "";
+  }
+
+  async deleteRecording(name: string): Promise<void> {
+    await this.ask("DELETE", `/recordings/${encodeURIComponent(name)}`);
+  }
+
+  /** Resolves to the address of the replay's own console. */
+  async replay(name: string): Promise<string> {
+    const answer = (await this.ask("POST", `/recordings/${encodeURIComponent(name)}/replay`)) as { url: string };
+    return answer.url;
+  }
+
+  async endReplay(name: string): Promise<void> {
+    await this.ask("DELETE", `/recordings/${encodeURIComponent(name)}/replay`);
+  }
+
+  recordingAddress(name: string): string {
+    return `${ROOT}/recordings/${encodeURIComponent(name)}`;
+  }
+
   private async ask(method: string, path: string, body?: unknown, more: Record<string, string> = {}): Promise<unknown> {
     const headers: Record<string, string> = {
       Accept: "application/json",
@@ -83,6 +127,13 @@ async function readProblem(response: Response): Promise<Problem> {
   const detail = typeof body?.detail === "string" ? body.detail : "";
   const errors = Array.isArray(body?.errors) ? body.errors.filter((e) => e && typeof e.message === "string") : [];
   return new Problem(response.status, title, detail, errors);
+}
+
+/** A refusal in one line: what is wrong, why, and which field. */
+export function inWords(error: unknown): string {
+  if (!(error instanceof Problem)) return String(error);
+  const parts = [error.title, error.detail, ...error.errors.map((each) => each.message)].filter(Boolean);
+  return parts.map((part) => part.replace(/[.\s]+$/, "")).join(". ") + ".";
 }
 
 /** Header values are Latin-1; a name in another script is sent percent-encoded. */

@@ -52,6 +52,60 @@ export interface Hello {
   scale: { intensity: number; utility: number };
   classes: DesireClass[];
   channels: { camera?: boolean };
+  /** Where this page shows a recording instead of a living robot. */
+  playback?: Omit<Playback, "type"> | null;
+}
+
+/** A replay's transport. `position`, `begin` and `end` are stamps of the recording; a null `speed` is the machine's. */
+export interface Playback {
+  type: "playback";
+  file: string;
+  begin: number;
+  end: number;
+  position: number;
+  speed: number | null;
+  playing: boolean;
+  phase: "playing" | "paused" | "ended" | "seeking";
+}
+
+export interface Recorder {
+  type: "recorder";
+  state: "idle" | "recording" | "ring" | "stopped";
+  name: string;
+  /** The robot's clock when it began; null while idle. */
+  began: number | null;
+  duration_s: number;
+  bytes: number;
+  messages: number;
+  dropped: number;
+  /** Of the ring; 0: everything goes into one file. */
+  keep_minutes: number;
+  /** Whether anybody desires a recording. */
+  desired: boolean;
+  /** Why it does not record though it is desired, in words. */
+  reason: string;
+  /** Whether it runs and attention has a strategy for it. */
+  available: boolean;
+}
+
+export interface Recording {
+  name: string;
+  bytes: number;
+  duration_s: number | null;
+  /** Unix time. */
+  began: number | null;
+  state: "complete" | "recording" | "unfinished";
+  /** Empty where the file does not say. */
+  robot: string;
+}
+
+export interface Recordings {
+  folder: string;
+  free_bytes: number | null;
+  recorder: Omit<Recorder, "type"> | null;
+  /** The replay that the robot's console started, while it runs. */
+  replay: { name: string; url: string } | null;
+  recordings: Recording[];
 }
 
 export interface Guard {
@@ -216,6 +270,9 @@ export type FromRobot =
   | { type: "intention"; intention: Intention | null }
   | { type: "events"; events: RobotEvent[] }
   | { type: "landmarks"; landmarks: Landmark[] }
+  | Playback
+  | { type: "jump"; stamp: number }
+  | Recorder
   | { type: "pong"; t: number; stamp: number }
   | { type: "notice"; level: NoticeLevel; text: string };
 

@@ -3,6 +3,8 @@
 import { createContext } from "preact";
 import { useContext } from "preact/hooks";
 import type { DriveController } from "../drive/controller";
+import type { PlaybackController } from "../playback/controller";
+import type { RecordingControl } from "../recordings/control";
 import type { CameraFeed } from "../view/feed";
 import type { Session } from "./session";
 import type { Store } from "./store";
@@ -12,6 +14,8 @@ export interface App {
   session: Session;
   drive: DriveController;
   camera: CameraFeed;
+  playback: PlaybackController;
+  recordings: RecordingControl;
 }
 
 export const AppContext = createContext<App | null>(null);

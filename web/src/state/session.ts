@@ -5,12 +5,17 @@ import { LiveConnection } from "../protocol/live";
 import { Problem, Rest } from "../protocol/rest";
 import { tokenIn } from "../protocol/token";
 import type { FromRobot, ToRobot } from "../protocol/types";
+import { GAP_S } from "../lanes/history";
 import type { Store } from "./store";
 
 const STALE_MS = 500;
 const WATCH_MS = 100;
 const READ_MS = 40;
+/** A paused recording says nothing by itself, but answers: two pings may be lost. */
+const REPLAY_STALE_MS = 2600;
 const HISTORY_EVENTS = 200;
+/** What a jump in a recording makes void. */
+const OF_THE_PAST = ["status", "lanes", "load", "landmarks"] as const;
 
 export class Session {
   readonly rest: Rest;
@@ -23,6 +28,7 @@ export class Session {
   private readonly live: LiveConnection;
   private readonly waiting = new Map<FromRobot["type"], FromRobot>();
   private lastStatusAt = 0;
+  private lastHeardAt = 0;
   private watchedAt = 0;
   private stopOwed = false;
 
@@ -117,16 +123,22 @@ export class Session {
   private receive(message: FromRobot): void {
     const at = performance.now();
     this.onChance();
-    if (message.type === "hello") this.store.clock.reset();
+    this.lastHeardAt = at;
+    if (message.type === "hello") this.store.clock.begin(message.playback ?? null, at / 1000);
+    if (message.type === "playback") this.store.clock.played(message, at / 1000);
+    if (message.type === "jump") this.jump();
     if ("stamp" in message && typeof message.stamp === "number" && message.type !== "load")
       this.store.clock.heard(message.stamp, at / 1000);
     if (message.type === "status") this.lastStatusAt = at;
-    if (message.type === "lanes") this.store.lanes.push(message);
+    if (message.type === "lanes") this.store.lanes.push(message, GAP_S * Math.max(1, this.store.clock.rate));
     if (message.type === "lanes_history") this.store.lanes.fill(message);
     if (message.type === "events") this.store.addEvents(message.events);
     else if (message.type === "notice") this.store.notify(message.level, message.text);
     else if (message.type === "hello") {
-      this.store.hello.value = message;
+      batch(() => {
+        this.store.hello.value = message;
+        this.store.playback.value = message.playback ?? null;
+      });
       this.onHello();
     } else this.waiting.set(message.type, message);
   }
@@ -136,19 +148,25 @@ export class Session {
     if (this.waiting.size === 0) return;
     const messages = [...this.waiting.values()];
     this.waiting.clear();
-    batch(() => messages.forEach((message) => this.show(message)));
+    const { store } = this;
+    batch(() => {
+      messages.forEach((message) => this.show(message));
+      // Of a robot its status alone tells that it is there; a paused recording has nothing new to tell.
+      const there = store.replay.peek() || messages.some((message) => message.type === "status");
+      if (there && store.link.value.phase !== "live" && this.fresh()) store.link.value = { phase: "live", retryAt: 0 };
+    });
   }
 
   private show(message: FromRobot): void {
     const { store } = this;
     if (message.type === "status") {
       store.status.value = message;
-      if (store.link.value.phase !== "live" && this.fresh())
-        store.link.value = { phase: "live", retryAt: 0 };
     } else if (message.type === "lanes") store.rows.value = message.rows;
     else if (message.type === "desires") store.desires.value = message.desires;
     else if (message.type === "intention") store.intention.value = message.intention;
     else if (message.type === "landmarks") store.landmarks.value = message.landmarks;
+    else if (message.type === "playback") store.playback.value = message;
+    else if (message.type === "recorder") store.recorder.value = message;
     else if (message.type === "load") {
       store.load.value = message;
       store.addLoad(message);
@@ -161,7 +179,13 @@ export class Session {
   }
 
   private fresh(): boolean {
-    return performance.now() - this.lastStatusAt <= STALE_MS;
+    const at = performance.now();
+    return this.store.replay.peek() ? at - this.lastHeardAt <= REPLAY_STALE_MS : at - this.lastStatusAt <= STALE_MS;
+  }
+
+  private jump(): void {
+    for (const kind of OF_THE_PAST) this.waiting.delete(kind);
+    batch(() => this.store.forget());
   }
 
   /** A page that was busy itself reads first what came meanwhile, before it says that nothing came. */

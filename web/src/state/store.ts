@@ -9,15 +9,18 @@ import type {
   LaneRow,
   Load,
   NoticeLevel,
+  Playback,
+  Recorder,
+  Recordings,
   RobotEvent,
   Status,
 } from "../protocol/types";
 import { LaneHistory } from "../lanes/history";
 import { attendedCpu } from "./load";
-import { RobotClock } from "./robotClock";
+import { PageClock } from "./pageClock";
 
 export type Phase = "connecting" | "live" | "stale" | "lost" | "login";
-export type Tab = "attention" | "lanes" | "found" | "load" | "events";
+export type Tab = "attention" | "lanes" | "found" | "load" | "events" | "recordings";
 export type CameraMode = "inset" | "large" | "hidden";
 
 export interface LinkView {
@@ -55,12 +58,15 @@ export function createStore() {
   const events = signal<RobotEvent[]>([]);
   const loadHistory = signal<LoadPoint[]>([]);
   const notices = signal<Notice[]>([]);
+  const playback = signal<Omit<Playback, "type"> | null>(null);
+  const lanes = new LaneHistory();
+  const landmarks = signal<Landmark[] | null>(null);
   const operator = signal(readOperator());
   let noticeId = 0;
 
   return {
-    clock: new RobotClock(),
-    lanes: new LaneHistory(),
+    clock: new PageClock(),
+    lanes,
     link,
     hello: signal<Hello | null>(null),
     status,
@@ -70,7 +76,15 @@ export function createStore() {
     intention,
     load: signal<Load | null>(null),
     loadHistory,
-    landmarks: signal<Landmark[] | null>(null),
+    landmarks,
+    /** Where this page shows a recording: its transport. Null: a living robot. */
+    playback,
+    replay: computed(() => playback.value !== null) as ReadonlySignal<boolean>,
+    recorder: signal<Recorder | null>(null),
+    /** The list last read; null: not yet. */
+    recordings: signal<Recordings | null>(null),
+    /** Whether the list is looked at. */
+    recordingsShown: signal(false),
     events,
     eventsKnown: signal(false),
     notices,
@@ -105,6 +119,13 @@ export function createStore() {
         budget: load.budget,
       };
       loadHistory.value = [...loadHistory.value.slice(1 - LOAD_KEPT), point];
+    },
+    /** A recording went to another place: what was shown belongs to the old one. */
+    forget(): void {
+      lanes.clear();
+      events.value = [];
+      landmarks.value = null;
+      loadHistory.value = [];
     },
     notify(level: NoticeLevel, text: string): void {
       const until = performance.now() + (level === "info" ? 5000 : 9000);

@@ -13,6 +13,7 @@ export function Banner() {
   const wait = Math.max(0, (retryAt - performance.now()) / 1000);
   const soon = wait > 0.5 ? `Next attempt in ${Math.ceil(wait)} s.` : "Trying now…";
   const age = store.viewAgeMs.value;
+  const replay = store.replay.value;
   return (
     <div class={`banner ${phase}`} role="alert" data-testid="banner" data-phase={phase}>
       {phase === "connecting" ? <span class="spinner" aria-hidden="true" /> : <WarnIcon />}
@@ -22,7 +23,13 @@ export function Banner() {
           {retryAt > 0 && <span aria-hidden="true">It does not answer yet. {soon}</span>}
         </p>
       )}
-      {phase === "stale" && (
+      {phase === "stale" && replay && (
+        <p>
+          <b>The replay is not heard.</b>
+          <span>What you see stands still until it answers.</span>
+        </p>
+      )}
+      {phase === "stale" && !replay && (
         <p>
           <b>The robot is not heard.</b>
           <span>
@@ -33,7 +40,11 @@ export function Banner() {
       )}
       {phase === "lost" && (
         <p>
-          <b>Lost the robot. Without commands it stops by itself. Reconnecting…</b>
+          <b>
+            {replay
+              ? "Lost the replay. Was its program ended? Reconnecting…"
+              : "Lost the robot. Without commands it stops by itself. Reconnecting…"}
+          </b>
           <span aria-hidden="true">{soon}</span>
         </p>
       )}

@@ -16,6 +16,13 @@ const PAD: [string[], string][] = [
   [["Left stick"], "Forward, backward, turn; the right stick turns too"],
   [["B", "○"], "Emergency stop"],
 ];
+const RECORDING: [string[], string][] = [
+  [["Space"], "Play and pause"],
+  [[",", "."], "Step back and forward"],
+  [["←", "→"], "Five seconds back and forward"],
+  [["Home", "End"], "To the beginning, to the end"],
+  [["?"], "This sheet; Esc closes it"],
+];
 const LANES: [string[], string][] = [
   [["← →", "↑ ↓"], "With the lanes in focus: move the cursor that tells why"],
   [["+", "−", "P"], "Zoom, pause. Wheel, pinch and drag do the same"],
@@ -25,6 +32,7 @@ export function Help() {
   const { store } = useApp();
   const close = useRef<HTMLButtonElement>(null);
   const open = store.help.value;
+  const replay = store.replay.value;
   useEffect(() => {
     if (open) close.current?.focus();
   }, [open]);
@@ -32,7 +40,7 @@ export function Help() {
   return (
     <div class="sheet" role="dialog" aria-label="Shortcuts" data-testid="help-sheet">
       <div class="sheet-head">
-        <h2>Hands on the robot</h2>
+        <h2>{replay ? "Hands on the recording" : "Hands on the robot"}</h2>
         <button
           type="button"
           ref={close}
@@ -43,13 +51,15 @@ export function Help() {
           <CloseIcon />
         </button>
       </div>
-      <Keys title="Keyboard" keys={KEYS} />
-      <Keys title="Gamepad" keys={PAD} />
+      <Keys title="Keyboard" keys={replay ? RECORDING : KEYS} />
+      {!replay && <Keys title="Gamepad" keys={PAD} />}
       <Keys title="Lanes" keys={LANES} />
-      <p class="muted small">
-        Letting go stops the robot; so do another window, a hidden tab, a lost pointer, an unplugged gamepad and a cut
-        link. Keys typed in a field never drive.
-      </p>
+      {!replay && (
+        <p class="muted small">
+          Letting go stops the robot; so do another window, a hidden tab, a lost pointer, an unplugged gamepad and a cut
+          link. Keys typed in a field never drive.
+        </p>
+      )}
     </div>
   );
 }

@@ -7,12 +7,14 @@ import type { Tab } from "../state/store";
 export interface TabItem {
   id: Tab;
   title: string;
+  /** Where there is little room. */
+  short?: string;
   badge?: string | number;
   alarm?: boolean;
   content: () => ComponentChildren;
 }
 
-export function Tabs({ items }: { items: TabItem[] }) {
+export function Tabs({ items, narrow }: { items: TabItem[]; narrow: boolean }) {
   const { store } = useApp();
   const chosen = items.find((item) => item.id === store.tab.value) ?? items[0]!;
   const move = (event: KeyboardEvent) => {
@@ -36,6 +38,7 @@ export function Tabs({ items }: { items: TabItem[] }) {
             aria-selected={item === chosen}
             aria-controls="tab-panel"
             tabIndex={item === chosen ? 0 : -1}
+            aria-label={narrow && item.short ? item.title : undefined}
             data-testid={`tab-${item.id}`}
             onClick={(event) => {
               store.tab.value = item.id;
@@ -43,7 +46,7 @@ export function Tabs({ items }: { items: TabItem[] }) {
               if (event.detail > 0) event.currentTarget.blur();
             }}
           >
-            {item.title}
+            {(narrow && item.short) || item.title}
             {item.badge !== undefined && item.badge !== 0 && <span class="badge">{item.badge}</span>}
           </button>
         ))}

@@ -2,6 +2,8 @@
 
 import type { ComponentChildren } from "preact";
 import { useApp } from "../state/context";
+import { Marker } from "../playback/Marker";
+import { RecordButton } from "../recordings/RecordButton";
 import { EStop } from "./EStop";
 import { millis } from "./format";
 import { LinkIcon, WarnIcon } from "./icons";
@@ -31,10 +33,11 @@ export function TopBar({ narrow }: { narrow: boolean }) {
   const live = phase === "live";
   const guard = status?.guard;
   const known = live ? guard : undefined;
-  const stopped = store.stopped.value;
+  const replay = store.replay.value;
+  const stopped = store.stopped.value && !replay;
   const hello = store.hello.value;
   const rate = status?.world_rate ?? 1;
-  const slow = live && rate < 0.99;
+  const slow = live && !replay && rate < 0.99;
   return (
     <header class={`top-bar ${stopped ? "stopped" : ""} ${phase}`}>
       <div class="brand">
@@ -48,45 +51,29 @@ export function TopBar({ narrow }: { narrow: boolean }) {
         {phase === "stale" || phase === "lost" ? <WarnIcon /> : <LinkIcon />}
         {PHASES[phase]}
       </p>
-      <p
-        class={`chip guard-${known?.state ?? "none"}`}
-        data-testid="guard-state"
-        data-state={known?.state ?? ""}
-        title={known?.reason}
-      >
-        {known ? (GUARDS[known.state] ?? known.state) : "State unknown"}
-      </p>
+      {replay ? (
+        <Marker />
+      ) : (
+        <p
+          class={`chip guard-${known?.state ?? "none"}`}
+          data-testid="guard-state"
+          data-state={known?.state ?? ""}
+          title={known?.reason}
+        >
+          {known ? (GUARDS[known.state] ?? known.state) : "State unknown"}
+        </p>
+      )}
       <dl class="metrics">
         <Metric
           id="rtt"
           label="Link"
           unit="ms"
           tone={tone(store.rttMs.value, 150, 400)}
-          hint="Round trip between this page and the robot"
+          hint={replay ? "Round trip between this page and the replay" : "Round trip between this page and the robot"}
         >
           {millis(store.rttMs.value)}
         </Metric>
-        <Metric
-          id="command-age"
-          label="Command"
-          unit="ms"
-          tone={known && known.state !== "idle" ? tone(commandAge(known), 120, 200) : ""}
-          hint="Age of the newest drive command at the robot"
-        >
-          {live ? millis(commandAge(guard)) : "–"}
-        </Metric>
-        <Metric
-          id="view-age"
-          label="View"
-          unit="ms"
-          tone={live ? tone(store.viewAgeMs.value, 200, 500) : ""}
-          hint="Age of what you see"
-        >
-          {live ? millis(store.viewAgeMs.value) : "–"}
-        </Metric>
-        <Metric id="driver" label="Drives" hint="Who has the wheel, and the behavior that commands the base">
-          {live ? driverName(status) : "–"}
-        </Metric>
+        {!replay && <LiveMetrics />}
       </dl>
       {slow && (
         <p class="chip warn world-rate" data-testid="world-rate" title="The simulated world runs slower than real time">
@@ -98,6 +85,7 @@ export function TopBar({ narrow }: { narrow: boolean }) {
         </p>
       )}
       <div class="bar-end">
+        <RecordButton />
         <Operator />
         <button
           type="button"
@@ -109,9 +97,42 @@ export function TopBar({ narrow }: { narrow: boolean }) {
         >
           ?
         </button>
-        {!narrow && <EStop />}
+        {!narrow && !replay && <EStop />}
       </div>
     </header>
+  );
+}
+
+/** What only a living robot has: commands, an age, a driver. */
+function LiveMetrics() {
+  const { store } = useApp();
+  const status = store.status.value;
+  const live = store.live.value;
+  const guard = status?.guard;
+  return (
+    <>
+      <Metric
+        id="command-age"
+        label="Command"
+        unit="ms"
+        tone={live && guard && guard.state !== "idle" ? tone(commandAge(guard), 120, 200) : ""}
+        hint="Age of the newest drive command at the robot"
+      >
+        {live ? millis(commandAge(guard)) : "–"}
+      </Metric>
+      <Metric
+        id="view-age"
+        label="View"
+        unit="ms"
+        tone={live ? tone(store.viewAgeMs.value, 200, 500) : ""}
+        hint="Age of what you see"
+      >
+        {live ? millis(store.viewAgeMs.value) : "–"}
+      </Metric>
+      <Metric id="driver" label="Drives" hint="Who has the wheel, and the behavior that commands the base">
+        {live ? driverName(status) : "–"}
+      </Metric>
+    </>
   );
 }
 

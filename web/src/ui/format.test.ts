@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { ago, divisor, left, millis, nameAndTitle, number, reasonText, small, spaced, stateWord } from "./format";
+import { ago, clockSpan, divisor, left, millis, nameAndTitle, number, reasonText, size, small, spaced, stateWord } from "./format";
 
 test("ages are said as people say them", () => {
   expect([0.4, 12.3, 89, 200, 7200, 200_000].map(ago)).toEqual([
@@ -12,6 +12,20 @@ test("ages are said as people say them", () => {
   ]);
   expect([0.2, 29.4, 600].map(left)).toEqual(["1 s left", "30 s left", "10 min left"]);
   expect(ago(-3)).toBe("just now");
+});
+
+test("sizes and lengths of recordings", () => {
+  expect([0, 999, 1500, 34_234_000, 999_700_000, 12_345_000_000, null].map(size)).toEqual([
+    "0 B",
+    "999 B",
+    "1.5 kB",
+    "34 MB",
+    "1 GB",
+    "12.3 GB",
+    "–",
+  ]);
+  expect([0, 5, 62.9, 3723].map((s) => clockSpan(s))).toEqual(["0:00", "0:05", "1:02", "1:02:03"]);
+  expect([0.3, 5.04, 62.97].map((s) => clockSpan(s, 1))).toEqual(["0:00.3", "0:05.0", "1:02.9"]);
 });
 
 test("divisors, milliseconds and numbers", () => {

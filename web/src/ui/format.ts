@@ -71,6 +71,27 @@ export function reasonText(state: string, text: string): string {
   return rest.charAt(0).toUpperCase() + rest.slice(1);
 }
 
+/** Bytes as people count them: 34 MB. */
+export function size(bytes: number | null | undefined): string {
+  if (bytes === null || bytes === undefined || !Number.isFinite(bytes)) return "–";
+  let [value, unit] = [bytes, 0];
+  while (value >= 999.5 && unit < 4) [value, unit] = [value / 1000, unit + 1];
+  return `${number(value, unit === 0 || value >= 99.5 ? 0 : value >= 9.95 ? (unit > 2 ? 1 : 0) : 1)} ${["B", "kB", "MB", "GB", "TB"][unit]}`;
+}
+
+/** 1:02, or 1:02:03; with `digits` of a second. */
+export function clockSpan(seconds: number, digits = 0): string {
+  const whole = Math.max(0, Math.floor(seconds * 10 ** digits + 1e-6) / 10 ** digits);
+  const [h, m] = [Math.floor(whole / 3600), Math.floor((whole % 3600) / 60)];
+  const s = (whole % 60).toFixed(digits).padStart(digits > 0 ? 3 + digits : 2, "0");
+  return h > 0 ? `${h}:${String(m).padStart(2, "0")}:${s}` : `${m}:${s}`;
+}
+
+/** Day and time of day where the reader is. */
+export function dayTime(stamp: number): string {
+  return new Date(stamp * 1000).toLocaleString([], { dateStyle: "medium", timeStyle: "short", hour12: false });
+}
+
 export function clockTime(stamp: number): string {
   return new Date(stamp * 1000).toLocaleTimeString([], { hour12: false });
 }

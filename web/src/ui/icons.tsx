@@ -123,6 +123,49 @@ export const CubeIcon = () => (
   </Icon>
 );
 
+export const StepIcon = () => (
+  <Icon fill>
+    <path d="M5 5l9 7-9 7zM16 5h3v14h-3z" />
+  </Icon>
+);
+export const BackIcon = () => (
+  <Icon fill>
+    <path d="M19 5l-9 7 9 7zM5 5h3v14H5z" />
+  </Icon>
+);
+export const ReplayIcon = () => (
+  <Icon>
+    <path d="M4 12a8 8 0 108-8 8 8 0 00-6 2.7L4 9M4 4v5h5" />
+  </Icon>
+);
+export const FilmIcon = () => (
+  <Icon>
+    <rect x="3" y="4" width="18" height="16" rx="2" />
+    <path d="M8 4v16M16 4v16M3 9h5M3 15h5M16 9h5M16 15h5" />
+  </Icon>
+);
+export const RecordIcon = () => (
+  <Icon fill>
+    <circle cx="12" cy="12" r="7" />
+  </Icon>
+);
+export const SquareIcon = () => (
+  <Icon fill>
+    <rect x="5.5" y="5.5" width="13" height="13" rx="2" />
+  </Icon>
+);
+export const RingIcon = () => (
+  <Icon>
+    <path d="M20 12a8 8 0 11-2.6-5.9L20 8.5M20 4v4.5h-4.5" />
+    <circle cx="12" cy="12" r="2.4" fill="currentColor" />
+  </Icon>
+);
+export const DownloadIcon = () => (
+  <Icon>
+    <path d="M12 4v11M7 10.5l5 5 5-5M5 20h14" />
+  </Icon>
+);
+
 /** The state of a lane or a desire: told by shape as well as colour. */
 export function StateMark({ state }: { state: string }) {
   return (

@@ -85,7 +85,7 @@ function useCameraState(): { text: string; old: boolean; empty: boolean } {
   const now = store.now.value;
   const lane = store.rows.value.find((row) => row.class === CLASS);
   const age = stamp !== null && now !== null ? now - stamp : null;
-  const old = age !== null && age > OLD_S;
+  const old = age !== null && age > OLD_S * Math.max(1, store.clock.rate);
   if (store.hello.value && store.hello.value.channels.camera === false)
     return { text: "This robot has no camera.", old: false, empty: true };
   if (lane && lane.divisor === null && (age === null || old))

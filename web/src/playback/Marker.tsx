@@ -1,0 +1,22 @@
+/** Says, where the hands on the robot would be, that this is a recording. */
+
+import { useApp } from "../state/context";
+import { dayTime } from "../ui/format";
+import { FilmIcon } from "../ui/icons";
+import { isDated } from "./transport";
+
+export function Marker() {
+  const { store } = useApp();
+  const begin = store.playback.value?.begin ?? 0;
+  const file = (store.playback.value?.file ?? "").replace(/^.*[\\/]/, "");
+  const robot = store.hello.value?.robot.name ?? "a robot";
+  return (
+    <p class="recording-marker" data-testid="recording-marker" title="Nothing in a recording can be driven or stopped">
+      <FilmIcon />
+      <span>
+        <b>Recording of {robot}</b>
+        <small>{[isDated(begin) ? dayTime(begin) : "", file].filter(Boolean).join(" · ")}</small>
+      </span>
+    </p>
+  );
+}

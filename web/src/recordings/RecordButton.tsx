@@ -1,0 +1,76 @@
+/** The Recorder in the bar: one press records, one press stops or saves; what is being written is seen at any time. */
+
+import { useApp } from "../state/context";
+import { clockSpan, size } from "../ui/format";
+import { RecordIcon, RingIcon, SquareIcon, WarnIcon } from "../ui/icons";
+import { recordedFor } from "./words";
+
+export function RecordButton() {
+  const { store, recordings } = useApp();
+  const recorder = store.recorder.value;
+  if (!recorder?.available || store.replay.value) return null;
+  const pending = recordings.pending.value;
+  const live = store.live.value;
+  const length = clockSpan(recordedFor(recorder, store.now.value));
+  const common = { "data-testid": "record", "data-state": recorder.state, type: "button" as const };
+  if (pending === "start" || pending === "stop")
+    return (
+      <button {...common} class="record pending" disabled>
+        <span class="spinner" aria-hidden="true" /> {pending === "start" ? "Starting…" : "Stopping…"}
+      </button>
+    );
+  if (recorder.state === "recording")
+    return (
+      <button
+        {...common}
+        class="record recording"
+        disabled={!live}
+        aria-label={`Stop recording. ${length} recorded, ${size(recorder.bytes)}`}
+        title="Stop recording"
+        onClick={() => void recordings.stop()}
+      >
+        <SquareIcon />
+        <span data-testid="record-time">{length}</span>
+        <small data-testid="record-size">{size(recorder.bytes)}</small>
+        {recorder.dropped > 0 && <WarnIcon />}
+      </button>
+    );
+  if (recorder.state === "ring")
+    return (
+      <button
+        {...common}
+        class="record ring"
+        disabled={!live || pending === "save"}
+        aria-label={`Save the last ${length}`}
+        title="Save what the ring holds as a recording"
+        onClick={() => void recordings.save()}
+      >
+        <RingIcon />
+        {pending === "save" ? "Saving…" : "Save last"}
+        <span data-testid="record-time">{length}</span>
+      </button>
+    );
+  if (recorder.state === "stopped" || (recorder.desired && recorder.reason))
+    return (
+      <button
+        {...common}
+        class="record stopped"
+        title={recorder.reason}
+        onClick={() => (store.tab.value = "recordings")}
+      >
+        <WarnIcon /> Not recording
+      </button>
+    );
+  return (
+    <button
+      {...common}
+      class="record"
+      disabled={!live}
+      aria-label="Record"
+      title="Record what the robot perceives and does"
+      onClick={() => void recordings.record({})}
+    >
+      <RecordIcon /> <span class="record-word">Record</span>
+    </button>
+  );
+}

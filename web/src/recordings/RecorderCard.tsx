@@ -1,0 +1,187 @@
+/** What the Recorder does now, and the form that begins a recording. */
+
+import { useSignal } from "@preact/signals";
+import type { Recorder } from "../protocol/types";
+import { Labelled } from "../desires/FieldInput";
+import { useApp } from "../state/context";
+import { clockSpan, number, size } from "../ui/format";
+import { RecordIcon, RingIcon, SquareIcon, WarnIcon } from "../ui/icons";
+import type { Pending } from "./control";
+import { nameProblem, recordedFor, ringMinutes } from "./words";
+
+export function RecorderCard() {
+  const { store, recordings } = useApp();
+  const recorder = store.recorder.value;
+  if (!recorder?.available)
+    return (
+      <section class="card" aria-label="Recorder">
+        <p class="empty">
+          {store.live.value ? "This robot's program has no Recorder running." : "Waiting for the robot…"}
+        </p>
+      </section>
+    );
+  const { state } = recorder;
+  const form = state === "idle" && (!recorder.desired || recordings.pending.value === "start");
+  return (
+    <section class="card recorder" aria-label="Recorder" data-testid="recorder" data-state={state}>
+      {(state === "recording" || state === "ring") && <Running recorder={recorder} />}
+      {state === "stopped" && (
+        <p class="inline-note error recorder-stopped" role="alert">
+          <WarnIcon />
+          <span>
+            <b>Recording has stopped.</b> {recorder.reason}
+          </span>
+        </p>
+      )}
+      {state === "idle" && recorder.desired && recorder.reason && (
+        <p class="inline-note warn recorder-stopped" data-testid="recorder-reason">
+          <WarnIcon />
+          <span>
+            <b>Not recording, though desired.</b> {recorder.reason}
+          </span>
+        </p>
+      )}
+      {form ? <Form /> : <Actions recorder={recorder} />}
+    </section>
+  );
+}
+
+function Running({ recorder }: { recorder: Recorder }) {
+  const { store } = useApp();
+  const ring = recorder.state === "ring";
+  return (
+    <div class={`recorder-now ${recorder.state}`}>
+      <p class="recorder-title">
+        {ring ? <RingIcon /> : <RecordIcon />}
+        <b>{ring ? `Keeping the last ${number(recorder.keep_minutes)} min` : "Recording"}</b>
+        {recorder.name && <span class="muted">{recorder.name}</span>}
+      </p>
+      <dl class="recorder-figures">
+        <div>
+          <dt>{ring ? "Kept" : "Length"}</dt>
+          <dd>{clockSpan(recordedFor(recorder, store.now.value))}</dd>
+        </div>
+        <div>
+          <dt>Size</dt>
+          <dd>{size(recorder.bytes)}</dd>
+        </div>
+        <div>
+          <dt>Messages</dt>
+          <dd>{number(recorder.messages, 0)}</dd>
+        </div>
+        <div class={recorder.dropped > 0 ? "some" : ""} title="Messages that the disk was too slow for">
+          <dt>Lost</dt>
+          <dd data-testid="recorder-dropped">{number(recorder.dropped, 0)}</dd>
+        </div>
+      </dl>
+    </div>
+  );
+}
+
+function Actions({ recorder }: { recorder: Recorder }) {
+  const { store, recordings } = useApp();
+  const name = useSignal("");
+  const ring = recorder.state === "ring";
+  const pending = recordings.pending.value;
+  const wrong = nameProblem(name.value.trim());
+  return (
+    <div class="recorder-actions">
+      {ring && (
+        <Labelled name="save-name" title="Save as" hint="empty: named by the time" error={wrong || undefined}>
+          {(props) => (
+            <input
+              {...props}
+              data-testid="ring-name"
+              autocomplete="off"
+              value={name.value}
+              onInput={(event) => (name.value = event.currentTarget.value)}
+            />
+          )}
+        </Labelled>
+      )}
+      <div class="form-actions">
+        {ring && (
+          <button
+            type="button"
+            class="button accent"
+            data-testid="ring-save"
+            disabled={!store.live.value || pending !== null || wrong !== ""}
+            onClick={() => void recordings.save(name.value.trim() || undefined).then((kept) => kept && (name.value = ""))}
+          >
+            {pending === "save" ? "Saving…" : `Save the last ${clockSpan(recordedFor(recorder, store.now.value))}`}
+          </button>
+        )}
+        <button
+          type="button"
+          class="button"
+          data-testid="recording-stop"
+          disabled={!store.live.value || pending !== null}
+          onClick={() => void recordings.stop()}
+        >
+          <SquareIcon /> {stopWord(recorder.state, pending)}
+        </button>
+      </div>
+    </div>
+  );
+}
+
+function stopWord(state: Recorder["state"], pending: Pending): string {
+  if (pending === "stop") return "Stopping…";
+  if (state === "ring") return "Stop keeping";
+  return state === "recording" ? "Stop" : "Give up recording";
+}
+
+function Form() {
+  const { store, recordings } = useApp();
+  const name = useSignal("");
+  const keep = useSignal("");
+  const minutes = ringMinutes(keep.value);
+  const wrongName = nameProblem(name.value.trim());
+  const wrongKeep = typeof minutes === "string" ? minutes : "";
+  const pending = recordings.pending.value;
+  const submit = async (event: Event) => {
+    event.preventDefault();
+    if (wrongName || typeof minutes === "string") return;
+    const typed = name.value.trim();
+    await recordings.record({ ...(typed ? { name: typed } : {}), ...(minutes === null ? {} : { keep_minutes: minutes }) });
+  };
+  return (
+    <form class="recorder-form" noValidate onSubmit={(event) => void submit(event)} data-testid="recorder-form">
+      <h2>Record</h2>
+      <div class="recorder-fields">
+        <Labelled name="record-name" title="Name" hint="empty: named by the time" error={wrongName || undefined}>
+          {(props) => (
+            <input
+              {...props}
+              data-testid="recording-name-field"
+              autocomplete="off"
+              value={name.value}
+              onInput={(event) => (name.value = event.currentTarget.value)}
+            />
+          )}
+        </Labelled>
+        <Labelled name="record-keep" title="Keep only the last" hint="minutes; empty: all of it" error={wrongKeep || undefined}>
+          {(props) => (
+            <input
+              {...props}
+              data-testid="recording-keep-field"
+              inputMode="decimal"
+              autocomplete="off"
+              value={keep.value}
+              onInput={(event) => (keep.value = event.currentTarget.value)}
+            />
+          )}
+        </Labelled>
+      </div>
+      <button
+        type="submit"
+        class="button wide record-start"
+        data-testid="recording-start"
+        disabled={!store.live.value || pending !== null || wrongName !== "" || wrongKeep !== ""}
+      >
+        {minutes === null ? <RecordIcon /> : <RingIcon />}
+        {pending === "start" ? "Starting…" : minutes === null ? "Record" : "Keep the last minutes"}
+      </button>
+    </form>
+  );
+}

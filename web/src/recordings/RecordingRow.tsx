@@ -1,0 +1,165 @@
+/** One recording: what it is, and what can be done with it. Deleting asks once, in its place. */
+
+import { useSignal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import type { Recording } from "../protocol/types";
+import { useApp } from "../state/context";
+import { clockSpan, dayTime, size } from "../ui/format";
+import { DownloadIcon, PlayIcon, TrashIcon, WarnIcon } from "../ui/icons";
+
+const STATES = {
+  complete: null,
+  recording: { word: "being recorded", hint: "" },
+  unfinished: { word: "cut off", hint: "The program ended while it was written. “hbba log repair” completes it." },
+} as const;
+
+export function RecordingRow({ recording, onGone }: { recording: Recording; onGone: () => void }) {
+  const { session, store } = useApp();
+  const asking = useSignal(false);
+  const { name, state } = recording;
+  const told = STATES[state];
+  const facts = [
+    recording.began === null ? "" : dayTime(recording.began),
+    recording.robot !== store.hello.value?.robot.name ? recording.robot : "",
+  ].filter(Boolean);
+  return (
+    <li
+      class={`recording ${state}`}
+      data-testid="recording"
+      data-name={name}
+      data-state={state}
+      data-bytes={recording.bytes}
+      data-duration={recording.duration_s ?? ""}
+    >
+      <p class="recording-head">
+        <b>{name}</b>
+        {told && (
+          <span class={`tag ${state}`} title={told.hint}>
+            {told.word}
+          </span>
+        )}
+      </p>
+      <p class="recording-facts">
+        <span>{facts.join(" · ")}</span>
+        <span data-testid="recording-length">
+          {recording.duration_s === null ? "length unknown" : clockSpan(recording.duration_s)}
+        </span>
+        <span data-testid="recording-size">{size(recording.bytes)}</span>
+      </p>
+      {state === "unfinished" && <p class="muted small">{told!.hint}</p>}
+      {state !== "recording" &&
+        (asking.value ? (
+          <Confirm name={name} onGone={onGone} onKeep={() => (asking.value = false)} />
+        ) : (
+          <div class="recording-actions">
+            <ReplayButton name={name} />
+            <a
+              class="button small"
+              href={session.rest.recordingAddress(name)}
+              download={`${name}.mcap`}
+              data-testid="recording-download"
+              aria-label={`Download ${name}`}
+            >
+              <DownloadIcon /> Download
+            </a>
+            <button
+              type="button"
+              class="icon-button"
+              data-testid="recording-delete"
+              aria-label={`Delete ${name}…`}
+              title="Delete…"
+              onClick={() => (asking.value = true)}
+            >
+              <TrashIcon />
+            </button>
+          </div>
+        ))}
+      <ReplayNote name={name} />
+    </li>
+  );
+}
+
+function ReplayButton({ name }: { name: string }) {
+  const { recordings } = useApp();
+  const busy = recordings.replays.value[name]?.state === "starting";
+  return (
+    <button
+      type="button"
+      class="button small"
+      data-testid="recording-replay"
+      aria-label={`Replay ${name} in a new tab`}
+      disabled={busy}
+      onClick={() => void recordings.replay(name)}
+    >
+      {busy ? <span class="spinner" aria-hidden="true" /> : <PlayIcon />} {busy ? "Starting…" : "Replay"}
+    </button>
+  );
+}
+
+function ReplayNote({ name }: { name: string }) {
+  const { recordings, store } = useApp();
+  const replay = recordings.replays.value[name];
+  const list = store.recordings.value?.replay;
+  const running = list?.name === name ? list : null;
+  if (replay?.state === "failed")
+    return (
+      <p class="inline-note error" role="alert" data-testid="replay-problem">
+        <WarnIcon />
+        <span>{replay.text}</span>
+      </p>
+    );
+  if (replay?.state === "starting")
+    return (
+      <p class="replay-note" role="status" data-testid="replay-state" data-state="starting">
+        The replay is starting in a new tab. This takes some seconds.
+      </p>
+    );
+  if (!running) return null;
+  return (
+    <p class="replay-note" data-testid="replay-state" data-state="running">
+      <span>The replay runs.</span>
+      <a href={running.url} target="_blank" rel="noopener" data-testid="replay-link">
+        Open it
+      </a>
+      <button type="button" class="link" data-testid="replay-end" onClick={() => void recordings.endReplay(name)}>
+        End it
+      </button>
+    </p>
+  );
+}
+
+function Confirm({ name, onGone, onKeep }: { name: string; onGone: () => void; onKeep: () => void }) {
+  const { recordings } = useApp();
+  const keep = useRef<HTMLButtonElement>(null);
+  const busy = useSignal(false);
+  const problem = useSignal("");
+  useEffect(() => keep.current?.focus(), []);
+  const remove = async () => {
+    busy.value = true;
+    problem.value = await recordings.remove(name);
+    busy.value = false;
+    if (!problem.peek()) onGone();
+  };
+  return (
+    <div class="recording-confirm" role="group" aria-label={`Delete ${name}?`}>
+      <span>Delete it for good?</span>
+      <button
+        type="button"
+        class="button small danger"
+        data-testid="recording-delete-confirm"
+        disabled={busy.value}
+        onClick={() => void remove()}
+      >
+        {busy.value ? "Deleting…" : "Delete"}
+      </button>
+      <button type="button" class="button small" ref={keep} data-testid="recording-keep" onClick={onKeep}>
+        Keep
+      </button>
+      {problem.value && (
+        <p class="inline-note error" role="alert">
+          {problem.value}
+        </p>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,63 @@
+/** The recordings: what is being recorded, and those there are. */
+
+import { useEffect, useRef } from "preact/hooks";
+import { useApp } from "../state/context";
+import { size } from "../ui/format";
+import { WarnIcon } from "../ui/icons";
+import { RecorderCard } from "./RecorderCard";
+import { RecordingRow } from "./RecordingRow";
+import { newestFirst } from "./words";
+
+export function Recordings() {
+  const { store, recordings } = useApp();
+  const list = store.recordings.value;
+  const problem = recordings.problem.value;
+  const head = useRef<HTMLHeadingElement>(null);
+  useEffect(() => {
+    store.recordingsShown.value = true;
+    return () => {
+      store.recordingsShown.value = false;
+    };
+  }, []);
+  return (
+    <>
+      <RecorderCard />
+      {problem && (
+        <p class="inline-note error" role="alert" data-testid="recordings-problem">
+          <WarnIcon />
+          <span>{problem}</span>
+        </p>
+      )}
+      <section class="card" aria-label="Recordings" data-testid="recordings">
+        <h2 ref={head} tabIndex={-1}>
+          Recordings <span class="count">{list?.recordings.length ?? ""}</span>
+        </h2>
+        {list === null ? (
+          <p class="empty">{problem ? "The list could not be read." : "Reading the list…"}</p>
+        ) : list.recordings.length === 0 ? (
+          <p class="empty" data-testid="recordings-empty">
+            None yet. What you record is kept on the robot; it can be replayed, downloaded and opened in other tools.
+          </p>
+        ) : (
+          <ul class="recordings">
+            {newestFirst(list.recordings).map((recording) => (
+              <RecordingRow key={recording.name} recording={recording} onGone={() => head.current?.focus()} />
+            ))}
+          </ul>
+        )}
+        {list && (
+          <p class="recordings-room muted small">
+            {list.free_bytes !== null && (
+              <span data-testid="recordings-free" data-bytes={list.free_bytes}>
+                {size(list.free_bytes)} free
+              </span>
+            )}
+            <span class="recordings-folder" title={list.folder}>
+              in <bdi>{list.folder}</bdi>
+            </span>
+          </p>
+        )}
+      </section>
+    </>
+  );
+}
