@@ -83,17 +83,24 @@ class McapLog:
         self._file.close()
 
     def _messages(self, decoder: Decoder, begin_ns: int | None) -> Iterator[Logged]:
-        log_time = self._summary_times()[0]
         if not decoder.topics:
             return
-        try:
-            for _, channel, record in self._reader.iter_messages(decoder.topics, starting_at=begin_ns):
-                log_time = record.log_time
+        records = self._reader.iter_messages(decoder.topics, starting_at=begin_ns)
+        log_time = self._statistics.message_start_time
+        while True:
+            try:
+                _, channel, record = next(records)
+            except StopIteration:
+                return
+            except _DAMAGE as error:
+                raise self._damaged(f"what follows {from_ns(log_time):.3f} s", error) from error
+            log_time = record.log_time
+            try:
                 made = decoder.add(channel.topic, record.data)
-                if made is not None:
-                    yield Logged(from_ns(log_time), *made)
-        except _DAMAGE as error:
-            raise self._damaged(f"what follows {from_ns(log_time):.3f} s", error) from error
+            except ValueError as error:
+                raise self._damaged(f"{channel.topic} at {from_ns(log_time):.3f} s", error) from error
+            if made is not None:
+                yield Logged(from_ns(log_time), *made)
 
     def _open(self) -> tuple[SeekingReader, Summary]:
         if self._file.read(len(MAGIC)) != MAGIC:
@@ -105,6 +112,7 @@ class McapLog:
         )
         if self._file.read() != MAGIC or self._file.tell() == len(MAGIC):
             raise unfinished
+        self._file.seek(0)
         reader = SeekingReader(self._file, validate_crcs=True)
         try:
             summary = reader.get_summary()
@@ -135,16 +143,9 @@ class McapLog:
             name: LoggedChannel(name, channel.message_type, counts.get(channel.main_topic, 0), channel.rate_hz)
             for name, channel in self._contents.channels.items()
         }
-        begin, end = self._summary_times()
-        return LogInfo(
-            self._path,
-            FORMAT,
-            from_ns(begin),
-            from_ns(end),
-            channels,
-            self._path.stat().st_size,
-            self._contents.ignored,
-        )
+        begin, end = self._statistics.message_start_time, self._statistics.message_end_time
+        size = self._path.stat().st_size
+        return LogInfo(self._path, FORMAT, from_ns(begin), from_ns(end), channels, size, self._contents.ignored)
 
     @property
     def _statistics(self) -> Statistics:
@@ -152,9 +153,6 @@ class McapLog:
         if statistics is None:
             raise LogError(f"{self._path} has a summary without statistics; `hbba log repair {self._path}` makes them")
         return statistics
-
-    def _summary_times(self) -> tuple[int, int]:
-        return self._statistics.message_start_time, self._statistics.message_end_time
 
     def _damaged(self, what: str, error: BaseException) -> LogError:
         why = f"{type(error).__name__}: {error}"

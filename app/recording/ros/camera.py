@@ -89,7 +89,7 @@ class ImageConverter:
         if "color" not in parts or (info.has_depth and "depth" not in parts):
             return None
         jpeg = typestore.deserialise(_COMPRESSED, parts["color"]).data
-        color = cv2.imdecode(jpeg, cv2.IMREAD_COLOR_RGB)
+        color = cv2.imdecode(jpeg, cv2.IMREAD_COLOR_RGB) if jpeg.size else None
         if color is None:
             raise ValueError("the colour image is no JPEG")
         depth: NDArray[np.uint16] | None = None
