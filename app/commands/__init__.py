@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from app.commands import bench, check, doctor, run, solve
+from app.commands import bench, check, doctor, replay, run, solve
 
 #: What ``argparse`` gives for adding a command; its own type is private and generic.
 Subparsers = Any
@@ -24,4 +24,11 @@ class Command(Protocol):
         ...
 
 
-COMMANDS: Mapping[str, Command] = {"run": run, "doctor": doctor, "check": check, "solve": solve, "bench": bench}
+COMMANDS: Mapping[str, Command] = {
+    "run": run,
+    "replay": replay,
+    "doctor": doctor,
+    "check": check,
+    "solve": solve,
+    "bench": bench,
+}

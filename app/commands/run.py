@@ -11,7 +11,7 @@ import socket
 import sys
 import threading
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any
@@ -35,6 +35,11 @@ def add_parser(subparsers: Any) -> None:
         description="Start the robot and its console; Ctrl-C stops both. Options win over the configuration.",
     )
     parser.add_argument("--config", type=Path, metavar="FILE", help="the program to run (default: the simulated lab)")
+    add_console_options(parser)
+
+
+def add_console_options(parser: argparse.ArgumentParser) -> None:
+    """The options of every command that serves a console."""
     parser.add_argument("--host", metavar="H", help="address to listen on (default 127.0.0.1: this computer alone)")
     parser.add_argument("--port", type=_port, metavar="N", help="port to listen on (default 8080; 0: any free one)")
     parser.add_argument(
@@ -60,23 +65,17 @@ def run(args: argparse.Namespace) -> int:
     try:
         with listen(host, console.port if args.port is None else args.port) as listener:
             logs.configure(args.log_level, as_json=args.log_json)
-            return asyncio.run(_serve(configuration, listener, token, Stopping(), open_browser=args.open))
+            live = _live(configuration, listener, token, open_browser=args.open)
+            return asyncio.run(until_stopped(live, Stopping()))
     except LinkFailed as failure:
         print(f"hbba run: {failure}", file=sys.stderr)
         return 1
 
 
-async def _serve(
-    configuration: Configuration,
-    listener: socket.socket,
-    token: str | None,
-    stopping: Stopping,
-    *,
-    open_browser: bool,
-) -> int:
-    """Run until asked to stop, whatever is being done then. Raises LinkFailed, ConfigError."""
+async def until_stopped(live: Coroutine[Any, Any, None], stopping: Stopping) -> int:
+    """Run ``live`` to its end, or until asked to stop, whatever is being done then. Raises what it raises."""
     loop = asyncio.get_running_loop()
-    running = asyncio.create_task(_live(configuration, listener, token, open_browser=open_browser))
+    running = asyncio.create_task(live)
     stopping.install(lambda: loop.call_soon_threadsafe(running.cancel))
     try:
         await running
@@ -100,14 +99,7 @@ async def _live(
     cv2.setNumThreads(1)  # modules have their own threads; OpenCV's pool would only fight them for the cores
 
     host, port = address_of(listener)
-
-    def announce(url: str) -> None:
-        print(f"HBBA is up: {login_url(url, token)}  (Ctrl-C stops it)", flush=True)
-        if host in ("0.0.0.0", "::"):
-            print(f"From other computers: {login_url(f'http://{socket.gethostname()}:{port}', token)}", flush=True)
-        if open_browser:
-            asyncio.get_running_loop().run_in_executor(None, webbrowser.open, login_url(url, token))
-
+    announce = announcer("HBBA is up", host, port, token, open_browser=open_browser)
     log.info("starting", extra={"configuration": configuration.program_document.file})
     async with System(configuration) as system:
         app = create_app(system, token=token, host=host)
@@ -123,6 +115,19 @@ async def _live(
             console.cancel()
             failure.cancel()
             await asyncio.gather(console, failure, return_exceptions=True)
+
+
+def announcer(what: str, host: str, port: int, token: str | None, *, open_browser: bool) -> Callable[[str], None]:
+    """What says where the console is, and opens it if asked to, once it listens."""
+
+    def announce(url: str) -> None:
+        print(f"{what}: {login_url(url, token)}  (Ctrl-C stops it)", flush=True)
+        if host in ("0.0.0.0", "::"):
+            print(f"From other computers: {login_url(f'http://{socket.gethostname()}:{port}', token)}", flush=True)
+        if open_browser:
+            asyncio.get_running_loop().run_in_executor(None, webbrowser.open, login_url(url, token))
+
+    return announce
 
 
 def login_url(url: str, token: str | None) -> str:

@@ -195,7 +195,8 @@ class ReplayedBody:
     @property
     def listened(self) -> set[str]:
         """The channels of the log that somebody wants now."""
-        return self._listened()
+        streams = {self._channels[s] for s, receivers in self._receivers.items() if receivers and s in self._wanted}
+        return streams | {channel for channel, feeds in self._feeds.items() if any(feed.wanted for feed in feeds)}
 
     @property
     def reading(self) -> bool:
@@ -214,19 +215,14 @@ class ReplayedBody:
             streams = ", ".join(self._receivers) or "none"
             raise KeyError(f"{self._description.name} has no stream {stream!r}; it has {streams}") from None
 
-    def _listened(self) -> set[str]:
-        """The channels of the log that somebody wants now."""
-        streams = {self._channels[s] for s, receivers in self._receivers.items() if receivers and s in self._wanted}
-        return streams | {channel for channel, feeds in self._feeds.items() if any(feed.wanted for feed in feeds)}
-
     def _changed(self) -> None:
         """Somebody came, went, or wants something else: once all have said so, read what is wanted then."""
-        if self._restart is None and self._pump is not None and self._listened() != self._open.keys():
+        if self._restart is None and self._pump is not None and self.listened != self._open.keys():
             self._restart = asyncio.get_running_loop().call_soon(self._rewire)
 
     def _rewire(self) -> None:
         self._restart = None
-        if self._listened() != self._open.keys():
+        if self.listened != self._open.keys():
             self._read_anew()
 
     def _read_anew(self) -> None:
@@ -268,7 +264,7 @@ class ReplayedBody:
     def _source(self) -> LogSource:
         """What is wanted now, from here on; of channels newly wanted only what arrives from now on."""
         now = max(self._clock.now(), self._at)
-        self._open = {channel: self._open.get(channel, now) for channel in self._listened()}
+        self._open = {channel: self._open.get(channel, now) for channel in self.listened}
         return LogSource(self.log, self._open, Place(self._at, dict(self._passed), dict(self._open)), self.end)
 
     async def _deliver_all(self, source: LogSource) -> None:

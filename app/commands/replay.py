@@ -1,0 +1,297 @@
+"""``hbba replay FILE``: live a recording again, with the console to look at it or without."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import math
+import socket
+import sys
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app import logs
+from app.commands.run import Stopping, add_console_options, announcer, until_stopped
+from app.errors import ConfigError
+
+if TYPE_CHECKING:
+    from fastapi import FastAPI
+
+    from app.recording.log import Log
+    from app.replay.options import ReplayOptions
+    from app.replay.replay import Replay
+
+#: How often it is looked whether anybody still watches (s).
+LOOK_S = 1.0
+
+
+def add_parser(subparsers: Any) -> None:
+    """Declare ``hbba replay``."""
+    parser = subparsers.add_parser(
+        "replay",
+        help="live a recording again",
+        description="Run the modules on a recording: of this program (MCAP), a ROS 1 or ROS 2 bag, or a CARMEN log. "
+        "With the console, where it can be paused and scrubbed; with --headless as fast as the machine allows, the "
+        "same each time.",
+    )
+    parser.add_argument("file", metavar="FILE", help="a log, or the name of one of your recordings")
+    parser.add_argument(
+        "--speed", type=_speed, metavar="X", help="times real time, or max (default: 1 with the console, else max)"
+    )
+    parser.add_argument(
+        "--from", dest="begin", type=_time, metavar="T", help="begin T after the log's begin: 90 or 1:30"
+    )
+    parser.add_argument("--to", dest="end", type=_time, metavar="T", help="end T after the log's begin")
+    parser.add_argument(
+        "--only", type=_names, metavar="A,B", help="run only these modules; the rest comes from the log"
+    )
+    parser.add_argument(
+        "--phi", type=_phi, action="append", default=[], metavar="M.PORT=N",
+        help="hold this filter at this divisor (off: closed), whatever attention wants; may be given several times",
+    )  # fmt: skip
+    parser.add_argument(
+        "--offset",
+        type=_count,
+        default=0,
+        metavar="K",
+        help="let the first K messages of each held or attended filter go by",
+    )
+    parser.add_argument("--no-desires", action="store_true", help="leave out the desires that people had")
+    parser.add_argument("--config", type=Path, metavar="FILE", help="run this program instead of the recorded one")
+    parser.add_argument("--remap", type=Path, metavar="FILE", help="which topics of a ROS bag are which channels")
+    parser.add_argument("--record", metavar="NAME", help="record the replay under this name")
+    parser.add_argument("--headless", action="store_true", help="without the console; prints what came of it")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="with --headless: also write what came of it here")
+    parser.add_argument(
+        "--exit-when-unwatched", type=_seconds, metavar="S", help="end S seconds after the last viewer left"
+    )
+    add_console_options(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Replay until the end, or with the console until a signal comes. Raises ConfigError."""
+    from app.link import LinkFailed
+    from app.recording.foreign.remap import load_remap
+    from app.recording.log import LogError
+    from app.recording.open import open_log
+
+    if args.json is not None and not args.headless:
+        raise ConfigError("--json says what came of a replay without the console: add --headless")
+    path = find_log(args.file)
+    try:
+        remap = load_remap(args.remap) if args.remap is not None else None
+
+        def opened() -> Log:
+            return open_log(path, remap)
+
+        with ExitStack() as stack:
+            log = opened()
+            stack.callback(log.close)
+            options = _options(args, log)
+            if args.headless:
+                return _headless(args, log, options)
+            return _with_console(args, log, options, opened, stack)
+    except (LinkFailed, LogError) as failure:
+        print(f"hbba replay: {failure}", file=sys.stderr)
+        return 2
+
+
+def find_log(text: str) -> Path:
+    """The file people mean: a path, or the bare name of a recording. Raises ConfigError."""
+    from app.recording.library import RecordingLibrary, default_folder
+
+    path = Path(text)
+    if path.exists():
+        return path
+    library = RecordingLibrary(default_folder())
+    try:
+        recording = library.path(text.removesuffix(".mcap"))
+    except ValueError:
+        raise ConfigError(f"there is no file {text}") from None
+    if not recording.is_file():
+        raise ConfigError(f"there is no file {text}, and no recording of that name in {library.folder}")
+    return recording
+
+
+def _options(args: argparse.Namespace, log: Log) -> ReplayOptions:
+    from app.replay.options import ReplayOptions
+
+    info = log.info
+    begin = None if args.begin is None else info.begin + args.begin
+    end = None if args.end is None else info.begin + args.end
+    if begin is not None and begin >= info.end:
+        raise ConfigError(f"--from {args.begin:g} s: the log has {info.duration_s:.1f} s", str(info.path))
+    if end is not None and end <= (begin or info.begin):
+        raise ConfigError(f"--to {args.end:g} s: must be later than the begin", str(info.path))
+    return ReplayOptions(
+        begin=begin,
+        end=None if end is None else min(end, info.end),
+        only=args.only,
+        phi=dict(args.phi),
+        offset=args.offset,
+        config=args.config,
+        desires=not args.no_desires,
+        record=args.record,
+    )
+
+
+def _headless(args: argparse.Namespace, log: Log, options: ReplayOptions) -> int:
+    import cv2
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    from app.commands.replay_report import print_report
+    from app.replay.headless import Watch, run_headless
+
+    cv2.setNumThreads(1)
+    logs.configure("warning" if args.log_level == "info" else args.log_level, as_json=args.log_json)
+    begin = log.info.begin if options.begin is None else options.begin
+    end = log.info.end if options.end is None else options.end
+    errors = Console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal) as bar:
+        task = bar.add_task(log.info.path.name, total=end - begin)
+        watch = Watch(lambda position: bar.update(task, completed=position - begin))
+        report = run_headless(log, options, speed=_finite(args.speed), watch=watch)
+    print_report(report)
+    if args.json is not None:
+        try:
+            args.json.write_text(report.to_json(), encoding="utf-8")
+        except OSError as failure:
+            raise ConfigError(f"cannot be written: {failure.strerror or failure}", str(args.json)) from None
+    return 0
+
+
+def _with_console(
+    args: argparse.Namespace, log: Log, options: ReplayOptions, opened: Callable[[], Log], stack: ExitStack
+) -> int:
+    from app.console.security import check_token, is_loopback, new_token
+    from app.console.server import listen
+    from app.replay.replay import Replay
+    from app.runtime.replay_clock import ReplayClock
+
+    past = opened()  # read beside the body, in a thread of its own
+    stack.callback(past.close)
+    begin = log.info.begin if options.begin is None else options.begin
+    clock = ReplayClock(begin, log.info.end if options.end is None else options.end)
+    replay = Replay(log, clock, options)
+    console = replay.program.configuration.program.console
+    host = args.host or console.host
+    token = args.token or console.token or (None if is_loopback(host) else new_token())
+    check_token(token, host)
+    logs.configure(args.log_level, as_json=args.log_json)
+    for note in replay.notes():
+        print(note)
+    listener = stack.enter_context(listen(host, console.port if args.port is None else args.port))
+    live = _live(args, replay, clock, past, listener, token)
+    return asyncio.run(until_stopped(live, Stopping()))
+
+
+async def _live(
+    args: argparse.Namespace, replay: Replay, clock: Any, past: Log, listener: socket.socket, token: str | None
+) -> None:
+    """Replay with a console until it is stopped. Raises LinkFailed."""
+    import cv2
+
+    from app.console.app import create_app
+    from app.console.server import address_of, serve
+    from app.replay.playback import Playback
+
+    cv2.setNumThreads(1)
+    host, port = address_of(listener)
+    announce = announcer(f"HBBA replays {past.info.path.name}", host, port, token, open_browser=args.open)
+    speed = 1.0 if args.speed is None else _finite(args.speed)
+    async with replay, Playback(replay.system, replay.body, clock, past, speed=speed) as playback:
+        app = create_app(replay.system, token=token, host=host, playback=playback)
+        serving = serve(app, host, port, listener=listener, started=announce)
+        tasks = [asyncio.create_task(serving, name="console")]
+        tasks.append(asyncio.create_task(_failed(replay), name="replay's failure"))
+        if args.exit_when_unwatched is not None:
+            tasks.append(asyncio.create_task(_unwatched(app, args.exit_when_unwatched), name="unwatched"))
+        try:
+            done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+            for task in done:
+                task.result()
+        finally:
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+
+
+async def _failed(replay: Replay) -> None:
+    raise await replay.system.wait_failed()
+
+
+async def _unwatched(app: FastAPI, after_s: float) -> None:
+    """Wait until nobody has watched for ``after_s``."""
+    unwatched_s = 0.0
+    while unwatched_s < after_s:
+        await asyncio.sleep(LOOK_S)
+        unwatched_s = 0.0 if app.state.hub.viewers else unwatched_s + LOOK_S
+
+
+def _finite(speed: float | None) -> float | None:
+    """``max`` is no speed: as fast as possible."""
+    return None if speed is None or math.isinf(speed) else speed
+
+
+# --- Arguments -------------------------------------------------------------------------------------------------------
+
+
+def _speed(text: str) -> float:
+    if text == "max":
+        return math.inf
+    speed = _number(text)
+    if speed is None or not 0.1 <= speed <= 100:
+        raise argparse.ArgumentTypeError(f"a speed is a number from 0.1 to 100, or max, not {text!r}")
+    return speed
+
+
+def _time(text: str) -> float:
+    """Seconds, or minutes and seconds as ``1:30.5``."""
+    minutes, colon, seconds = text.rpartition(":")
+    parts = (_number(minutes) if colon else 0.0, _number(seconds))
+    if parts[0] is None or parts[1] is None or parts[0] < 0 or parts[1] < 0:
+        raise argparse.ArgumentTypeError(f"a time in the log is written 90, 90.5 or 1:30, not {text!r}")
+    return 60 * parts[0] + parts[1]
+
+
+def _seconds(text: str) -> float:
+    seconds = _number(text)
+    if seconds is None or seconds <= 0:
+        raise argparse.ArgumentTypeError(f"must be a number of seconds greater than 0, not {text!r}")
+    return seconds
+
+
+def _names(text: str) -> tuple[str, ...]:
+    names = tuple(name.strip() for name in text.split(","))
+    if not all(names):
+        raise argparse.ArgumentTypeError(f"modules are named as A,B,C, not {text!r}")
+    return names
+
+
+def _phi(text: str) -> tuple[str, float]:
+    name, _, divisor = text.partition("=")
+    module, _, port = name.partition(".")
+    if module and port:
+        if divisor == "off":
+            return name, math.inf
+        if divisor.isdecimal() and int(divisor) >= 1:
+            return name, float(divisor)
+    raise argparse.ArgumentTypeError(f"is written Module.port=N with a whole N from 1, or off, not {text!r}")
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"a number of messages is a whole number from 0, not {text!r}")
+    return int(text)
+
+
+def _number(text: str) -> float | None:
+    try:
+        number = float(text)
+    except ValueError:
+        return None
+    return number if math.isfinite(number) else None
