@@ -30,7 +30,7 @@ def open_log(path: Path, remap: Remap | None = None) -> Log:
     """The log at ``path``; ``remap`` says which topics of a ROS bag become which channels.
 
     Raises LogError for a file that cannot be read or is none of the accepted kinds, and where a bag's topics do not
-    say which of them is meant; RemapError (a LogError) where ``remap`` does not fit the bag.
+    say which of them is meant; ConfigError where ``remap`` does not fit the bag.
     """
     if path.is_dir():
         if not (path / "metadata.yaml").is_file():
@@ -84,7 +84,9 @@ def _mcap(path: Path, head: bytes, remap: Remap | None) -> Log:
             raise LogError(f"{path}: is an MCAP file without its end; 'mcap recover' of the MCAP tools makes it whole")
         return _ros(path, remap)
     if not whole:
-        raise LogError(f"{path}: was not closed, since its writer was stopped; make it whole with: hbba log repair {path}")
+        raise LogError(
+            f"{path}: was not closed, since its writer was stopped; make it whole with: hbba log repair {path}"
+        )
     if remap is not None:
         raise LogError(f"{path}: is a recording of hbba, whose channels have their names; leave the remap file away")
     from app.recording.mcap_log import McapLog

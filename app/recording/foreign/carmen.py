@@ -1,0 +1,326 @@
+"""CARMEN laser logs: text, one message per line, plain or packed by gzip.
+
+There is no index in such a log: it is gone through once when it is opened, which counts its messages and its damage
+and notes where one may begin to read. Memory stays bounded, whatever the log's length.
+"""
+
+from __future__ import annotations
+
+import gzip
+import math
+import statistics
+import zlib
+from bisect import bisect_left
+from collections import Counter
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO, cast
+
+import numpy as np
+
+from app.geometry import Pose2, Pose3
+from app.messages import LaserScan, Odometry, read_only
+from app.recording.foreign.carmen_lines import KINDS, Beams, Odom, Param, Times, parse
+from app.recording.log import LogError, Logged, LoggedChannel, LogInfo
+from app.recording.manifest import Manifest
+
+#: A line of a log that goes back further than this (s), or on further, was not written at the time that it says.
+_BACK_S = 10.0
+_ON_S = 86400.0
+#: No time of a line that is that small (s) was measured.
+_NO_TIME_S = 1e-9
+#: Bytes between the places where reading may begin.
+_MARK_EVERY = 1 << 20
+#: Lines that are looked at for telling when a log begins.
+_FIRST_LINES = 21
+#: From here on (m) a reading of SICK's LMS is one of its codes for "nothing seen", in centimetres or millimetres.
+_LMS_CODES_CM = 80.0
+_LMS_CODES_MM = (8.183, 8.192)
+_RANGE_MIN_M = 0.01
+#: Which line gives which channel; the first kind that a log has is taken.
+_LASERS = {"scan": ("ROBOTLASER1", "FLASER", "RAWLASER1"), "rear_scan": ("ROBOTLASER2", "RLASER", "RAWLASER2")}
+_OFFSET_PARAMS = {"scan": "robot_frontlaser_offset", "rear_scan": "robot_rearlaser_offset"}
+
+
+def is_carmen(head: bytes) -> bool:
+    """Whether ``head``, the beginning of a file, is that of a CARMEN log: text whose lines begin with its names."""
+    if b"\x00" in head:
+        return False
+    lines = head.decode("utf-8", "replace").splitlines()
+    if len(lines) > 1:
+        lines = lines[:-1]  # cut off, perhaps
+    first = [line.split(maxsplit=1)[0] for line in lines if line.strip() and not line.startswith("#")]
+    if first:
+        return first[0] in KINDS | {"SYNC", "TRUEPOS"}
+    return any("CARMEN" in line or "message formats defined" in line for line in lines)
+
+
+@dataclass(frozen=True, slots=True)
+class _Clock:
+    """Where in time a reader of the lines is: ``shift`` takes logger times to the clock of the captures."""
+
+    at: float
+    shift: float
+    started: bool = False
+
+    def next(self, times: Times) -> _Clock | None:
+        """The clock after a line of ``times``; None for times that cannot be. It never goes back: lines stand in the
+        order of their arrival, though some loggers wrote times a little out of order."""
+        logged = times.logged + self.shift
+        if times.captured <= _NO_TIME_S or not (
+            self.at - _BACK_S <= times.captured <= self.at + _ON_S and self.at - _BACK_S <= logged <= self.at + _ON_S
+        ):
+            return None
+        return _Clock(max(self.at, logged) if self.started else logged, self.shift, True)
+
+
+@dataclass(frozen=True, slots=True)
+class _Mark:
+    """Here one may begin to read: ``offset`` (bytes of text), and what was known there."""
+
+    offset: int
+    clock: _Clock
+    twist: tuple[float, float]
+
+
+@dataclass(slots=True)
+class _Survey:
+    """What going through a log once found."""
+
+    kinds: Counter[str]
+    untimed: Counter[str]
+    malformed: int
+    complaint: str
+    begin: float
+    end: float
+    params: dict[str, str]
+    farthest_m: dict[str, float]
+    marks: list[_Mark]
+    truncated: str
+
+
+class CarmenLog:
+    """A CARMEN log: channels ``scan`` and, where there is a laser behind, ``rear_scan`` (LaserScan), and ``odometry``.
+
+    A scan's line says where odometry had the robot at its capture: that pose goes to ``odometry`` just before the scan.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Go through the log once. Raises LogError where nothing in it can be read."""
+        self._path = path
+        self._survey = survey = _surveyed(path)
+        kinds = survey.kinds
+        self._lasers = {
+            channel: next((kind for kind in choices if kinds[kind]), None) for channel, choices in _LASERS.items()
+        }
+        self._channel_of = {kind: channel for channel, kind in self._lasers.items() if kind is not None}
+        poses = kinds["ODOM"] + sum(kinds[kind] for kind in self._channel_of if not kind.startswith("RAW"))
+        counts = {
+            **{channel: (LaserScan, kinds[kind]) for kind, channel in self._channel_of.items()},
+            **({"odometry": (Odometry, poses)} if poses else {}),
+        }
+        if not counts:
+            raise LogError(f"{path}: has no line of a laser or of odometry that could be read. {survey.complaint}")
+        duration = survey.end - survey.begin
+        channels = {
+            name: LoggedChannel(name, kind, count, (count - 1) / duration if duration > 0 and count > 1 else None)
+            for name, (kind, count) in counts.items()
+        }
+        self._info = LogInfo(path, "CARMEN", survey.begin, survey.end, channels, path.stat().st_size, self._ignored())
+        streams = {"stream.hokuyo": "scan", "stream.odometry": "odometry"}
+        self._manifest = Manifest(facts={stream: name for stream, name in streams.items() if name in channels})
+
+    @property
+    def info(self) -> LogInfo:
+        """What it holds; ``ignored`` also counts the lines that are damaged or have no time."""
+        return self._info
+
+    @property
+    def manifest(self) -> Manifest:
+        """Which channel is which stream of a body."""
+        return self._manifest
+
+    def messages(self, begin: float | None = None, channels: Collection[str] | None = None) -> Iterator[Logged]:
+        """Messages from ``begin`` on; the text before it is unpacked but not read. Raises LogError where damaged."""
+        mark = self._survey.marks[0]
+        if begin is not None:
+            # The last mark whose lines all come before: marks' clocks do not go back.
+            mark = self._survey.marks[max(0, bisect_left(self._survey.marks, begin, key=lambda m: m.clock.at) - 1)]
+        wanted = set(self._info.channels if channels is None else channels)
+        clock, twist = mark.clock, mark.twist
+        for line in self._text(mark.offset):
+            try:
+                row = parse(line)
+            except ValueError:
+                continue  # counted when the log was opened
+            if row is None or isinstance(row, Param):
+                continue
+            after = clock.next(row.times)
+            if after is None:
+                continue
+            clock = after
+            twist = _twist(row) or twist
+            if begin is not None and clock.at < begin:
+                continue
+            for channel, message in self._messages_of(row, twist, wanted):
+                yield Logged(clock.at, channel, message)
+
+    def close(self) -> None:
+        """Nothing is held open between readings."""
+
+    def _text(self, offset: int) -> Iterator[str]:
+        try:
+            for _, line in _lines(self._path, offset):
+                yield line
+        except LogError:
+            if not self._survey.truncated:  # it was whole when it was opened
+                raise
+
+    def _messages_of(
+        self, row: Odom | Beams, twist: tuple[float, float], wanted: Collection[str]
+    ) -> Iterator[tuple[str, LaserScan | Odometry]]:
+        stamp = row.times.captured
+        if isinstance(row, Odom):
+            if "odometry" in wanted:
+                yield "odometry", Odometry(stamp, row.pose, row.linear_mps, row.angular_radps)
+            return
+        channel = self._channel_of.get(row.kind)
+        if channel is None:
+            return
+        if row.robot is not None and "odometry" in wanted:
+            yield "odometry", Odometry(stamp, row.robot, *twist)
+        if channel in wanted:
+            yield channel, self._scan(channel, row)
+
+    def _scan(self, channel: str, row: Beams) -> LaserScan:
+        limit = self._limit(row)
+        ranges = np.where(row.ranges < limit, row.ranges, np.float32(np.inf))
+        intensities = np.zeros_like(ranges) if row.intensities is None else row.intensities
+        return LaserScan(
+            row.times.captured, "laser" if channel == "scan" else "rear_laser", read_only(ranges),
+            read_only(intensities), row.angle_min, row.angle_increment, _RANGE_MIN_M, limit, 0.0, self._mount(channel, row),
+        )  # fmt: skip
+
+    def _limit(self, row: Beams) -> float:
+        """The range (m) from which a reading says that nothing was seen."""
+        low, top = _LMS_CODES_MM
+        codes = low if low <= self._survey.farthest_m[row.kind] < top else _LMS_CODES_CM
+        return min(codes, row.maximum or math.inf)
+
+    def _mount(self, channel: str, row: Beams) -> Pose3:
+        """Pose of the laser in the base: as the line's two poses say, or the parameters, where those are the same."""
+        turn = 0.0 if channel == "scan" else math.pi
+        if row.robot is not None and row.laser is not None and row.robot != row.laser:
+            return (row.robot.inverse() @ row.laser).to_pose3()
+        try:
+            offset = float(self._survey.params.get(_OFFSET_PARAMS[channel], "0"))
+        except ValueError:
+            offset = 0.0
+        return (Pose2(0.0, 0.0, turn) @ Pose2(offset)).to_pose3()
+
+    def _ignored(self) -> dict[str, str]:
+        survey = self._survey
+        read = {"PARAM", "ODOM", *self._channel_of}
+        ignored = {}
+        for kind, count in survey.kinds.items():
+            if kind in KINDS and kind not in read:
+                same = next(c for c, kinds in _LASERS.items() if kind in kinds)
+                ignored[kind] = f"{count} lines: {self._lasers[same]} says the same with more"
+            elif kind not in read:
+                ignored[kind] = f"{count} lines: no message of this program says this"
+        for kind, count in survey.untimed.items():
+            ignored[f"{kind} without a time"] = f"{count} lines: their time cannot be that of their place in the log"
+        if survey.malformed:
+            ignored["malformed lines"] = f"{survey.malformed}: {survey.complaint}"
+        if survey.truncated:
+            ignored["end of the file"] = survey.truncated
+        return ignored
+
+
+def _twist(row: Odom | Beams) -> tuple[float, float] | None:
+    return (row.linear_mps, row.angular_radps) if isinstance(row, Odom) else row.twist
+
+
+def _surveyed(path: Path) -> _Survey:
+    clock = _first_clock(path)
+    survey = _Survey(Counter(), Counter(), 0, "", math.inf, -math.inf, {}, {}, [_Mark(0, clock, (0.0, 0.0))], "")
+    twist = (0.0, 0.0)
+    number = 0
+    lines = _lines(path, 0)
+    while True:
+        try:
+            offset, line = next(lines)
+        except StopIteration:
+            break
+        except LogError as failure:  # what was read until then is good
+            survey.truncated = str(failure)
+            break
+        number += 1
+        if offset - survey.marks[-1].offset >= _MARK_EVERY:
+            survey.marks.append(_Mark(offset, clock, twist))
+        try:
+            row = parse(line)
+        except ValueError as failure:
+            survey.malformed += 1
+            survey.complaint = survey.complaint or f"line {number}: {failure}"
+            continue
+        if row is None:
+            if line.strip() and not line.startswith("#"):
+                survey.kinds[line.split(maxsplit=1)[0][:40]] += 1
+            continue
+        if isinstance(row, Param):
+            survey.params[row.name] = row.value
+            continue
+        kind = row.kind if isinstance(row, Beams) else "ODOM"
+        after = clock.next(row.times)
+        if after is None:
+            survey.untimed[kind] += 1
+            continue
+        clock = after
+        twist = _twist(row) or twist
+        survey.kinds[kind] += 1
+        survey.begin = min(survey.begin, clock.at)
+        survey.end = clock.at
+        if isinstance(row, Beams) and row.ranges.size:
+            survey.farthest_m[kind] = max(survey.farthest_m.get(kind, 0.0), float(row.ranges.max()))
+    return survey
+
+
+def _first_clock(path: Path) -> _Clock:
+    """The clock before the first line: at the middle of the first times, so that one wrong one does no harm."""
+    first = []
+    for _, line in _lines(path, 0):
+        try:
+            row = parse(line)
+        except ValueError:
+            continue
+        if isinstance(row, Odom | Beams):
+            first.append(row.times)
+            if len(first) == _FIRST_LINES:
+                break
+    if not first:
+        return _Clock(0.0, 0.0)
+    middle = statistics.median_low([times.captured for times in first])
+    shift = statistics.median_low([times.captured - times.logged for times in first])
+    return _Clock(middle, shift)
+
+
+def _lines(path: Path, offset: int) -> Iterator[tuple[int, str]]:
+    """Byte offset (in the text) and text of each line from ``offset`` on. Raises LogError where it cannot be read."""
+    try:
+        with path.open("rb") as raw, _unpacked(raw) as file:
+            file.seek(offset)
+            for line in file:
+                yield offset, line.decode("utf-8", "replace")
+                offset += len(line)
+    except EOFError:
+        raise LogError(f"{path}: ends in the middle of its packed text") from None
+    except (OSError, zlib.error) as failure:
+        raise LogError(f"{path}: is damaged: {failure}") from None
+
+
+def _unpacked(raw: BinaryIO) -> BinaryIO:
+    packed = raw.read(2) == b"\x1f\x8b"
+    raw.seek(0)
+    return cast(BinaryIO, gzip.GzipFile(fileobj=raw)) if packed else raw
