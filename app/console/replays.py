@@ -46,7 +46,7 @@ class Replays:
     def __init__(self, host: str, token: str | None, command: Sequence[str] = ()) -> None:
         self._host = host
         self._token = token
-        self._command = command or (sys.executable, "-m", "app.console.replay_process", str(os.getpid()))
+        self.command = command or (sys.executable, "-m", "app.console.replay_process", str(os.getpid()))
         self._child: _Child | None = None
         self._turn = asyncio.Lock()
 
@@ -67,7 +67,7 @@ class Replays:
             environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
             if self._token is not None:
                 environment[TOKEN] = self._token
-            child = self._child = await _Child.spawn(name, [*self._command, str(path), *options], environment)
+            child = self._child = await _Child.spawn(name, [*self.command, str(path), *options], environment)
         try:
             async with asyncio.timeout(START_WITHIN_S):
                 return await child.wait_url()

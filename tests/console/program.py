@@ -17,6 +17,7 @@ from app.config import load_configuration
 from app.console.server import listen, serve, url_of
 from app.link import BaseLimits, LinkFailed, RobotDescription, StreamDescription
 from app.messages import Image, JointState, LaserScan, LinkStatus, Odometry, Twist
+from app.recording.library import RecordingLibrary
 from app.system import System
 
 MODEL = paths.config_dir() / "robots" / "irl1_tr.urdf"
@@ -57,6 +58,22 @@ modules:
     class: app.modules.behaviors.teleop:Teleop
     inputs: {operator: operator_drive}
     outputs: {twist: teleop_twist}
+"""
+
+#: Added to the program where recording is what is tested.
+RECORDER = """\
+  Recorder:
+    class: tests.console.scripted_recorder:ScriptedRecorder
+    inputs: {kinect: kinect}
+    outputs: {status: recorder}
+"""
+
+RECORDER_CHANNEL = """\
+recorder: {type: RecorderStatus, decimable: false, log: never}
+"""
+
+RECORDER_STRATEGY = """\
+  - {name: record, class: Record, utility: 4, filters: {Recorder.kinect: 1}, costs: {cpu: 5}}
 """
 
 CHANNELS = """\
@@ -144,22 +161,23 @@ class Body:
         self.emit("status", LinkStatus(stamp, guard, "", self.e_stopped, None, Twist(stamp, 0.0, 0.0), 1.0))
 
 
-def write_program(folder: Path) -> Path:
+def write_program(folder: Path, *, recorder: bool = False) -> Path:
     """The program's configuration, in ``folder``."""
     for name, text in {
-        "program.yaml": PROGRAM,
-        "channels.yaml": CHANNELS,
-        "strategies.yaml": STRATEGIES,
+        "program.yaml": PROGRAM + RECORDER * recorder,
+        "channels.yaml": CHANNELS + RECORDER_CHANNEL * recorder,
+        "strategies.yaml": STRATEGIES + RECORDER_STRATEGY * recorder,
         "robot.yaml": "{}\n",
     }.items():
         (folder / name).write_text(text)
     return folder / "program.yaml"
 
 
-def build(folder: Path) -> tuple[System, Body]:
+def build(folder: Path, *, recorder: bool = False) -> tuple[System, Body]:
     """The program, not running yet; outside the event loop, since it reads its files."""
     body = Body()
-    return System(load_configuration(write_program(folder)), link=body), body
+    configuration = load_configuration(write_program(folder, recorder=recorder))
+    return System(configuration, link=body, recordings=RecordingLibrary(folder / "recordings")), body
 
 
 @contextlib.asynccontextmanager

@@ -17,7 +17,7 @@ from app.runtime.freshness import FreshnessState
 from app.runtime.supervisor import Status
 from app.system import System
 from tests.console.live_client import page
-from tests.console.program import Body
+from tests.console.program import Body, build
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "live-stream.md"
 #: Described elsewhere (REST, JSON Schema) or free by nature.
@@ -28,6 +28,12 @@ FOREIGN = {"desires", "intention", "schema", "data"}
 def text() -> str:
     """The page."""
     return DOCUMENT.read_text("utf-8")
+
+
+@pytest.fixture
+def built(tmp_path: Path) -> tuple[System, Body]:
+    """A program with everything that the stream tells of."""
+    return build(tmp_path, recorder=True)
 
 
 def table(text: str, heading: str) -> dict[str, str]:

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import re
 from pathlib import Path
 
 import pytest
+from fastapi import FastAPI
+
+from app.system import System
+from tests.console.program import Body, build
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "rest.md"
 SOURCES = Path(__file__).parents[3] / "app" / "console"
@@ -19,15 +24,34 @@ def script() -> str:
     return "\n".join(re.findall(r"```sh\n(.*?)```", text, re.DOTALL))
 
 
-async def test_every_example_works(url: str, script: str) -> None:
-    assert script.count("curl") >= 20
+@pytest.fixture
+def built(tmp_path: Path) -> tuple[System, Body]:
+    """A program with a Recorder."""
+    return build(tmp_path, recorder=True)
+
+
+async def test_every_example_works(url: str, script: str, app: FastAPI, tmp_path: Path) -> None:
+    assert script.count("curl") >= 30
+    # What a replay does is tested elsewhere.
+    app.state.replays.command = ("sh", "-c", "echo 'HBBA is up: http://127.0.0.1:4711  (...)'; exec sleep 60")
     here = script.replace("http://127.0.0.1:8080", url)
     process = await asyncio.create_subprocess_exec(
-        "sh", "-euc", here, stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.PIPE
+        "sh",
+        "-euc",
+        here,
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.PIPE,
+        env={**os.environ, "TMPDIR": str(tmp_path)},
     )
-    out, err = await process.communicate()
+    try:
+        out, err = await asyncio.wait_for(process.communicate(), 40)
+    finally:
+        if process.returncode is None:
+            process.kill()
     assert process.returncode == 0, err.decode()
     assert b"urn:hbba:problem:unknown-desire-class" in out
+    assert b"http://127.0.0.1:4711" in out
+    assert await asyncio.to_thread((tmp_path / "tour.mcap").is_file)
 
 
 def test_every_problem_there_is_is_listed() -> None:
