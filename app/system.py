@@ -26,6 +26,7 @@ from app.recording.library import RecordingLibrary, default_folder
 from app.recording.manifest import Manifest
 from app.robots.config import load_robot_config
 from app.robots.factory import create_link
+from app.runtime.channel_table import ChannelTable
 from app.runtime.clock import Clock, RealClock
 from app.runtime.freshness import FreshnessWatch
 from app.runtime.graph import Graph, Pin
@@ -84,6 +85,7 @@ class System:
             IntentionWorkspace: self.workspace,
             RecordingLibrary: self.recordings,
             RecorderControl: self.recorder,
+            ChannelTable: ChannelTable(configuration.channels),
         }
         self.graph = Graph(
             clock=self.clock,

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
+import shutil
+import time
+from collections.abc import Iterator
 from pathlib import Path
 
 SUFFIX = ".mcap"
 #: What a recording may be called: nothing that could leave the folder.
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
+LONGEST_NAME = 100
 
 
 class RecordingLibrary:
@@ -25,6 +30,34 @@ class RecordingLibrary:
                 f" not {name!r}"
             )
         return self.folder / f"{name}{SUFFIX}"
+
+    def candidates(self, name: str, at: float) -> Iterator[Path]:
+        """Where a new recording called ``name`` may go, the best place first: ``name``, ``name-2``, ``name-3``, ...
+
+        Empty names become the local date and time ``at`` (Unix, s). Raises ValueError for a name that may not be.
+        """
+        wanted = name or default_name(at)
+        yield self.path(wanted)
+        for number in itertools.count(2):
+            ending = f"-{number}"
+            yield self.path(wanted[: LONGEST_NAME - len(ending)] + ending)
+
+    def free_bytes(self) -> int:
+        """Room left on the disk for recordings, for this user. Raises OSError."""
+        folder = self.folder
+        while not folder.is_dir() and folder != folder.parent:
+            folder = folder.parent
+        return shutil.disk_usage(folder).free
+
+    @property
+    def ring_folder(self) -> Path:
+        """Where rings keep their segments: hidden, so that nobody takes them for recordings."""
+        return self.folder / ".ring"
+
+
+def default_name(at: float) -> str:
+    """A name made of the local date and time ``at`` (Unix, s), as ``2026-03-14_15-09-26``: they sort by age."""
+    return time.strftime("%Y-%m-%d_%H-%M-%S", time.localtime(at))
 
 
 def default_folder() -> Path:

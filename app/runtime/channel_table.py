@@ -26,6 +26,7 @@ class ChannelSpec(BaseModel):
     log: Literal["always", "never"] = Field("always", description="whether it is recorded")
     stale_periods: float = Field(3.0, gt=0, description="stale after this many commanded periods")
     stale_min_s: float = Field(0.3, gt=0, description="... but never before this many seconds")
+    latched: bool = Field(False, description="whether the newest message stays true until the next: a state, no event")
     external: bool = Field(False, description="fed from outside the graph (the console), not by a module")
     feedback: bool = Field(False, description="whether a cycle of modules may run through it")
 
@@ -45,3 +46,7 @@ class ChannelSpec(BaseModel):
         if self.rate_hz is None:
             return None
         return max(self.stale_periods * divisor / self.rate_hz, self.stale_min_s)
+
+
+class ChannelTable(dict[str, ChannelSpec]):
+    """The whole table by channel: a service of the program."""

@@ -4,27 +4,89 @@
 │ Recorder    in   <channel>  every channel whose `log` is not `never`, or those named    │
 │             out  status     RecorderStatus, 1 Hz and at every change                    │
 └─────────────────────────────────────────────────────────────────────────────────────────┘
+
+It records while the intention gives it parameters (desire class Record): into one file, or, with ``keep_minutes``,
+into a ring of the last minutes. Strategies may thin pictures and scans; what no strategy names is taken whole. While
+it does not record it takes and forgets. Disk and encoding are the writer's thread's; see docs/recording.md.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import asyncio
+from collections.abc import Awaitable, Callable, Coroutine, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
 
-from app.messages import Message, RecorderStatus
-from app.runtime.channel_table import ChannelSpec
-from app.runtime.module import Module, ModuleContext
+from pydantic import BaseModel, ConfigDict, Field
+
+from app.messages import EventRecord, Message, ModuleRecord, RecorderStatus
+from app.recording.control import RecorderControl, RecorderUnavailable
+from app.recording.file_sink import FileSink
+from app.recording.library import RecordingLibrary, default_name
+from app.recording.log import LogError
+from app.recording.manifest import Manifest
+from app.recording.ring import SEGMENT_S, Hold, Ring, begin_of, leftovers, rescue
+from app.recording.ros.encoder import Encoder
+from app.recording.writer import MEGABYTE, Limits, RecordingWriter, Sink, in_words
+from app.runtime.channel_table import ChannelSpec, ChannelTable
+from app.runtime.module import Module, ModuleContext, Settings
+from app.runtime.ports import Input
+
+#: Closing a file takes less than this (s); a disk that needs longer is left to finish in its own thread.
+CLOSING_S = 0.4
+
+
+class EventPattern(BaseModel):
+    """Events of the timeline: of this kind, and of this subject if one is named."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    kind: str
+    subject: str | None = None
+
+    def matches(self, event: EventRecord) -> bool:
+        """Whether ``event`` is one of them."""
+        return event.kind == self.kind and self.subject in (None, event.subject)
+
+
+class RecorderSettings(Settings):
+    """How much memory and disk recording may take, and when a ring saves itself."""
+
+    queue_mb: float = Field(64, gt=0, description="memory for what waits for the disk")
+    queue_messages: int = Field(20_000, ge=100, description="... and so many messages at most")
+    least_free_mb: float = Field(200, ge=0, description="room on the disk that is never taken")
+    too_slow_after_s: float = Field(2, gt=0, description="recording ends when messages are dropped for this long")
+    jpeg_quality: int = Field(90, ge=1, le=100)
+    segment_s: float = Field(SEGMENT_S, gt=0, description="length of a ring's segments")
+    save_ring_on: tuple[EventPattern, ...] = Field((), description="events that save a ring")
+    save_after_s: float = Field(5, ge=0, description="... this long after them, so that what followed is kept too")
 
 
 class Recorder(Module):
     """Writes every message it is given into a log."""
 
     title = "Recorder"
+    Settings = RecorderSettings
+    settings: RecorderSettings
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
         self.status = self.output("status", RecorderStatus)
+        self._meter = context.meter
+        self._inputs = context.inputs
         for port in context.inputs.values():
-            self.on(port, self._take)
+            self.on(port, self._taker(port))
+        self.every(1.0, self._beat)
+        self._writer: RecordingWriter | None = None
+        self._ending: list[RecordingWriter] = []
+        self._told: list[RecordingWriter] = []
+        self._wanted: dict[str, Any] = {}
+        #: Newest message of each standing state, by what it is the state of.
+        self._standing: dict[str, tuple[str, Message]] = {}
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._saving_on_event = False
+        self._detach: Callable[[], None] = lambda: None
 
     @classmethod
     def default_inputs(cls, channels: Mapping[str, ChannelSpec]) -> Mapping[str, str]:
@@ -33,7 +95,254 @@ class Recorder(Module):
 
     def accept(self, name: str, message_type: type[Message]) -> None:
         """Take any channel, losing nothing."""
-        self.on(self.input(name, message_type, capacity=256, lossless=True), self._take)
+        port = self.input(name, message_type, capacity=256, lossless=True)
+        self.on(port, self._taker(port))
 
-    async def _take(self, message: Message) -> None:
-        """Not recorded yet."""
+    async def start(self) -> None:
+        """Be there for who wants the ring saved, and look for what a killed program left of its ring."""
+        self._loop = asyncio.get_running_loop()
+        self._library = self.service(RecordingLibrary)
+        self._manifest = self.service(Manifest)
+        self._table = self.service(ChannelTable)
+        self._detach = self.service(RecorderControl).attach(self.save_ring)
+        self._keep(self._rescue(), "rescue")
+
+    async def stop(self) -> None:
+        """Close the file. The segments of a ring stay on disk for the next start."""
+        self._detach()
+        for task in self._tasks:
+            task.cancel()
+        self._end(discard=False)
+        # Closing goes on in its own thread whether it is waited for or not.
+        await self.compute(_join, self._ending, CLOSING_S)
+        self._publish()
+
+    def configure(self, parameters: Mapping[str, Any]) -> None:
+        """Record as ``parameters`` say; without any, do not."""
+        if dict(parameters) == self._wanted:
+            return
+        before, self._wanted = self._wanted, dict(parameters)
+        ring = self._ring_writer()
+        keep_s = self._keep_s
+        if before and ring is not None and not ring.reason and keep_s:
+            ring.call(lambda sink: _keep_for(sink, keep_s))
+        else:
+            self._end(discard=True)
+            if self._wanted:
+                self._begin()
+        self._publish()
+
+    async def save_ring(self, minutes: float | None, name: str | None) -> str:
+        """See ``RecorderControl.save_ring``; also raises ValueError for a name that may not be."""
+        writer = self._ring_writer()
+        if writer is None or writer.reason:
+            raise RecorderUnavailable(
+                "no ring turns that could be saved: ask for a recording that keeps only the last minutes first"
+            )
+        now = self.clock.now()
+        candidates = self._library.candidates(name or "", now)
+        self._library.path(name or default_name(now))
+        seconds = None if minutes is None else 60 * minutes
+        try:
+            hold = await asyncio.wrap_future(writer.call(lambda sink: _hold(sink, now, seconds)))
+            with hold:
+                await self._in_thread(self._check_room, hold)
+                path: Path = await self._in_thread(hold.save, candidates, self._progress("saving the ring"))
+        except OSError as error:
+            raise LogError(in_words(error)) from error
+        self.log.info("the ring's last %.0f s are saved as %s", hold.duration_s, path.stem)
+        return path.stem
+
+    # --- recording ---
+
+    @property
+    def _keep_s(self) -> float:
+        return 60.0 * float(self._wanted.get("keep_minutes", 0))
+
+    def _ring_writer(self) -> RecordingWriter | None:
+        return self._writer if self._writer is not None and isinstance(self._writer.sink, Ring) else None
+
+    def _begin(self) -> None:
+        settings = self.settings
+        limits = Limits(
+            queue_bytes=int(settings.queue_mb * MEGABYTE),
+            queue_messages=settings.queue_messages,
+            least_free_bytes=int(settings.least_free_mb * MEGABYTE),
+            too_slow_after_s=settings.too_slow_after_s,
+        )
+        at, keep_s, name = self.clock.now(), self._keep_s, str(self._wanted.get("name", ""))
+        self._writer = RecordingWriter(
+            lambda: self._open(at, keep_s, name),
+            limits,
+            self.clock.now,
+            on_change=self._changed_in_thread,
+            charge=self._meter.call,
+        )
+        for channel, message in self._states().values():
+            self._writer.put(at, channel, message)
+
+    def _open(self, at: float, keep_s: float, name: str) -> Sink:
+        if keep_s:
+            return Ring(
+                self._library.ring_folder, self._new_encoder, self._manifest, at, keep_s,
+                state_key=self._state_key, segment_s=self.settings.segment_s,
+            )  # fmt: skip
+        return FileSink(self._library.candidates(name, at), self._new_encoder(), self._manifest, at)
+
+    def _new_encoder(self) -> Encoder:
+        return Encoder(self._table, self.settings.jpeg_quality)
+
+    def _end(self, discard: bool) -> None:
+        if self._writer is not None:
+            self._writer.finish(discard)
+            self._ending = [w for w in self._ending if not w.over]
+            self._told = [w for w in self._told if w in self._ending]
+            self._ending.append(self._writer)
+            self._writer = None
+
+    def _taker(self, port: Input[Any]) -> Callable[[Any], Awaitable[None]]:
+        async def take(message: Any) -> None:
+            channel = port.channel.name if port.channel is not None else port.name
+            self._take(channel, message)
+
+        return take
+
+    def _take(self, channel: str, message: Any) -> None:
+        writer = self._writer
+        if writer is not None:
+            writer.put(self.clock.now(), channel, message)
+            if writer.reason:
+                self._publish()
+        if isinstance(message, EventRecord):
+            self._save_on(message)
+        elif (key := self._state_key(channel, message)) is not None:
+            self._standing[key] = (channel, message)
+
+    def _state_key(self, channel: str, message: Any) -> str | None:
+        if not self._table[channel].latched:
+            return None
+        return f"{channel}/{message.module}" if isinstance(message, ModuleRecord) else channel
+
+    def _states(self) -> dict[str, tuple[str, Message]]:
+        """What stands now, whether it came by here or before this instance: a log begins with the whole state."""
+        states = dict(self._standing)
+        for port in self._inputs.values():
+            if port.channel is not None and (latest := port.channel.latest) is not None:
+                key = self._state_key(port.channel.name, latest)
+                if key is not None:
+                    states[key] = (port.channel.name, latest)
+        return states
+
+    # --- telling ---
+
+    async def _beat(self) -> None:
+        self._publish()
+
+    def _changed_in_thread(self) -> None:
+        with suppress(RuntimeError):  # the loop is closed: nobody is told any more
+            self._loop.call_soon_threadsafe(self._publish)
+
+    def _publish(self) -> None:
+        for writer in (*self._ending, self._writer):
+            if writer is not None and writer.reason and writer not in self._told:
+                self._told.append(writer)
+                self.log.error("recording stopped: %s", writer.reason)
+        self.status.publish(self._describe())
+
+    def _describe(self) -> RecorderStatus:
+        now = self.clock.now()
+        writer = self._writer or next((w for w in reversed(self._ending) if not w.over), None)
+        if writer is None:
+            return RecorderStatus(now, "idle", "", 0.0, 0.0, 0, 0, 0, 0, "")
+        sink = writer.sink
+        ring = isinstance(sink, Ring) if sink is not None else self._keep_s > 0
+        state = "stopped" if writer.reason else "ring" if ring else "recording"
+        return RecorderStatus(
+            stamp=now,
+            state=state,
+            name="" if sink is None else sink.name,
+            began=writer.began,
+            duration_s=writer.duration_s,
+            bytes=0 if sink is None else sink.bytes,
+            messages=0 if sink is None else sink.messages,
+            dropped=writer.dropped,
+            queued_bytes=writer.queued_bytes,
+            reason=writer.reason,
+        )
+
+    # --- saving ---
+
+    def _save_on(self, event: EventRecord) -> None:
+        if self._saving_on_event or self._ring_writer() is None:
+            return
+        if any(pattern.matches(event) for pattern in self.settings.save_ring_on):
+            self._saving_on_event = True
+            self._keep(self._save_after(event), "save the ring")
+
+    async def _save_after(self, event: EventRecord) -> None:
+        try:
+            await self.clock.sleep(self.settings.save_after_s)
+            subject = "".join(c if c.isascii() and (c.isalnum() or c in "._-") else "-" for c in event.subject)
+            await self.save_ring(None, f"{default_name(event.stamp)}-{event.kind}-{subject}"[:100])
+        except (RecorderUnavailable, LogError) as error:
+            self.log.warning("the ring could not be saved after %r: %s", event.text, error)
+        finally:
+            self._saving_on_event = False
+
+    async def _rescue(self) -> None:
+        for home in await self._in_thread(leftovers, self._library.ring_folder):
+            try:
+                begin = await self._in_thread(begin_of, home)
+                candidates = self._library.candidates(f"{default_name(begin)}-ring", begin)
+                saved = await self._in_thread(rescue, home, candidates, self._progress("saving an earlier ring"))
+            except (LogError, OSError) as error:
+                words = in_words(error) if isinstance(error, OSError) else str(error)
+                self.log.warning("the ring that an earlier run left in %s could not be saved: %s", home, words)
+            else:
+                if saved is not None:
+                    self.log.warning("the ring that an earlier run left is saved as %s", saved.stem)
+
+    def _check_room(self, hold: Hold) -> None:
+        free = self._library.free_bytes()
+        if free - hold.bytes < self.settings.least_free_mb * MEGABYTE:
+            raise LogError(
+                f"no room to save the ring: it takes {hold.bytes / MEGABYTE:.0f} MB, {free / MEGABYTE:.0f} MB are free "
+                f"and {self.settings.least_free_mb:.0f} MB are kept free; save fewer minutes, or delete recordings"
+            )
+
+    def _progress(self, what: str) -> Callable[[int, int], None]:
+        told = 0
+
+        def progress(done: int, total: int) -> None:
+            nonlocal told
+            quarters = 4 * done // max(total, 1)
+            if quarters > told:
+                told = quarters
+                self.log.info("%s: %d %% of %.0f MB", what, 25 * quarters, total / MEGABYTE)
+
+        return progress
+
+    async def _in_thread(self, function: Callable[..., Any], *args: Any) -> Any:
+        """As ``compute``, but beside it: what takes long here holds up nothing else of this module."""
+        return await asyncio.to_thread(self._meter.call, function, *args)
+
+    def _keep(self, work: Coroutine[Any, Any, None], name: str) -> None:
+        task = asyncio.create_task(self._metered(work), name=f"{self.name}.{name}")
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+
+def _join(writers: list[RecordingWriter], timeout_s: float) -> None:
+    for writer in writers:
+        writer.join(timeout_s)
+
+
+def _keep_for(sink: Sink, seconds: float) -> None:
+    if isinstance(sink, Ring):
+        sink.keep_s = seconds
+
+
+def _hold(sink: Sink, at: float, seconds: float | None) -> Hold:
+    if not isinstance(sink, Ring):
+        raise RecorderUnavailable("no ring turns that could be saved")
+    return sink.hold(at, seconds)

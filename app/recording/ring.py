@@ -1,0 +1,314 @@
+"""The last minutes on disk: short complete files, the oldest deleted as new ones come; saved by joining them raw.
+
+A ring lives in a folder of its own, locked while its program lives. What a killed or stopped program left there is
+found by the next one (:func:`leftovers`) and becomes a recording.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import logging
+import shutil
+import tempfile
+import threading
+from collections import deque
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+from app.recording.chunks import join, scan
+from app.recording.log import LogError
+from app.recording.manifest import Manifest
+from app.recording.mcap_file import McapFile, OpenFile, RecordEncoder, Topic, create
+from app.recording.stamps import SECOND, to_ns
+
+log = logging.getLogger("hbba.recording")
+
+SEGMENT_S = 10.0
+_LOCK = "lock"
+_NEW = ".new-"
+_STATE = "-state.mcap"
+_SEGMENT = ".mcap"
+
+#: What tells which standing state a message replaces, by channel; None for a message that is no state.
+StateKey = Callable[[str, Any], str | None]
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """A closed segment: ``state`` holds what stood when it began, ``path`` what came; ``begin``, ``end`` in s."""
+
+    state: Path
+    path: Path
+    begin: float
+    end: float
+    bytes: int
+    messages: int
+
+
+class Ring:
+    """A sink that keeps the last ``keep_s`` seconds (and up to one segment more)."""
+
+    name = ""
+
+    def __init__(
+        self,
+        folder: Path,
+        new_encoder: Callable[[], RecordEncoder],
+        manifest: Manifest,
+        at: float,
+        keep_s: float,
+        *,
+        state_key: StateKey = lambda channel, message: None,
+        segment_s: float = SEGMENT_S,
+        open_file: OpenFile = create,
+    ) -> None:
+        """Begin in a new folder below ``folder``. Raises OSError."""
+        self.folder = folder
+        self.keep_s = keep_s
+        self._new_encoder = new_encoder
+        self._topics: dict[str, Topic] = {}
+        self._manifest = manifest
+        self._state_key = state_key
+        self._segment_s = segment_s
+        self._open_file = open_file
+        self._home, self._lock_file = _make_home(folder, at)
+        self._begin = self._end = at
+        self._state_path: Path
+        self._file: McapFile
+        self._standing: dict[str, tuple[str, Any]] = {}
+        self._number = 0
+        self._segments: deque[Segment] = deque()
+        # The loop's threads hold segments while they copy them; the writer's thread deletes.
+        self._held: dict[Path, int] = {}
+        self._guard = threading.Lock()
+        try:
+            self._begin_segment(at)
+        except OSError:
+            self._lock_file.close()
+            raise
+
+    @property
+    def bytes(self) -> int:
+        """Bytes on disk."""
+        return sum(segment.bytes for segment in self._segments) + self._file.bytes
+
+    @property
+    def messages(self) -> int:
+        """Messages kept."""
+        return sum(segment.messages for segment in self._segments) + self._file.messages
+
+    def write(self, at: float, channel: str, message: Any) -> None:
+        """Take a message that arrived ``at``. Raises OSError."""
+        if at - self._begin >= self._segment_s:
+            self._rotate(at)
+        self._file.write(at, channel, message)
+        self._end = at
+        if (key := self._state_key(channel, message)) is not None:
+            self._standing[key] = (channel, message)
+
+    def flush(self) -> None:
+        """End the chunk, and delete what is too old. Raises OSError."""
+        self._file.flush()
+        self._forget(self._end - self.keep_s)
+
+    def close(self, discard: bool) -> None:
+        """End it; ``discard``: delete what it kept. Otherwise the segments stay, for :func:`leftovers`."""
+        try:
+            self._file.close()
+        finally:
+            if discard:
+                self._delete_all()
+            self._lock_file.close()
+
+    def abandon(self) -> None:
+        """After a failed write: what is on disk stays, for :func:`leftovers`."""
+        with suppress(OSError):
+            self._file.abandon()
+        self._lock_file.close()
+
+    def hold(self, at: float, seconds: float | None) -> Hold:
+        """Close the segment in progress and keep those of the last ``seconds`` (None: all) from being deleted.
+
+        Called in the writer's thread; the hold is used and released in any other. Raises OSError.
+        """
+        if self._file.messages:
+            self._rotate(at)
+        chosen = [s for s in self._segments if seconds is None or s.end >= at - seconds]
+        with self._guard:
+            for segment in chosen:
+                self._held[segment.path] = self._held.get(segment.path, 0) + 1
+        return Hold(chosen, self._release)
+
+    def _release(self, segments: Iterable[Segment]) -> None:
+        with self._guard:
+            for segment in segments:
+                self._held[segment.path] -= 1
+                if not self._held[segment.path]:
+                    del self._held[segment.path]
+                    if segment not in self._segments:
+                        _delete(segment)
+
+    def _begin_segment(self, at: float) -> None:
+        self._number += 1
+        self._begin = self._end = at
+        self._state_path = self._home / f"{self._number:06}{_STATE}"
+        # Each with an encoder of its own: an encoder leaves out what its file already tells.
+        state = self._create(self._state_path, self._manifest, at)
+        try:
+            for channel, message in self._standing.values():
+                state.write(at, channel, message)
+            state.close()
+        except OSError:
+            state.abandon()
+            raise
+        self._file = self._create(self._home / f"{self._number:06}{_SEGMENT}", Manifest(), at)
+
+    def _create(self, path: Path, manifest: Manifest, at: float) -> McapFile:
+        return McapFile(path, self._new_encoder(), manifest, at, self._topics, self._open_file)
+
+    def _rotate(self, at: float) -> None:
+        self._file.close()
+        self._segments.append(
+            Segment(self._state_path, self._file.path, self._begin, self._end, self._file.bytes, self._file.messages)
+        )
+        self._begin_segment(at)
+
+    def _forget(self, before: float) -> None:
+        while self._segments and self._segments[0].end < before:
+            old = self._segments.popleft()
+            with self._guard:
+                if old.path not in self._held:
+                    _delete(old)
+
+    def _delete_all(self) -> None:
+        with self._guard:
+            held = set(self._held)
+            for segment in self._segments:
+                if segment.path not in held:
+                    _delete(segment)
+            self._segments.clear()
+            if not held:
+                shutil.rmtree(self._home, ignore_errors=True)
+
+
+class Hold:
+    """Segments that stay until they are copied; release it by leaving the ``with`` block."""
+
+    def __init__(self, segments: list[Segment], release: Callable[[Iterable[Segment]], None]) -> None:
+        self.segments = segments
+        self._release = release
+
+    def __enter__(self) -> Hold:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._release(self.segments)
+
+    @property
+    def bytes(self) -> int:
+        """About how many bytes a copy takes."""
+        return sum(segment.bytes for segment in self.segments)
+
+    @property
+    def duration_s(self) -> float:
+        """Seconds from the first of them to the last."""
+        return self.segments[-1].end - self.segments[0].begin if self.segments else 0.0
+
+    def save(self, targets: Iterable[Path], progress: Callable[[int, int], None] = lambda done, total: None) -> Path:
+        """Join them into the first of ``targets`` that does not exist yet, and return it. Raises LogError, OSError."""
+        if not self.segments:
+            raise LogError("the ring holds nothing yet")
+        return _save(self.segments[0].state, [s.path for s in self.segments], targets, progress)
+
+
+def leftovers(folder: Path) -> list[Path]:
+    """Rings below ``folder`` (a library's ``ring_folder``) whose program is gone."""
+    if not folder.is_dir():
+        return []
+    homes = (home for home in sorted(folder.iterdir()) if home.is_dir() and not home.name.startswith(_NEW))
+    return [home for home in homes if not _is_alive(home)]
+
+
+def rescue(
+    home: Path, targets: Iterable[Path], progress: Callable[[int, int], None] = lambda done, total: None
+) -> Path | None:
+    """Make a recording of the ring left in ``home`` and delete it; None if it holds no message.
+
+    Raises LogError, OSError; then nothing is deleted.
+    """
+    paths = sorted(path for path in home.glob(f"*{_SEGMENT}") if not path.name.endswith(_STATE))
+    whole = [path for path in paths if _messages(path)]
+    saved = None
+    if whole:
+        state = whole[0].with_name(whole[0].name.removesuffix(_SEGMENT) + _STATE)
+        saved = _save(state, whole, targets, progress)
+    shutil.rmtree(home)
+    return saved
+
+
+def begin_of(home: Path) -> float:
+    """When the oldest message of the ring in ``home`` arrived (robot's clock, s); 0 if there is none."""
+    begins = []
+    for path in home.glob(f"*{_SEGMENT}"):
+        if not path.name.endswith(_STATE):
+            with suppress(LogError), open(path, "rb") as file:
+                begins.append(scan(file).begin_ns)
+    return min((begin for begin in begins if begin), default=0) / SECOND
+
+
+def _save(state: Path, segments: list[Path], targets: Iterable[Path], progress: Callable[[int, int], None]) -> Path:
+    for target in targets:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            file = open(target, "xb")  # noqa: SIM115  # closed below, deleted where it failed
+        except FileExistsError:
+            continue
+        try:
+            with file:
+                with suppress(OSError):  # a file system without locks
+                    fcntl.flock(file, fcntl.LOCK_EX)
+                join([state, *segments], file, progress)
+        except BaseException:
+            target.unlink(missing_ok=True)
+            raise
+        return target
+    raise LogError("every name is taken")
+
+
+def _make_home(folder: Path, at: float) -> tuple[Path, IO[bytes]]:
+    """A folder of its own with its lock; it takes its name when it is locked, so that nobody takes it for left over."""
+    folder.mkdir(parents=True, exist_ok=True)
+    fresh = Path(tempfile.mkdtemp(prefix=_NEW, dir=folder))
+    lock = open(fresh / _LOCK, "xb")  # noqa: SIM115  # closed with the ring
+    with suppress(OSError):  # a file system without locks
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    home = folder / f"{to_ns(at)}-{fresh.name.removeprefix(_NEW)}"
+    fresh.rename(home)
+    return home, lock
+
+
+def _is_alive(home: Path) -> bool:
+    try:
+        with open(home / _LOCK, "rb") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+    return False
+
+
+def _messages(path: Path) -> int:
+    try:
+        with open(path, "rb") as file:
+            return scan(file).messages
+    except LogError:
+        return 0
+
+
+def _delete(segment: Segment) -> None:
+    segment.path.unlink(missing_ok=True)
+    segment.state.unlink(missing_ok=True)
