@@ -23,6 +23,8 @@ MESSAGE = "hbba_message"
 #: Which part of a message the topic carries; absent on the topic that has one record for every message.
 PART = "hbba_part"
 RATE_HZ = "rate_hz"
+#: "true" where the newest message stays true until the next: whoever begins in the middle needs the last one before.
+LATCHED = "latched"
 #: "true" on a topic that is only drawn from messages, for viewers, and not read back; it has none of the others.
 DERIVED = "hbba_derived"
 

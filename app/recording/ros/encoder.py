@@ -51,6 +51,8 @@ class Encoder:
                     metadata[mcap_layout.PART] = topic.part
                 if spec.rate_hz is not None:
                     metadata[mcap_layout.RATE_HZ] = f"{spec.rate_hz:g}"
+                if spec.latched:
+                    metadata[mcap_layout.LATCHED] = "true"
             self._metadata[topic.name] = metadata
         self._converters[channel] = opened
         return opened
