@@ -8,7 +8,7 @@ from pathlib import Path
 from pydantic import BaseModel, ConfigDict, Field, RootModel
 
 from app import paths
-from app.attention.calibration import Calibration, load_calibration
+from app.attention.calibration import Calibration, calibration_file, load_calibration
 from app.errors import ConfigError
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.graph import ModuleSpec
@@ -71,6 +71,11 @@ class Configuration:
     def folder(self) -> Path:
         """The folder that the program's paths are relative to."""
         return Path(self.program_document.file).resolve().parent
+
+    @property
+    def calibration_file(self) -> Path:
+        """Where the calibration of this computer is or would be."""
+        return calibration_file(self.path(self.program.calibration), paths.host_name())
 
     def path(self, relative: Path) -> Path:
         """A path of the configuration as an absolute one."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
+from importlib import metadata
 from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parent
@@ -29,3 +30,21 @@ def static_dir() -> Path:
 def host_name() -> str:
     """What this computer is called: ``$HBBA_HOST``, or its network name. Names its calibration."""
     return os.environ.get("HBBA_HOST") or platform.node() or "this-computer"
+
+
+def version() -> str:
+    """The program's version; empty where it is not installed."""
+    try:
+        return metadata.version("hbba")
+    except metadata.PackageNotFoundError:
+        return ""
+
+
+def processor() -> str:
+    """What this computer's processor calls itself, or its kind."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor() or platform.machine()
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import mimetypes
 import os
 import subprocess
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path, PurePath
 
 from app import paths
@@ -34,7 +33,7 @@ def snapshot(configuration: Configuration, graph: Graph, robot: str) -> Manifest
     facts = {
         "program": files[0].name,
         "robot": robot,
-        "version": _version(),
+        "version": paths.version(),
         "commit": _commit(),
         "host": host,
     }
@@ -66,13 +65,6 @@ def _attached(file: Path, folder: Path) -> AttachedFile:
     name = PurePath(os.path.relpath(file, folder))
     media_type = YAML if file.suffix in (".yaml", ".yml") else mimetypes.guess_type(file.name)[0]
     return AttachedFile(name.as_posix(), media_type or "application/octet-stream", file.read_bytes())
-
-
-def _version() -> str:
-    try:
-        return version("hbba")
-    except PackageNotFoundError:
-        return ""
 
 
 def _commit() -> str:

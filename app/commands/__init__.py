@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from app.commands import bench, check, doctor, replay, run, solve
+from app.commands import bench, calibrate, check, doctor, replay, run, solve
 
 #: What ``argparse`` gives for adding a command; its own type is private and generic.
 Subparsers = Any
@@ -30,5 +30,5 @@ COMMANDS: Mapping[str, Command] = {
     "doctor": doctor,
     "check": check,
     "solve": solve,
-    "bench": bench,
+    "calibrate": calibrate, "bench": bench,
 }

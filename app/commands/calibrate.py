@@ -1,0 +1,226 @@
+"""``hbba calibrate``: what each perception costs and finds at each φ, on this computer."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app import paths
+from app.commands.replay import find_log
+from app.errors import ConfigError
+
+if TYPE_CHECKING:
+    from app.attention.calibration import Calibration
+    from app.attention.strategies import StrategyTable
+    from app.config import Configuration
+    from app.recording.log import Log
+    from app.replay.calibration import Measurement, Progress, Run
+
+#: A recording shorter than this says little.
+LEAST_S = 5.0
+
+
+def add_parser(subparsers: Any) -> None:
+    """Declare ``hbba calibrate``."""
+    parser = subparsers.add_parser(
+        "calibrate",
+        help="measure what each perception costs at each φ on this computer",
+        description="Replay a recorded minute through each perception alone, at each φ that a strategy gives it; write "
+        "CPU use and events against φ, with the lines through them, where strategies find them, and plot both. "
+        "Interrupted, it goes on where it was.",
+    )
+    parser.add_argument("log", nargs="?", metavar="LOG", help="a log or a recording's name (default: the newest one)")
+    parser.add_argument("--config", type=Path, metavar="FILE", help="the program (default: the simulated lab)")
+    parser.add_argument("--seconds", type=_seconds, default=60.0, metavar="S", help="how much of it (default 60)")
+    parser.add_argument("--from", dest="begin", type=_seconds, default=0.0, metavar="S", help="beginning S into it")
+    parser.add_argument("--only", type=lambda text: text.split(","), metavar="A,B", help="these modules alone")
+    parser.add_argument(
+        "--offsets", action="store_true", help="from every starting offset of each φ, as the thesis did (φ runs each)"
+    )
+    parser.add_argument("--fresh", action="store_true", help="measure anew what an interrupted run had measured")
+    parser.add_argument(
+        "--output", type=Path, metavar="FILE", help="write here (default: calibration/<host>.yaml of the program)"
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Measure, write, plot. Raises ConfigError."""
+    import cv2
+
+    from app.config import load_configuration
+    from app.link import LinkFailed
+    from app.recording.log import LogError
+    from app.recording.open import open_log
+
+    cv2.setNumThreads(1)
+    configuration = load_configuration(args.config or paths.config_dir() / "lab.yaml")
+    path = find_log(args.log) if args.log else _newest()
+    try:
+        log = open_log(path)
+        try:
+            return _calibrate(args, configuration, log)
+        finally:
+            log.close()
+    except (LogError, LinkFailed) as failure:
+        print(f"hbba calibrate: {failure}", file=sys.stderr)
+        return 2
+
+
+def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log) -> int:
+    from app.replay.calibration import Progress, plan
+
+    info = log.info
+    seconds = min(args.seconds, info.duration_s - args.begin)
+    if seconds < LEAST_S:
+        raise ConfigError(f"has {max(0.0, seconds):.1f} s to measure on; record at least {LEAST_S:g} s", str(info.path))
+    runs = plan(_table(configuration), _inputs(configuration, log, args.only), every_offset=args.offsets)
+    if not runs:
+        raise ConfigError(
+            "no strategy filters an input that this recording could feed; "
+            f"it has {', '.join(sorted(info.channels)) or 'nothing'}",
+            str(info.path),
+        )
+    version = paths.version()
+    key = {
+        "log": [info.path.name, info.bytes, info.begin], "from": args.begin, "seconds": seconds, "version": version,
+        "program": configuration.program.model_dump_json(include={"modules"}),
+    }  # fmt: skip
+    output = args.output or configuration.calibration_file
+    progress = Progress(output.with_suffix(".partial.json"), key)
+    if not args.fresh and (taken_up := progress.load()):
+        print(f"{taken_up} runs were made before and are taken up (--fresh measures them anew)")
+    print(f"{len(runs)} runs of {seconds:.0f} s of {info.path.name}; Ctrl-C keeps what is measured")
+    _check_writable(output)
+    results = _measure(log, configuration, runs, progress, info.begin + args.begin, seconds)
+    calibration = _calibration(results, version, f"{info.path.name}, {seconds:.0f} s")
+    _write(calibration, output)
+    progress.discard()
+    print(_table_of(calibration))
+    print(f"Written: {output} and {output.with_suffix('.png').name}")
+    return 0
+
+
+def _measure(
+    log: Log, configuration: Configuration, runs: list[Run], progress: Progress, begin: float, seconds: float
+) -> dict[Run, Measurement]:
+    from app.commands.progress import bar
+    from app.replay.calibration import measure_all
+    from app.replay.measure import Bench
+
+    bench = Bench(log, configuration, begin, begin + seconds)
+    with bar("measuring", total=len(runs)) as shown:
+        done = 0
+
+        def told(run: Run, measured: Measurement) -> None:
+            nonlocal done
+            done += 1
+            what = f"{run.filter} φ={run.phi}" + (f" offset {run.offset}" if run.offset else "")
+            shown.update(done, f"{what}: {measured.cpu:.2f} %, {measured.rate:.2f} events/s")
+
+        return measure_all(runs, bench.measure, progress, told)
+
+
+def _newest() -> Path:
+    """The newest finished recording. Raises ConfigError."""
+    from app.recording.library import SUFFIX, RecordingLibrary, default_folder
+
+    library = RecordingLibrary(default_folder())
+    found = sorted(library.folder.glob(f"*{SUFFIX}"), key=lambda file: file.stat().st_mtime)
+    if not found:
+        raise ConfigError(
+            f"there is no recording in {library.folder}; record a minute on the console first (hbba run, Record), "
+            "or name a log: hbba calibrate FILE"
+        )
+    return found[-1]
+
+
+def _table(configuration: Configuration) -> StrategyTable:
+    from app.attention.strategies import load_strategies
+    from app.modules.desire_classes import desire_classes
+
+    files = [configuration.path(file) for file in configuration.program.strategies]
+    return load_strategies(files, classes=[kind.name for kind in desire_classes()])
+
+
+def _inputs(configuration: Configuration, log: Log, only: list[str] | None) -> dict[str, list[str]]:
+    """The inputs of each module to be measured that the recording can feed. Raises ConfigError."""
+    modules = configuration.program.modules
+    for name in only or ():
+        if name not in modules:
+            raise ConfigError(
+                f"there is no module {name!r}; there are {', '.join(sorted(modules))}",
+                configuration.program_document.file,
+            )
+    return {
+        name: [port for port, channel in spec.inputs.items() if channel in log.info.channels]
+        for name, spec in modules.items()
+        if only is None or name in only
+    }
+
+
+def _calibration(results: dict[Run, Measurement], version: str, log: str) -> Calibration:
+    from app.attention.calibration import Calibration
+    from app.replay.calibration import relations
+
+    return Calibration(
+        host=paths.host_name(),
+        made=datetime.now(UTC).isoformat(timespec="seconds"),
+        processor=paths.processor(),
+        version=version,
+        log=log,
+        relations=relations(results),
+    )
+
+
+def _check_writable(output: Path) -> None:
+    """Better before the minutes of measuring than after them."""
+    try:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        with output.open("a", encoding="utf-8"):
+            pass
+        if output.stat().st_size == 0:
+            output.unlink()
+    except OSError as failure:
+        raise ConfigError(f"cannot be written: {failure.strerror}; choose another with --output", str(output)) from None
+
+
+def _write(calibration: Calibration, output: Path) -> None:
+    import yaml
+
+    from app.replay.calibration_plot import plot
+
+    head = "# What modules cost on this computer, as `hbba calibrate` measured it; `calibrated_or` costs rest on it.\n"
+    content = yaml.safe_dump(calibration.model_dump(mode="json"), sort_keys=False, allow_unicode=True)
+    beside = output.with_name(f"{output.name}.new")
+    beside.write_text(head + content, encoding="utf-8")
+    beside.replace(output)
+    plot(calibration, output.with_suffix(".png"))
+
+
+def _table_of(calibration: Calibration) -> str:
+    """The relations for people."""
+    lines = []
+    for name, relation in calibration.relations.items():
+        lines.append(f"\n{name}")
+        lines.append("    φ    CPU %   spread   events/s   runs")
+        lines += [
+            f"{p.phi:5d}  {p.cpu:7.2f}  {p.cpu_spread:7.2f}  {p.events:9.2f}  {p.runs:5d}" for p in relation.points
+        ]
+        for what, line in (("CPU %", relation.cpu), ("events/s", relation.events)):
+            lines.append(f"  {what} = {line.base:.3g} + {line.slope:.3g}/φ, residual {line.residual:.2g}")
+        if not any(p.events for p in relation.points):
+            lines.append("  (the recording holds nothing that this module finds)")
+    return "\n".join(lines)
+
+
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = -1.0
+    if not 0 <= seconds < 1e6:
+        raise argparse.ArgumentTypeError(f"seconds are a number from 0, not {text!r}")
+    return seconds

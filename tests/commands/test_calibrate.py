@@ -1,0 +1,65 @@
+"""``hbba calibrate``: measured, written where strategies find it, and refused in words."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from app import cli, paths
+from app.attention.calibration import load_calibration
+from app.recording import open as opening
+from tests.replay.logs import MemoryLog, lab_log, numbered
+
+pytestmark = pytest.mark.blocking(reason="the virtual loop waits for threads by design")
+
+
+@pytest.fixture
+def program(tmp_path: Path) -> Path:
+    """A copy of the lab's program, to be calibrated."""
+    return Path(shutil.copytree(paths.config_dir(), tmp_path / "config")) / "lab.yaml"
+
+
+@pytest.fixture
+def log_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A file that opens as a log of six seconds."""
+    monkeypatch.setattr(opening, "open_log", lambda path, remap=None: lab_log(6.0))
+    file = tmp_path / "minute.mcap"
+    file.write_bytes(b"opened by the fixture")
+    return file
+
+
+@pytest.mark.slow
+def test_strategies_cost_what_was_measured(program: Path, log_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["calibrate", str(log_file), "--config", str(program), "--only", "CameraStream,Teleop"]) == 0
+    said = capsys.readouterr()
+    assert "CameraStream.images" in said.out
+    assert "4 runs of 6 s" in said.out
+    assert "measuring: 100 %" in said.err
+    calibration = load_calibration(program.parent / "calibration", paths.host_name())
+    assert calibration is not None
+    relation = calibration.relations["CameraStream.images"]
+    assert [point.phi for point in relation.points] == [1, 2, 4, 8]
+    assert relation.points[0].events == pytest.approx(10, rel=0.05)
+    assert relation.points[3].events == pytest.approx(10 / 8, rel=0.2)
+    folder = program.parent / "calibration"
+    assert {file.suffix for file in folder.iterdir()} == {".yaml", ".png"}
+    assert cli.main(["check", str(program)]) == 0
+
+
+def test_each_mistake_is_one_sentence(
+    program: Path, log_file: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def said(*arguments: str) -> str:
+        assert cli.main(["calibrate", *arguments, "--config", str(program)]) == 2
+        return capsys.readouterr().err
+
+    monkeypatch.setenv("HBBA_RECORDINGS", str(tmp_path / "none"))
+    assert "record a minute" in said()
+    assert "there is no file nothing.mcap" in said("nothing.mcap")
+    assert "there is no module 'Eye'" in said(str(log_file), "--only", "Eye")
+    assert "at least 5 s" in said(str(log_file), "--from", "4")
+    assert "cannot be written" in said(str(log_file), "--output", "/proc/nowhere/here.yaml")
+    monkeypatch.setattr(opening, "open_log", lambda path, remap=None: MemoryLog(numbered(100)))
+    assert "no strategy filters an input that this recording could feed; it has odometry" in said(str(log_file))

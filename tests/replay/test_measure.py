@@ -1,0 +1,42 @@
+"""One run of a calibration, on a log: what the module took, found and cost."""
+
+from __future__ import annotations
+
+import pytest
+
+from app import paths
+from app.config import Configuration, load_configuration
+from app.messages import Landmarks, QRCode, QRCodes, Twist
+from app.replay.calibration import Run
+from app.replay.measure import Bench, percepts
+
+from .logs import lab_log
+
+# Nothing runs on a loop that others wait for: the replay's own loop is virtual.
+pytestmark = pytest.mark.blocking(reason="the virtual loop waits for threads by design")
+
+SECONDS = 4.0
+RATE_HZ = 10.0
+
+
+@pytest.fixture
+def configuration() -> Configuration:
+    return load_configuration(paths.config_dir() / "lab.yaml")
+
+
+@pytest.mark.parametrize(("phi", "offset"), [(1, 0), (4, 0), (4, 3)])
+def test_a_module_alone_is_measured_at_its_divisor(configuration: Configuration, phi: int, offset: int) -> None:
+    log = lab_log(SECONDS, images_hz=RATE_HZ)
+    bench = Bench(log, configuration, log.info.begin, log.info.end)
+    measured = bench.measure(Run("CameraStream", "images", phi, offset))
+    images = log.info.channels["kinect"].count
+    assert measured.events == len(range(offset, images, phi))
+    assert measured.duration_s == pytest.approx(log.info.duration_s)
+    assert 0 < measured.cpu < 100
+
+
+def test_percepts_are_counted_not_messages() -> None:
+    code = QRCode("door", None, None)  # type: ignore[arg-type]
+    assert percepts(QRCodes(0.0, "camera", (code, code))) == 2
+    assert percepts(Landmarks(0.0, ())) == 0
+    assert percepts(Twist(0.0, 1.0, 0.0)) == 1
