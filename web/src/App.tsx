@@ -107,9 +107,9 @@ function Side({ phone }: { phone: boolean }) {
     { id: "events", title: "Events", content: () => <Events /> },
   ];
   if (!store.replay.value) {
-    const alarm = store.recorder.value?.state === "stopped" ? { badge: "!", alarm: true } : {};
-    items.push({ id: "recordings", title: "Recordings", short: "Record", ...alarm, content: () => <Recordings /> });
+    const alarm = store.recorder.value?.state === "stopped";
+    items.push({ id: "recordings", title: "Recordings", short: "Record", alarm, content: () => <Recordings /> });
   }
   if (phone) items.splice(1, 0, { id: "lanes", title: "Lanes", content: () => <Lanes /> });
-  return <Tabs items={items} narrow={phone} />;
+  return <Tabs items={items} />;
 }

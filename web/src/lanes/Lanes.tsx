@@ -98,17 +98,18 @@ export function Lanes() {
           >
             <PlusIcon />
           </button>
-          <button
-            type="button"
-            hidden={replay && !paused}
-            class={`button small ${paused ? "accent" : ""}`}
-            data-testid="lanes-pause"
-            aria-pressed={paused}
-            onClick={() => show(togglePause(view.value, chart.current?.now() ?? 0))}
-          >
-            {paused ? <PlayIcon /> : <PauseIcon />}
-            {!paused ? "Pause" : replay ? "Follow" : "Live"}
-          </button>
+          {(paused || !replay) && (
+            <button
+              type="button"
+              class={`button small ${paused ? "accent" : ""}`}
+              data-testid="lanes-pause"
+              aria-pressed={paused}
+              onClick={() => show(togglePause(view.value, chart.current?.now() ?? 0))}
+            >
+              {paused ? <PlayIcon /> : <PauseIcon />}
+              {!paused ? "Pause" : replay ? "Follow" : "Live"}
+            </button>
+          )}
           <button
             type="button"
             class={`icon-button ${asTable.value ? "on" : ""}`}

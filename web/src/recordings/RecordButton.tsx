@@ -1,7 +1,7 @@
 /** The Recorder in the bar: one press records, one press stops or saves; what is being written is seen at any time. */
 
 import { useApp } from "../state/context";
-import { clockSpan, size } from "../ui/format";
+import { clockSpan, sentence, size } from "../ui/format";
 import { RecordIcon, RingIcon, SquareIcon, WarnIcon } from "../ui/icons";
 import { recordedFor } from "./words";
 
@@ -46,7 +46,7 @@ export function RecordButton() {
         onClick={() => void recordings.save()}
       >
         <RingIcon />
-        {pending === "save" ? "Saving…" : "Save last"}
+        <span class="record-word">{pending === "save" ? "Saving…" : "Save last"}</span>
         <span data-testid="record-time">{length}</span>
       </button>
     );
@@ -55,10 +55,11 @@ export function RecordButton() {
       <button
         {...common}
         class="record stopped"
-        title={recorder.reason}
+        title={sentence(recorder.reason)}
         onClick={() => (store.tab.value = "recordings")}
       >
-        <WarnIcon /> Not recording
+        <WarnIcon /> <span class="record-word">Not recording</span>
+        <span class="only-narrow">Stopped</span>
       </button>
     );
   return (
@@ -70,7 +71,7 @@ export function RecordButton() {
       title="Record what the robot perceives and does"
       onClick={() => void recordings.record({})}
     >
-      <RecordIcon /> <span class="record-word">Record</span>
+      <RecordIcon /> Record
     </button>
   );
 }

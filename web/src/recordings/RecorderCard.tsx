@@ -4,7 +4,7 @@ import { useSignal } from "@preact/signals";
 import type { Recorder } from "../protocol/types";
 import { Labelled } from "../desires/FieldInput";
 import { useApp } from "../state/context";
-import { clockSpan, number, size } from "../ui/format";
+import { clockSpan, number, sentence, size } from "../ui/format";
 import { RecordIcon, RingIcon, SquareIcon, WarnIcon } from "../ui/icons";
 import type { Pending } from "./control";
 import { nameProblem, recordedFor, ringMinutes } from "./words";
@@ -29,7 +29,7 @@ export function RecorderCard() {
         <p class="inline-note error recorder-stopped" role="alert">
           <WarnIcon />
           <span>
-            <b>Recording has stopped.</b> {recorder.reason}
+            <b>Recording has stopped.</b> {sentence(recorder.reason)}
           </span>
         </p>
       )}
@@ -37,7 +37,7 @@ export function RecorderCard() {
         <p class="inline-note warn recorder-stopped" data-testid="recorder-reason">
           <WarnIcon />
           <span>
-            <b>Not recording, though desired.</b> {recorder.reason}
+            <b>Not recording, though desired.</b> {sentence(recorder.reason)}
           </span>
         </p>
       )}

@@ -4,8 +4,10 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Recording } from "../protocol/types";
 import { useApp } from "../state/context";
+import type { Store } from "../state/store";
 import { clockSpan, dayTime, size } from "../ui/format";
 import { DownloadIcon, PlayIcon, TrashIcon, WarnIcon } from "../ui/icons";
+import { recordedFor } from "./words";
 
 const STATES = {
   complete: null,
@@ -18,13 +20,14 @@ export function RecordingRow({ recording, onGone }: { recording: Recording; onGo
   const asking = useSignal(false);
   const { name, state } = recording;
   const told = STATES[state];
+  const { seconds, bytes } = figures(recording, store);
   const facts = [
     recording.began === null ? "" : dayTime(recording.began),
     recording.robot !== store.hello.value?.robot.name ? recording.robot : "",
   ].filter(Boolean);
   return (
     <li
-      class={`recording ${state}`}
+      class={`recording-row ${state === "recording" ? "being-recorded" : state}`}
       data-testid="recording"
       data-name={name}
       data-state={state}
@@ -34,7 +37,7 @@ export function RecordingRow({ recording, onGone }: { recording: Recording; onGo
       <p class="recording-head">
         <b>{name}</b>
         {told && (
-          <span class={`tag ${state}`} title={told.hint}>
+          <span class={`tag ${state === "recording" ? "being-recorded" : state}`} title={told.hint}>
             {told.word}
           </span>
         )}
@@ -42,9 +45,9 @@ export function RecordingRow({ recording, onGone }: { recording: Recording; onGo
       <p class="recording-facts">
         <span>{facts.join(" · ")}</span>
         <span data-testid="recording-length">
-          {recording.duration_s === null ? "length unknown" : clockSpan(recording.duration_s)}
+          {seconds === null ? "length unknown" : clockSpan(seconds)}
         </span>
-        <span data-testid="recording-size">{size(recording.bytes)}</span>
+        <span data-testid="recording-size">{size(bytes)}</span>
       </p>
       {state === "unfinished" && <p class="muted small">{told!.hint}</p>}
       {state !== "recording" &&
@@ -77,6 +80,14 @@ export function RecordingRow({ recording, onGone }: { recording: Recording; onGo
       <ReplayNote name={name} />
     </li>
   );
+}
+
+/** Of one that is being written, the Recorder knows more than the list read some time ago. */
+function figures(recording: Recording, store: Store): { seconds: number | null; bytes: number } {
+  const recorder = store.recorder.value;
+  if (recording.state === "recording" && recorder?.name === recording.name)
+    return { seconds: recordedFor(recorder, store.now.value), bytes: recorder.bytes };
+  return { seconds: recording.duration_s, bytes: recording.bytes };
 }
 
 function ReplayButton({ name }: { name: string }) {

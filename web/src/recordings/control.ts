@@ -4,6 +4,7 @@ import { effect, signal } from "@preact/signals";
 import { inWords, type Rest } from "../protocol/rest";
 import type { Recorder } from "../protocol/types";
 import type { Store } from "../state/store";
+import { sentence } from "../ui/format";
 import { starting } from "./placeholder";
 
 /** A desire must be weighed and the file opened; longer than this is no matter of waiting. */
@@ -137,7 +138,7 @@ export class RecordingControl {
   private lostPatience(): void {
     const what = this.pending.peek();
     this.pending.value = null;
-    if (what === "start") this.problem.value = `The recording has not begun. ${this.store.recorder.peek()?.reason ?? ""}`.trim();
+    if (what === "start") this.problem.value = `The recording has not begun. ${sentence(this.store.recorder.peek()?.reason ?? "")}`.trim();
     else if (what === "stop") this.problem.value = "Still recording: somebody else desires it. See the desires.";
     if (this.problem.peek() && !this.shown.peek()) this.store.notify("warning", this.problem.peek());
   }
@@ -148,7 +149,7 @@ export class RecordingControl {
     if ((pending === "start" && now.state !== "idle") || (pending === "stop" && !running)) this.wait(null);
     if (running) this.problem.value = "";
     if (before && now.state === "stopped" && before.state !== "stopped")
-      this.store.notify("error", `Recording has stopped: ${now.reason || "the robot does not say why"}`);
+      this.store.notify("error", `Recording has stopped. ${sentence(now.reason || "the robot does not say why")}`);
     if (before && this.shown.peek()) void this.refresh();
   }
 

@@ -14,6 +14,8 @@ const READ_MS = 40;
 /** A paused recording says nothing by itself, but answers: two pings may be lost. */
 const REPLAY_STALE_MS = 2600;
 const HISTORY_EVENTS = 200;
+/** However fast a recording runs, what it says holds until it says the next. */
+const REPLAY_HOLD_S = 10;
 /** What a jump in a recording makes void. */
 const OF_THE_PAST = ["status", "lanes", "load", "landmarks"] as const;
 
@@ -130,7 +132,7 @@ export class Session {
     if ("stamp" in message && typeof message.stamp === "number" && message.type !== "load")
       this.store.clock.heard(message.stamp, at / 1000);
     if (message.type === "status") this.lastStatusAt = at;
-    if (message.type === "lanes") this.store.lanes.push(message, GAP_S * Math.max(1, this.store.clock.rate));
+    if (message.type === "lanes") this.store.lanes.push(message, this.store.replay.peek() ? REPLAY_HOLD_S : GAP_S);
     if (message.type === "lanes_history") this.store.lanes.fill(message);
     if (message.type === "events") this.store.addEvents(message.events);
     else if (message.type === "notice") this.store.notify(message.level, message.text);

@@ -14,7 +14,7 @@ export interface TabItem {
   content: () => ComponentChildren;
 }
 
-export function Tabs({ items, narrow }: { items: TabItem[]; narrow: boolean }) {
+export function Tabs({ items }: { items: TabItem[] }) {
   const { store } = useApp();
   const chosen = items.find((item) => item.id === store.tab.value) ?? items[0]!;
   const move = (event: KeyboardEvent) => {
@@ -38,7 +38,7 @@ export function Tabs({ items, narrow }: { items: TabItem[]; narrow: boolean }) {
             aria-selected={item === chosen}
             aria-controls="tab-panel"
             tabIndex={item === chosen ? 0 : -1}
-            aria-label={narrow && item.short ? item.title : undefined}
+            aria-label={item.short && item.title}
             data-testid={`tab-${item.id}`}
             onClick={(event) => {
               store.tab.value = item.id;
@@ -46,7 +46,14 @@ export function Tabs({ items, narrow }: { items: TabItem[]; narrow: boolean }) {
               if (event.detail > 0) event.currentTarget.blur();
             }}
           >
-            {(narrow && item.short) || item.title}
+            {item.short ? (
+              <>
+                <span class="tab-title">{item.title}</span>
+                <span class="tab-short">{item.short}</span>
+              </>
+            ) : (
+              item.title
+            )}
             {item.badge !== undefined && item.badge !== 0 && <span class="badge">{item.badge}</span>}
           </button>
         ))}

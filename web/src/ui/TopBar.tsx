@@ -43,8 +43,8 @@ export function TopBar({ narrow }: { narrow: boolean }) {
       <div class="brand">
         <h1>HBBA</h1>
         <span class="robot-name" data-testid="robot-name">
-          {hello ? hello.robot.name : "No robot yet"}
-          {hello?.robot.simulated && <i class="tag">simulated</i>}
+          {replay ? "Replay" : hello ? hello.robot.name : "No robot yet"}
+          {!replay && hello?.robot.simulated && <i class="tag">simulated</i>}
         </span>
       </div>
       <p class={`chip link-${phase}`} role="status" data-testid="connection" data-phase={phase}>

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { ago, clockSpan, divisor, left, millis, nameAndTitle, number, reasonText, size, small, spaced, stateWord } from "./format";
+import { ago, clockSpan, divisor, left, millis, nameAndTitle, number, reasonText, sentence, size, small, spaced, stateWord } from "./format";
 
 test("ages are said as people say them", () => {
   expect([0.4, 12.3, 89, 200, 7200, 200_000].map(ago)).toEqual([
@@ -12,6 +12,10 @@ test("ages are said as people say them", () => {
   ]);
   expect([0.2, 29.4, 600].map(left)).toEqual(["1 s left", "30 s left", "10 min left"]);
   expect(ago(-3)).toBe("just now");
+});
+
+test("a reason by itself is a sentence", () => {
+  expect(["disk full", "Disk full. ", ""].map(sentence)).toEqual(["Disk full.", "Disk full.", ""]);
 });
 
 test("sizes and lengths of recordings", () => {

@@ -92,6 +92,12 @@ export function dayTime(stamp: number): string {
   return new Date(stamp * 1000).toLocaleString([], { dateStyle: "medium", timeStyle: "short", hour12: false });
 }
 
+/** As a sentence of its own: with a capital and a full stop. */
+export function sentence(text: string): string {
+  const trimmed = text.trim().replace(/[.\s]+$/, "");
+  return trimmed && `${trimmed.charAt(0).toUpperCase()}${trimmed.slice(1)}.`;
+}
+
 export function clockTime(stamp: number): string {
   return new Date(stamp * 1000).toLocaleTimeString([], { hour12: false });
 }
