@@ -18,6 +18,7 @@ from app.console.problems import install_problem_handlers
 from app.console.replays import Replays
 from app.console.rest.attention import attention_router
 from app.console.rest.desires import desires_router
+from app.console.rest.playback import playback_router
 from app.console.rest.program import program_router, robot_router
 from app.console.rest.recordings import recordings_router
 from app.console.rest.session import session_router
@@ -27,6 +28,7 @@ from app.console.view.relay import view_router
 from app.console.view.view import View
 
 if TYPE_CHECKING:
+    from app.replay.playback import Playback
     from app.system import System
 
 API = "/api/v1"
@@ -35,6 +37,7 @@ API = "/api/v1"
 def create_app(
     system: System,
     *,
+    playback: Playback | None = None,
     static_dir: Path | None = None,
     token: str | None = None,
     host: str = "127.0.0.1",
@@ -42,12 +45,13 @@ def create_app(
 ) -> FastAPI:
     """The console of ``system``: REST and live stream under ``/api/v1``, the 3D view under ``/viser``, the page at /.
 
+    ``playback`` is what plays the recording that ``system`` lives again; None: what it lives is now.
     ``static_dir`` holds the built page (default: where the build puts it). ``token`` None: whoever is on this computer
     may use it, under a name of this computer; see :mod:`app.console.security`. ``host`` is where replays that are
     started from here listen. ``early_view``: start the 3D view with the program rather than with the first who looks.
     """
-    hub = Hub(system)
-    view = View(system, early=early_view)
+    hub = Hub(system, playback)
+    view = View(system, early=early_view, playback=playback)
     door = Door(token)
     replays = Replays(host, token)
 
@@ -77,6 +81,7 @@ def create_app(
         recordings_router(system, replays),
         viewers_router(hub, view),
         session_router(door),
+        playback_router(playback),
     ):
         api.include_router(router)
 

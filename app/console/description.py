@@ -26,6 +26,7 @@ _TAGS = [
     {"name": "robot", "description": "Its body: pose, guard, emergency stop."},
     {"name": "program", "description": "Modules and channels."},
     {"name": "recordings", "description": "What the robot lived, kept on disk and lived again."},
+    {"name": "playback", "description": "Where a recording is played: its transport."},
     {"name": "session", "description": "Logging in."},
 ]
 

@@ -13,20 +13,33 @@ from app.messages import LinkStatus, OperatorDrive
 from app.runtime.channel import Channel
 from app.runtime.clock import Clock
 
+UNDRIVABLE = "This program drives nothing: it has no channel operator_drive."
+RECORDING = "This is a recording: there is no robot to drive or to stop."
+
 Notify = Callable[[str, Literal["info", "warning", "error"], str], None]
 
 
 class Driving:
     """The lease at work. ``notify(session, level, text)`` reaches one page.
 
-    ``channel`` takes the driver's commands; None: this program drives nothing, and nobody is given the wheel.
+    ``channel`` takes the driver's commands; None: this program drives nothing, and nobody is given the wheel. Nor is
+    anybody where what happens is a ``recording``.
     """
 
-    def __init__(self, clock: Clock, link: RobotLink, channel: Channel[OperatorDrive] | None, notify: Notify) -> None:
+    def __init__(
+        self,
+        clock: Clock,
+        link: RobotLink,
+        channel: Channel[OperatorDrive] | None,
+        notify: Notify,
+        *,
+        recording: bool = False,
+    ) -> None:
         self._clock = clock
         self._link = link
-        self._channel = channel
+        self._channel = None if recording else channel
         self._notify = notify
+        self.recording = recording
         self._lease = control.Lease()
         self._sequence = 0
         self._timer: asyncio.TimerHandle | None = None
@@ -53,14 +66,17 @@ class Driving:
                     self._notify(session, level, text)
         self._set_timer(now)
 
-    def e_stop(self, who: str) -> None:
+    def e_stop(self, who: str, session: str | None = None) -> None:
         """Latch the emergency stop, by the link's own path and before anything else."""
+        if self._is_in_vain(session):
+            return
         self._link.e_stop(f"pressed by {who}")
         self.handle(control.EmergencyStop(True))
 
-    def clear_e_stop(self) -> None:
+    def clear_e_stop(self, session: str | None = None) -> None:
         """Release the latch; nothing moves before a fresh command."""
-        self._link.clear_e_stop()
+        if not self._is_in_vain(session):
+            self._link.clear_e_stop()
 
     def heed(self, status: LinkStatus) -> None:
         """Take over what the guard says of its latch."""
@@ -78,7 +94,12 @@ class Driving:
     def _refuse(self, session: str) -> None:
         if session not in self._told_undrivable:
             self._told_undrivable.add(session)
-            self._notify(session, "warning", "This program drives nothing: it has no channel operator_drive.")
+            self._notify(session, "warning", RECORDING if self.recording else UNDRIVABLE)
+
+    def _is_in_vain(self, session: str | None) -> bool:
+        if self.recording and session is not None:
+            self._refuse(session)
+        return self.recording
 
     def _set_timer(self, now: float) -> None:
         if self._timer is not None:

@@ -22,13 +22,14 @@ EXPLOITATION_FRESH_S = 0.5
 SILENT_AFTER_S = 0.5
 
 
-def robot_json(link: RobotLink) -> dict[str, Any]:
-    """What the body is."""
+def robot_json(link: RobotLink, *, replayed: bool = False) -> dict[str, Any]:
+    """What the body is; ``replayed``: it lives a recording again, and nobody can drive or stop it."""
     description = link.description
     limits = description.limits
     return {
         "name": description.name,
         "simulated": description.simulated,
+        "replayed": replayed,
         "limits": {
             "linear_mps": limits.linear_mps,
             "angular_radps": limits.angular_radps,
@@ -43,10 +44,11 @@ def scale_json() -> dict[str, float]:
     return {"intensity": SCALE, "utility": SCALE}
 
 
-def guard_json(status: LinkStatus | None, now: float) -> dict[str, Any]:
+def guard_json(status: LinkStatus | None, now: float, rate: float = 1.0) -> dict[str, Any]:
     """What the guard says; before its first word, or when it has fallen silent, that it says nothing.
 
-    What it said last is then kept but for its state; the age of the command it had grows on.
+    What it said last is then kept but for its state; the age of the command it had grows on. ``rate``: seconds of the
+    robot's clock in a real one, where a recording is played faster than it was lived.
     """
     if status is None:
         return {
@@ -57,7 +59,7 @@ def guard_json(status: LinkStatus | None, now: float) -> dict[str, Any]:
             "applied": {"linear_mps": 0.0, "angular_radps": 0.0},
         }
     silence_s = now - status.stamp
-    silent = silence_s > SILENT_AFTER_S
+    silent = silence_s > SILENT_AFTER_S * rate
     age_s = status.command_age_s
     if silent and age_s is not None:
         age_s += silence_s
@@ -87,9 +89,9 @@ def odometry_json(odometry: Odometry | None) -> dict[str, float] | None:
     }
 
 
-def exploited(exploitation: Exploitation | None, now: float) -> str | None:
-    """The behavior that drives now."""
-    if exploitation is None or now - exploitation.stamp > EXPLOITATION_FRESH_S:
+def exploited(exploitation: Exploitation | None, now: float, rate: float = 1.0) -> str | None:
+    """The behavior that drives now; ``rate`` as for :func:`guard_json`."""
+    if exploitation is None or now - exploitation.stamp > EXPLOITATION_FRESH_S * rate:
         return None
     return exploitation.behavior
 

@@ -7,13 +7,17 @@ import contextlib
 import logging
 from collections.abc import Callable, Coroutine, Iterable, Set
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal, Protocol, TypeVar
 
+from app.attention.intention import Intention
 from app.link import RobotLink
 from app.messages import DesiresRecord, EventRecord, Image, LaserScan, LogLine, OperatorDrive, Twist
 from app.recording.log import Log, LogError, Logged, LogInfo
 from app.replay.past import ACCUMULATED, Past
+from app.runtime.filter import CLOSED
 from app.runtime.replay_clock import ReplayClock
 from app.system import System
 
@@ -109,9 +113,14 @@ class Playback:
         self._ended = False
         self._target: float | None = None
         self._jumping = False
+        self._moving = False
         self._waiting: list[asyncio.Future[None]] = []
         self._steps: list[asyncio.Future[None]] = []
+        #: Channels that somebody began to want while time stands.
+        self._unseen: set[str] = set()
         self._changed = asyncio.Event()
+        self._watching = ExitStack()
+        self._opened: Set[str] = frozenset()
         self._observers: list[Callable[[PlaybackState], None]] = []
         self._jump_observers: list[Callable[[float], None]] = []
         self._reader: ThreadPoolExecutor | None = None
@@ -124,6 +133,11 @@ class Playback:
         self._reader = ThreadPoolExecutor(1, thread_name_prefix="playback reader")
         if self._clock.now() > self._info.begin:
             self._target = self._clock.now()
+        for name in self._info.channels.keys() & self.system.graph.channels.keys():
+            wanted = partial(self._want_one, name)
+            self._watching.callback(self.system.graph.channels[name].on_wanted(wanted))
+        self._watching.callback(self.system.translator.observe(self._on_intention))
+        self._unseen.clear()
         self._driver = asyncio.create_task(self._drive(), name="playback")
         self._driver.add_done_callback(self._driver_ended)
         return self
@@ -131,6 +145,7 @@ class Playback:
     async def __aexit__(self, *_: object) -> None:
         """Stand still; the log may be closed then."""
         self._clock.run(0)
+        self._watching.close()
         if self._driver is not None:
             self._driver.cancel()
             await asyncio.wait({self._driver})
@@ -174,6 +189,11 @@ class Playback:
         """Call ``callback(position)`` at every jump, when everything before it is forgotten and before anything of
         the new place is shown; returns what ends it."""
         return _listed(self._jump_observers, callback)
+
+    @property
+    def moving(self) -> bool:
+        """Whether it is just between two places: from the end of all modules until the jump is told."""
+        return self._moving
 
     # --- What it can be told -----------------------------------------------------------------------------------------
 
@@ -228,6 +248,8 @@ class Playback:
         rate = self._speed if free and self._playing and self._speed is not None else 0.0
         if rate != self._clock.rate:
             self._clock.run(rate)
+        if free and self._playing:
+            self._unseen.clear()
         self._changed.set()
         state = self.state
         for observer in tuple(self._observers):
@@ -243,6 +265,8 @@ class Playback:
                 await self._step_once()
             elif self._playing and not self._ended:
                 await (self._advance() if self._speed is None else self._pass())
+            elif self._unseen:
+                await self._show_unseen()
             else:
                 await self._changed.wait()
 
@@ -347,18 +371,50 @@ class Playback:
         system, body = self.system, self._body
         # Read before anything is ended: where the recording cannot be read, all stays as it is.
         known, wishes = await self._read(self._standing, position)
-        await system.begin_anew(lambda: self._jump(position, known))
-        await _patiently(system.supervisor.started(), START_WITHIN_S)
-        for logged in wishes:
-            body.show(logged.channel, logged.message)
-        # What is wanted there decides what is shown there; how attention came to it is no event of the recording.
-        await _patiently(system.translator.settled(), START_WITHIN_S)
-        system.timeline.clear()
+        self._moving = True
+        try:
+            await system.begin_anew(lambda: self._jump(position, known))
+            await _patiently(system.supervisor.started(), START_WITHIN_S)
+            for logged in wishes:
+                body.show(logged.channel, logged.message)
+            # What is wanted there decides what is shown there; how attention came to it is no event of the recording.
+            await _patiently(system.translator.settled(), START_WITHIN_S)
+            system.timeline.clear()
+        finally:
+            self._moving = False
         for observer in tuple(self._jump_observers):
             observer(position)
-        for logged in await self._read(self._scene, position):
+        for logged in await self._read(lambda at: self._scene(at, self._info.channels.keys()), position):
             body.show(logged.channel, logged.message)
         await _patiently(self._quiet(), SHOW_WITHIN_S)
+
+    def _want(self, channels: Set[str]) -> None:
+        """Somebody begins to listen to ``channels``; while time stands, nothing of them would come."""
+        if channels and not self._jumping:
+            self._unseen |= channels
+            self._changed.set()
+
+    def _want_one(self, channel: str, wanted: bool) -> None:
+        self._want({channel} if wanted else frozenset())
+
+    def _on_intention(self, intention: Intention) -> None:
+        opened = {name for name, divisor in intention.divisors.items() if divisor != CLOSED}
+        newly, self._opened = opened - self._opened, opened
+        inputs = self.system.graph.inputs()
+        self._want({inputs[name] for name in newly if name in inputs} & self._info.channels.keys())
+
+    async def _show_unseen(self) -> None:
+        """Show who came while time stands what there is to be seen."""
+        await self._quiet()
+        channels, self._unseen = self._unseen, set()
+        try:
+            scene = await self._read(lambda position: self._scene(position, channels), self._clock.now())
+        except LogError as failure:
+            log.error("cannot show what stands here: %s", failure)
+            return
+        if not self._changed.is_set():
+            for logged in scene:
+                self._body.show(logged.channel, logged.message)
 
     def _jump(self, position: float, known: list[Logged]) -> None:
         self._ended = False
@@ -374,9 +430,9 @@ class Playback:
         """What modules that begin at ``position`` must know at once, and what was desired there."""
         return self._past.of_types(ACCUMULATED, position), self._past.of_types((DesiresRecord,), position)
 
-    def _scene(self, position: float) -> list[Logged]:
+    def _scene(self, position: float, channels: Set[str]) -> list[Logged]:
         shown = {c.name for c in self._info.channels.values() if c.message_type not in (DesiresRecord, *OF_THE_MOMENT)}
-        return self._past.scene(position, self._body.listened & shown)
+        return self._past.scene(position, self._body.listened & shown & channels)
 
     async def _read(self, function: Callable[[float], T], position: float) -> T:
         assert self._reader is not None

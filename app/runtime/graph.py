@@ -252,6 +252,15 @@ class Graph:
             for name, slot in self.modules.items()
         }
 
+    def inputs(self) -> dict[str, str]:
+        """The channel of every connected input ``Module.port``."""
+        return {
+            f"{name}.{port.name}": port.channel.name
+            for name, slot in self.modules.items()
+            for port in slot.context.inputs.values()
+            if port.channel is not None
+        }
+
     def configure(self, module: str, parameters: Mapping[str, Any]) -> None:
         """Hand the intention's parameters to ``module``. Raises KeyError for one that is not in the graph."""
         self.modules[module].configure(parameters)

@@ -75,9 +75,9 @@ def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
         case protocol.ViewMessage():
             hub.show_camera(viewer, message.camera)
         case protocol.EStopMessage():
-            driving.e_stop(viewer.operator)
+            driving.e_stop(viewer.operator, session)
         case protocol.ClearEStopMessage():
-            driving.clear_e_stop()
+            driving.clear_e_stop(session)
         case protocol.TakeControlMessage():
             driving.handle(control.TakeControl(session))
         case protocol.ReleaseControlMessage():

@@ -19,6 +19,7 @@ from app.console.driving import Driving
 from app.console.live.outbox import Outbox
 from app.console.live.protocol import PROTOCOL, picture_frame
 from app.console.live.sampler import Sampler
+from app.console.playback import PERIOD_S, playback_json
 from app.console.presence import Presence
 from app.console.recordings import RecorderReport
 from app.console.taps import Tap
@@ -27,6 +28,7 @@ from app.messages import EncodedImage, LinkStatus
 
 if TYPE_CHECKING:
     from app.attention.timeline import TimelineEvent
+    from app.replay.playback import Playback
     from app.system import System
 
 Level = Literal["info", "warning", "error"]
@@ -47,8 +49,9 @@ class Viewer:
 class Hub:
     """``open`` once the program runs, ``close`` at its end; in between viewers :meth:`join` and :meth:`leave`."""
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: System, playback: Playback | None = None) -> None:
         self._system = system
+        self._playback = playback
         self._viewers: dict[str, Viewer] = {}
         self._presence = Presence(system.workspace)
         self._sampler = Sampler(system, self)
@@ -58,10 +61,17 @@ class Hub:
         self._sampling: asyncio.Task[None] | None = None
         self._camera: Tap[EncodedImage] | None = None
         self._pictures = 0
+        self._last_picture: bytes | None = None
         self._stale: set[str] = set()
         self._new_events: list[str] = []
         self.link_status: LinkStatus | None = None
-        self.driving = Driving(system.clock, system.link, system.graph.channels.get("operator_drive"), self.notify)
+        self.driving = Driving(
+            system.clock,
+            system.link,
+            system.graph.channels.get("operator_drive"),
+            self.notify,
+            recording=playback is not None,
+        )
 
     # --- Life --------------------------------------------------------------------------------------------------------
 
@@ -69,6 +79,9 @@ class Hub:
         """Begin to heed the guard and to remember the lanes."""
         self._stack.callback(self._system.link.attach("status", self._on_status))
         self._stack.callback(asyncio.create_task(self._sampler.remember(), name="console lanes").cancel)
+        if self._playback is not None:
+            self._stack.callback(self._playback.observe(lambda _: self._mark_stale("playback")))
+            self._stack.callback(self._playback.on_jump(self._on_jump))
 
     def close(self) -> None:
         """Stop whoever drives and forget everybody."""
@@ -77,6 +90,23 @@ class Hub:
         self._stop_watching()
         self._stack.close()
         self._viewers.clear()
+
+    @property
+    def moving(self) -> bool:
+        """Whether a recording's time is just being moved: what is said meanwhile is of no time."""
+        return self._playback is not None and self._playback.moving
+
+    def _on_jump(self, position: float) -> None:
+        self.link_status = None
+        self._sampler.forget()
+        self._new_events.clear()
+        self._last_picture = None
+        jump = encode_text({"type": "jump", "stamp": position})
+        frames = {kind: frame for kind, frame in self._standing_frames().items() if kind != "load"}
+        for viewer in self._viewers.values():
+            viewer.outbox.begin_anew(jump)
+            for kind, frame in frames.items():
+                viewer.outbox.put(kind, frame)
 
     # --- Viewers -----------------------------------------------------------------------------------------------------
 
@@ -96,6 +126,8 @@ class Hub:
         viewer.outbox.put_urgent(self._hello(viewer))
         for kind, frame in self._standing_frames().items():
             viewer.outbox.put(kind, frame)
+        if self._last_picture is not None:
+            viewer.outbox.put_picture(self._last_picture)
         self._want_camera()
         return viewer
 
@@ -158,6 +190,8 @@ class Hub:
             if channel in system.graph.channels:
                 keep(Tap(system.graph.channel(channel), f"console.{channel}", handler).close)
         self._sampling = asyncio.create_task(self._sampler.run(), name="console sampler")
+        if self._playback is not None:
+            keep(asyncio.create_task(self._follow(self._playback), name="console playback").cancel)
 
     def _stop_watching(self) -> None:
         self._watching.close()
@@ -166,6 +200,12 @@ class Hub:
             self._sampling = None
         self._want_camera()
         self._presence.watched(False)
+
+    async def _follow(self, playback: Playback) -> None:
+        while True:
+            if playback.state.playing:
+                self._mark_stale("playback")
+            await self._system.pace.sleep(PERIOD_S)
 
     def _want_camera(self) -> None:
         wanted = any(viewer.camera for viewer in self._viewers.values())
@@ -178,6 +218,8 @@ class Hub:
     def _on_picture(self, image: EncodedImage) -> None:
         self._pictures += 1
         frame = picture_frame(image, self._pictures)
+        # Where time may stand, none may follow for whoever comes later.
+        self._last_picture = frame if self._playback is not None else None
         for viewer in self._viewers.values():
             if viewer.camera:
                 viewer.outbox.put_picture(frame)
@@ -187,8 +229,9 @@ class Hub:
         self.driving.heed(status)
 
     def _on_event(self, event: TimelineEvent) -> None:
-        self._new_events.append(encode_text(event_to_json(event)))
-        self._mark_stale("events")
+        if not self.moving:
+            self._new_events.append(encode_text(event_to_json(event)))
+            self._mark_stale("events")
 
     def _on_recorder(self) -> None:
         if self._recorder.news():
@@ -202,6 +245,9 @@ class Hub:
 
     def _refresh(self) -> None:
         stale, self._stale = self._stale, set()
+        if self.moving:
+            # All of it is told when it is there, but for where it goes.
+            stale &= {"playback"}
         for kind, build in self._builders().items():
             if kind in stale:
                 self.broadcast(kind, build())
@@ -214,6 +260,8 @@ class Hub:
 
     def _builders(self) -> dict[str, Callable[[], str]]:
         builders = {"desires": self._desires, "intention": self._intention}
+        if self._playback is not None:
+            builders["playback"] = self._transport
         return builders if self._recorder.channel is None else builders | {"recorder": self._recording}
 
     def _standing_frames(self) -> dict[str, str]:
@@ -235,12 +283,17 @@ class Hub:
                 "protocol": PROTOCOL,
                 "session": viewer.session,
                 "stamp": system.clock.now(),
-                "robot": reports.robot_json(system.link),
+                "robot": reports.robot_json(system.link, replayed=self._playback is not None),
                 "scale": reports.scale_json(),
                 "classes": [desire_class_to_json(cls) for cls in system.classes.values()],
                 "channels": {"camera": "camera_jpeg" in system.graph.channels},
+                "playback": None if self._playback is None else playback_json(self._playback),
             }
         )
+
+    def _transport(self) -> str:
+        assert self._playback is not None
+        return encode_text({"type": "playback", **playback_json(self._playback)})
 
     def _desires(self) -> str:
         desires = [desire_to_json(desire) for desire in self._system.workspace.desires()]

@@ -33,9 +33,14 @@ class LaneHistory:
 
     def __init__(self, classes: Iterable[str], most_samples: int = MOST_SAMPLES) -> None:
         self._most = most_samples
+        self._classes = tuple(classes)
+        self.forget()
+
+    def forget(self) -> None:
+        """Begin with no past."""
         self._count = 0
-        self._stamps: deque[float] = deque(maxlen=most_samples)
-        self._rates: dict[str, deque[float | None]] = {cls: deque(maxlen=most_samples) for cls in classes}
+        self._stamps: deque[float] = deque(maxlen=self._most)
+        self._rates: dict[str, deque[float | None]] = {cls: deque(maxlen=self._most) for cls in self._classes}
         self._spells: dict[str, deque[Spell]] = {cls: deque() for cls in self._rates}
 
     def add(self, stamp: float, rows: Sequence[Mapping[str, Any]]) -> None:

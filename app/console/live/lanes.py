@@ -25,6 +25,9 @@ class RatioWindow:
 
     def add(self, now: float, offered: int, passed: int) -> None:
         """Note both counters at ``now`` (seconds)."""
+        if self._samples and self._samples[-1][0] >= now:
+            # Time stands: the same moment again.
+            self._samples.pop()
         self._samples.append((now, offered, passed))
         # The oldest kept sample is the last one at or before the window's begin.
         while len(self._samples) > 2 and self._samples[1][0] <= now - WINDOW_S:
@@ -70,6 +73,10 @@ class LaneSampler:
                 self._filters[strategy.cls] = tuple(dict.fromkeys(self._filters[strategy.cls] + names))
         every = {name for names in self._filters.values() for name in names}
         self._windows = {name: RatioWindow() for name in sorted(every)}
+
+    def forget(self) -> None:
+        """Measure from now on."""
+        self._windows = {name: RatioWindow() for name in self._windows}
 
     def sample(
         self,

@@ -58,6 +58,14 @@ class Outbox:
         self._newest[kind] = frame
         self._due.set()
 
+    def begin_anew(self, frame: str) -> None:
+        """Drop everything of before that waits, notices excepted, and let ``frame``, which says so, go out first."""
+        self._newest.clear()
+        self._events.clear()
+        self._overrun = False
+        self._picture = None
+        self.put_urgent(frame)
+
     def put_events(self, events: Iterable[str]) -> None:
         """Queue timeline events, each encoded as JSON."""
         self._events.extend(events)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from app.console import reports
 from app.console.live import lane_history
 from app.console.live.lanes import LaneSampler
+from app.console.playback import rate
 from app.console.wire import encode_text
 from app.messages import Exploitation, Landmarks, LinkStatus, Odometry
 
@@ -22,6 +23,11 @@ class Audience(Protocol):
     """Where frames go."""
 
     link_status: LinkStatus | None
+
+    @property
+    def moving(self) -> bool:
+        """Whether a recording's time is just being moved: what is said meanwhile is of no time."""
+        ...
 
     def broadcast(self, kind: str, frame: str) -> None:
         """Give everybody the newest frame of ``kind``."""
@@ -66,13 +72,12 @@ class Sampler:
 
     async def run(self) -> None:
         """Sample until cancelled. Beats missed are skipped, never made up for."""
-        clock = self._system.clock
-        due = clock.now()
+        pace = self._system.pace
+        due = pace.now()
         while True:
-            now = clock.now()
-            self._sample(now)
-            due = max(due + PERIOD_S, now)
-            await clock.sleep_until(due)
+            self._sample(self._system.clock.now())
+            due = max(due + PERIOD_S, pace.now())
+            await pace.sleep_until(due)
 
     async def remember(self) -> None:
         """Note the lanes for later until cancelled."""
@@ -81,12 +86,22 @@ class Sampler:
         while True:
             now = clock.now()
             self._history.add(now, self._rows(now))
-            due = max(due + lane_history.PERIOD_S, now)
+            # A recording's time may have gone back.
+            due = min(max(due, now - lane_history.PERIOD_S), now) + lane_history.PERIOD_S
             await clock.sleep_until(due)
+
+    def forget(self) -> None:
+        """Begin with no past: time has jumped."""
+        self._lanes.forget()
+        self._history.forget()
+        self._exploitation = None
+        self._odometry = None
 
     def _sample(self, now: float) -> None:
         self._sequence += 1
         self._audience.broadcast_status(self._status(now))
+        if self._audience.moving:
+            return
         lanes = {"type": "lanes", "seq": self._sequence, "stamp": now, "rows": self._rows(now)}
         self._audience.broadcast("lanes", encode_text(lanes))
         if self._system.load.latest.stamp != self._load_stamp:
@@ -100,10 +115,10 @@ class Sampler:
             "type": "status",
             "seq": self._sequence,
             "stamp": now,
-            "guard": reports.guard_json(status, now),
+            "guard": reports.guard_json(status, now, rate(self._system.clock)),
             "world_rate": 1.0 if status is None else round(status.world_rate, 4),
             "odometry": reports.odometry_json(self._odometry),
-            "exploited": reports.exploited(self._exploitation, now),
+            "exploited": reports.exploited(self._exploitation, now, rate(self._system.clock)),
             "sources": reports.sources_json(self._system.graph, self._system.freshness.read(now)),
         }
 

@@ -42,7 +42,7 @@ def desires_router(system: System) -> APIRouter:
     """Routes of ``/desires`` and ``/desire-classes``."""
     router = APIRouter(tags=["desires"])
     workspace = system.workspace
-    store = IdempotencyStore(system.clock.now)
+    store = IdempotencyStore(system.pace.now)
 
     @router.get("/desires", response_model=DesireList, summary="List all desires")
     async def list_desires() -> Response:

@@ -10,7 +10,9 @@ from fastapi.responses import Response
 
 from app.attention.chronicle import source_words
 from app.console import reports
+from app.console.driving import RECORDING
 from app.console.live.hub import Hub
+from app.console.playback import rate
 from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
 from app.console.rest.desires import source_of
@@ -40,25 +42,28 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
 
     @router.get("/robot", response_model=RobotModel, summary="Where the robot is and how it does")
     async def get_robot() -> Response:
-        now = system.clock.now()
+        now, speed = system.clock.now(), rate(system.clock)
         status = hub.link_status
         return Json(
             {
                 "stamp": now,
-                "robot": reports.robot_json(system.link),
-                "guard": reports.guard_json(status, now),
+                "robot": reports.robot_json(system.link, replayed=hub.driving.recording),
+                "guard": reports.guard_json(status, now, speed),
                 "world_rate": 1.0 if status is None else status.world_rate,
                 "odometry": reports.odometry_json(reports.latest(system.graph, "odometry")),
                 "driver": hub.driving.lease.driver_name,
-                "exploited": reports.exploited(reports.latest(system.graph, "exploitation"), now),
+                "exploited": reports.exploited(reports.latest(system.graph, "exploitation"), now, speed),
                 "landmarks": reports.landmarks_json(reports.latest(system.graph, "landmarks")),
             }
         )
 
-    @router.post("/robot/e-stop", response_model=EStopModel, summary="Stop, and stay stopped", responses=problems(504))
+    @router.post(
+        "/robot/e-stop", response_model=EStopModel, summary="Stop, and stay stopped", responses=problems(409, 504)
+    )
     async def e_stop(request: Request) -> Response:
         """Latches the emergency stop in the guard: the wheels are commanded to zero until it is released here or on the
         page. Answers once the guard has confirmed it. Needs no body. May be repeated."""
+        _refuse_recording(hub)
         confirmed = asyncio.get_running_loop().create_future()
 
         def heard(status: LinkStatus) -> None:
@@ -81,13 +86,21 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
             detach()
         return Json({"e_stop": "latched"})
 
-    @router.delete("/robot/e-stop", response_model=EStopModel, summary="Release the emergency stop")
+    @router.delete(
+        "/robot/e-stop", response_model=EStopModel, summary="Release the emergency stop", responses=problems(409)
+    )
     async def clear_e_stop() -> Response:
         """The base stays still until the next fresh command."""
+        _refuse_recording(hub)
         hub.driving.clear_e_stop()
         return Json({"e_stop": "released"})
 
     return router
+
+
+def _refuse_recording(hub: Hub) -> None:
+    if hub.driving.recording:
+        raise Problem(409, "a-recording", RECORDING)
 
 
 def program_router(system: System, hub: Hub) -> APIRouter:
@@ -124,7 +137,7 @@ def program_router(system: System, hub: Hub) -> APIRouter:
         problems = [
             f"{state.name}: {state.status}" for state in system.supervisor.states.values() if state.status != "running"
         ]
-        guard = reports.guard_json(hub.link_status, system.clock.now())
+        guard = reports.guard_json(hub.link_status, system.clock.now(), rate(system.clock))
         if guard["state"] in ("silent", "sensor_failure"):
             problems.append(guard["reason"])
         status = "degraded" if problems else "ok"

@@ -7,7 +7,7 @@ so the robot stays at the origin and orbit and zoom stay the viewer's. Node name
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -19,7 +19,7 @@ from app.console.view.body import Body
 from app.console.view.drawing import colors_along_x, moved, point_size, pose_arrays, scan_points, thinned
 from app.console.view.world import World
 from app.geometry import Pose2
-from app.messages import Landmarks
+from app.messages import Landmark
 
 WORLD = "/odom"
 _POSTER_M = (0.22, 0.22, 0.28)
@@ -90,15 +90,21 @@ class ViewerScene:
             if world.joints is not None and world.joints is not before.joints:
                 self._body.move(dict(zip(world.joints.names, world.joints.positions, strict=True)))
                 new += 1
-            if world.landmarks is not None and world.landmarks is not before.landmarks:
-                self._draw_landmarks(world.landmarks)
+            if world.landmarks is not before.landmarks:
+                self._draw_landmarks(() if world.landmarks is None else world.landmarks.landmarks)
                 new += 1
-            if world.scan is not None and world.scan is not before.scan:
+            if world.scan is None:
+                if before.scan is not None:
+                    self._scan.visible = False
+            elif world.scan is not before.scan:
                 scan, X_OB = world.scan
                 hits = scan_points(scan)
                 _place(self._scan, hits, colors_along_x(hits), X_OB)
                 new += 1
-            if world.cloud is not None and world.cloud is not before.cloud:
+            if world.cloud is None:
+                if before.cloud is not None:
+                    self._cloud.visible = False
+            elif world.cloud is not before.cloud:
                 chosen = thinned(len(world.cloud.points), points)
                 self._cloud.point_size = point_size(len(chosen))
                 _place(self._cloud, world.cloud.points[chosen], world.cloud.colors[chosen], world.cloud.X_OB)
@@ -112,10 +118,10 @@ class ViewerScene:
                 self._drawn = replace(world, robot=before.robot)
         return new
 
-    def _draw_landmarks(self, message: Landmarks) -> None:
+    def _draw_landmarks(self, landmarks: Sequence[Landmark]) -> None:
         """A card with its text at each poster found."""
         scene = self._client.scene
-        for number, landmark in enumerate(message.landmarks):
+        for number, landmark in enumerate(landmarks):
             if number == len(self._posters):
                 node = f"{WORLD}/landmark_{number}"
                 card = scene.add_box(node, color=(250, 204, 80), dimensions=_POSTER_M, opacity=0.75, cast_shadow=False)
@@ -125,7 +131,7 @@ class ViewerScene:
             card.position = np.array(landmark.p_OQ)
             card.visible = True
             label.text = landmark.text
-        for card, _ in self._posters[len(message.landmarks) :]:
+        for card, _ in self._posters[len(landmarks) :]:
             card.visible = False
 
 

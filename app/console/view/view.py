@@ -9,6 +9,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from app.console import reports
 from app.console.taps import Tap
 from app.console.view.budget import PointBudget, measured, silent
 from app.console.view.painter import Painter
@@ -18,6 +19,7 @@ from app.messages import JointState, Landmarks, LaserScan, Odometry, PointCloud
 from app.pose_buffer import PoseBuffer
 
 if TYPE_CHECKING:
+    from app.replay.playback import Playback
     from app.system import System
 
 log = logging.getLogger("hbba.view")
@@ -42,8 +44,9 @@ class Look:
 class View:
     """``open`` with the program, ``close`` at its end. viser starts with the first look, or at once if ``early``."""
 
-    def __init__(self, system: System, *, early: bool) -> None:
+    def __init__(self, system: System, *, early: bool, playback: Playback | None = None) -> None:
         self._system = system
+        self._playback = playback
         self._early = early
         self._looks: dict[str, Look] = {}
         #: Local ports of our relay's connections to viser, with whose they are. Read in viser's thread.
@@ -53,9 +56,12 @@ class View:
         self._ended: asyncio.Future[None] | None = None
         self._watching = ExitStack()
         self._feeding: asyncio.Task[None] | None = None
+        self._end_watch: Callable[[], None] = lambda: None
         self._poses = PoseBuffer(span_s=2.0)
         self._odometry: Odometry | None = None
         self._scan: LaserScan | None = None
+        #: The last one, in the pose of its instant.
+        self._placed: tuple[LaserScan, Pose2] | None = None
         self._joints: JointState | None = None
         self._cloud: PointCloud | None = None
         self._landmarks: Landmarks | None = None
@@ -64,11 +70,14 @@ class View:
 
     def open(self) -> None:
         """The program runs."""
+        if self._playback is not None:
+            self._end_watch = self._playback.on_jump(self._on_jump)
         if self._early:
             self._start()
 
     async def close(self) -> None:
         """End viser and its thread."""
+        self._end_watch()
         self._stop_feeding()
         if self._painter is not None:
             self._painter.stop()
@@ -162,9 +171,11 @@ class View:
         }
         for name, handler in handlers.items():
             if name in graph.channels:
-                self._watching.callback(Tap(graph.channel(name), f"console.view.{name}", handler).close)
-        if "landmarks" in graph.channels:
-            self._landmarks = graph.channel("landmarks").latest
+                channel = graph.channel(name)
+                self._watching.callback(Tap(channel, f"console.view.{name}", handler).close)
+                # Of a recording that stands, nothing else may come.
+                if channel.latest is not None and (name == "landmarks" or self._playback is not None):
+                    handler(channel.latest)
         self._feeding = asyncio.create_task(self._feed(), name="console view")
 
     def _stop_feeding(self) -> None:
@@ -172,6 +183,12 @@ class View:
         if self._feeding is not None:
             self._feeding.cancel()
             self._feeding = None
+
+    def _on_jump(self, _: float) -> None:
+        """A recording is at another place: nothing is where it was."""
+        self._poses = PoseBuffer(span_s=2.0)
+        self._odometry = self._scan = self._placed = self._joints = self._cloud = None
+        self._landmarks = reports.latest(self._system.graph, "landmarks")
 
     def _on_odometry(self, message: Odometry) -> None:
         self._poses.add(message.stamp, message.X_OB)
@@ -191,7 +208,6 @@ class View:
 
     async def _feed(self) -> None:
         beat = 0
-        scan: tuple[LaserScan, Pose2] | None = None
         joints: JointState | None = None
         while True:
             beat += 1
@@ -199,8 +215,8 @@ class View:
                 joints = self._joints
                 # A moment after it came, when odometry has reached its stamp.
                 if self._scan is not None and (pose := self._poses.at(self._scan.stamp)) is not None:
-                    scan = (self._scan, pose)
+                    self._placed = (self._scan, pose)
             robot = None if self._odometry is None else self._odometry.X_OB
             if self._painter is not None:
-                self._painter.show(World(robot, joints, scan, self._cloud, self._landmarks))
-            await self._system.clock.sleep(PERIOD_S)
+                self._painter.show(World(robot, joints, self._placed, self._cloud, self._landmarks))
+            await self._system.pace.sleep(PERIOD_S)

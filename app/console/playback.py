@@ -1,0 +1,33 @@
+"""What REST and the live stream tell of a recording that is played, and its transport's ten words a second."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from app.runtime.clock import Clock
+from app.runtime.replay_clock import ReplayClock
+
+if TYPE_CHECKING:
+    from app.replay.playback import Playback
+
+#: While it plays, where it is is told so often (s, real).
+PERIOD_S = 0.1
+
+
+def playback_json(playback: Playback) -> dict[str, Any]:
+    """What is played, and where it is; stamps are the recording's."""
+    state = playback.state
+    return {
+        "file": playback.info.path.name,
+        "begin": state.begin,
+        "end": state.end,
+        "position": state.position,
+        "speed": state.speed,
+        "playing": state.playing,
+        "phase": state.phase,
+    }
+
+
+def rate(clock: Clock) -> float:
+    """How many seconds of ``clock`` pass in a real one, at least 1: what the computer's hiccups must be measured by."""
+    return max(1.0, clock.rate) if isinstance(clock, ReplayClock) else 1.0

@@ -1,0 +1,76 @@
+"""The transport of a recording: where it is, play and pause, speed, seek, step."""
+
+from __future__ import annotations
+
+from collections.abc import Coroutine
+from typing import TYPE_CHECKING
+
+from fastapi import APIRouter
+from fastapi.responses import Response
+
+from app.console.playback import playback_json
+from app.console.problems import Problem
+from app.console.rest.answers import Json, problems
+from app.console.rest.playback_models import PlaybackChange, PlaybackModel
+from app.recording.log import LogError
+
+if TYPE_CHECKING:
+    from app.replay.playback import Playback
+
+
+def playback_router(playback: Playback | None) -> APIRouter:
+    """Routes of ``/playback``; they refuse where a robot lives (None)."""
+    router = APIRouter(tags=["playback"])
+
+    def played() -> Playback:
+        if playback is None:
+            raise Problem(404, "not-a-replay", "This is no recording: what the robot lives now cannot be wound.")
+        return playback
+
+    @router.get("/playback", response_model=PlaybackModel, summary="What is played, and where", responses=problems(404))
+    async def get_playback() -> Response:
+        return Json(playback_json(played()))
+
+    @router.patch(
+        "/playback",
+        response_model=PlaybackModel,
+        summary="Play, pause, go elsewhere, faster or slower",
+        responses=problems(400, 404, 409, 422),
+    )
+    async def change_playback(change: PlaybackChange) -> Response:
+        """What is not named stays. Answers once it is so: after a seek, when the scene there is shown. Of several seeks
+        at once only the newest is gone to, and all are answered then. A position beyond an end is that end; to play
+        from the end is to begin again."""
+        player = played()
+        named = change.model_fields_set
+        if change.playing is False:
+            player.pause()
+        if "speed" in named:
+            player.set_speed(change.speed)
+        if change.position is not None:
+            await _read(player.seek(change.position))
+        if change.playing:
+            player.play()
+        return Json(playback_json(player))
+
+    @router.post(
+        "/playback/step",
+        response_model=PlaybackModel,
+        summary="On to the next image, then stand",
+        responses=problems(404, 409),
+    )
+    async def step() -> Response:
+        """To the next image of the first camera; in a recording without images to the next scan, without scans by
+        0.1 s. Answers once the modules have done with it."""
+        player = played()
+        await _read(player.step())
+        return Json(playback_json(player))
+
+    return router
+
+
+async def _read(doing: Coroutine[object, object, None]) -> None:
+    try:
+        await doing
+    except LogError as failure:
+        raise Problem(409, "unreadable-recording", str(failure)) from None
