@@ -8,20 +8,27 @@ import os
 import runpy
 import signal
 import sys
+from collections.abc import MutableMapping, Sequence
 
 TOKEN = "HBBA_REPLAY_TOKEN"
 _PR_SET_PDEATHSIG = 1
 
 
 def main(arguments: list[str]) -> None:
-    """Become ``hbba replay``; ends by SystemExit."""
+    """Become ``hbba replay``: the console's process id, then its arguments. Ends by SystemExit."""
+    console, *rest = arguments
     if sys.platform == "linux":
         ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
-    if str(os.getppid()) != arguments[0]:
-        return  # the console ended before we asked to be told
-    token = os.environ.pop(TOKEN, None)
-    sys.argv = ["hbba", "replay", *arguments[1:], *(() if token is None else ("--token", token))]
+    if str(os.getppid()) != console:
+        return  # it ended before we asked to be told
+    sys.argv = command_line(rest, os.environ)
     runpy.run_module("app.cli", run_name="__main__", alter_sys=True)
+
+
+def command_line(arguments: Sequence[str], environment: MutableMapping[str, str]) -> list[str]:
+    """``hbba replay`` as it would have been typed; takes the token out of ``environment``."""
+    token = environment.pop(TOKEN, None)
+    return ["hbba", "replay", *(() if token is None else ("--token", token)), *arguments]
 
 
 if __name__ == "__main__":

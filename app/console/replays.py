@@ -40,7 +40,7 @@ class Replays:
     """At most one replay at a time; :meth:`close` ends it with the console.
 
     ``host`` is where its console listens; ``token`` what it asks for, as this one does. ``command`` is what to run,
-    followed by the recording's path and the options.
+    followed by the options and the recording's path.
     """
 
     def __init__(self, host: str, token: str | None, command: Sequence[str] = ()) -> None:
@@ -67,7 +67,7 @@ class Replays:
             environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
             if self._token is not None:
                 environment[TOKEN] = self._token
-            child = self._child = await _Child.spawn(name, [*self.command, str(path), *options], environment)
+            child = self._child = await _Child.spawn(name, [*self.command, *options, "--", str(path)], environment)
         try:
             async with asyncio.timeout(START_WITHIN_S):
                 return await child.wait_url()
