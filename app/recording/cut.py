@@ -93,6 +93,7 @@ def _copy(
     progress: Progress,
 ) -> tuple[int, int]:
     begin, end = span
+    stream.seek(0)
     reader = SeekingReader(stream, validate_crcs=True)
     topics = sorted({channel.topic for channel in wanted.values()})
     try:
@@ -203,6 +204,7 @@ def _opened(path: Path) -> Iterator[tuple[IO[bytes], Summary]]:
             if stream.read(len(MAGIC)) != MAGIC:
                 raise LogError(f"{path}: only MCAP files can be cut")
             try:
+                stream.seek(0)
                 summary = SeekingReader(stream).get_summary()
             except _DAMAGE as failure:
                 raise LogError(
