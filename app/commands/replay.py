@@ -177,6 +177,7 @@ def _with_console(
     begin = log.info.begin if options.begin is None else options.begin
     clock = ReplayClock(begin, log.info.end if options.end is None else options.end)
     replay = Replay(log, clock, options)
+    stack.callback(replay.close)
     console = replay.program.configuration.program.console
     host = args.host or console.host
     token = args.token or console.token or (None if is_loopback(host) else new_token())

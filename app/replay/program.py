@@ -16,16 +16,19 @@ from app.messages import (
     Divisors,
     EventRecord,
     IntentionRecord,
+    JointState,
+    LinkStatus,
     LoadRecord,
     LogLine,
     ModuleRecord,
+    Odometry,
     RecorderStatus,
 )
 from app.modules.recording.recorder import Recorder
 from app.recording.log import Log, LogInfo
 from app.replay.extract import extract
 from app.replay.options import ReplayOptions
-from app.robots.config import load_robot_config
+from app.robots.config import RobotConfig, load_robot_config
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.graph import ModuleSpec, load_class
 from app.runtime.module import Module
@@ -87,7 +90,7 @@ def prepare(log: Log, options: ReplayOptions, folder: Path) -> ReplayProgram:
             name=facts.get("robot") or robot.name,
             model_path=robot.model,
             limits=robot.limits.base(),
-            streams={name: _describe(log.info, configuration, name, channel) for name, channel in streams.items()},
+            streams=silent_streams(robot) | {s: _describe(log.info, configuration, s, c) for s, c in streams.items()},
             simulated=False,
         ),
         streams,
@@ -183,6 +186,16 @@ def _opened(
         if name not in produced and (name in fed or name in read)
         else spec
         for name, spec in channels.items()
+    }
+
+
+def silent_streams(robot: RobotConfig) -> dict[str, StreamDescription]:
+    """The streams that every body has, whether the log says anything on them or not."""
+    rates = robot.streams
+    return {
+        "odometry": StreamDescription("odometry", Odometry, rates.odometry.rate_hz),
+        "joints": StreamDescription("joints", JointState, rates.joints.rate_hz),
+        "status": StreamDescription("status", LinkStatus, rates.status.rate_hz),
     }
 
 

@@ -89,10 +89,14 @@ class Replay:
         lines += [f"{port} gets nothing: the log has no {channel}" for port, channel in program.silent.items()]
         return lines
 
+    def close(self) -> None:
+        """Remove the log's files, of a replay that is never entered; may be called twice."""
+        self._folder.cleanup()
+
     async def __aenter__(self) -> Replay:
         """Start the program, have the desires that stood then, let the log speak. Raises LinkFailed, ConfigError."""
         async with AsyncExitStack() as stack:
-            stack.callback(self._folder.cleanup)
+            stack.callback(self.close)
             await stack.enter_async_context(self.system)
             self._connect(stack)
             await self._started()

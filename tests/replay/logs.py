@@ -128,10 +128,8 @@ def lab_messages(seconds: float = 4.0, *, images_hz: float = 10.0) -> list[Logge
     def each(rate_hz: float, offset: float = 0.0) -> list[float]:
         return [round(offset + i / rate_hz, 6) for i in range(int(seconds * rate_hz))]
 
-    for t in each(50):
-        messages.append((t, "odometry", Odometry(BEGIN + t, Pose2(0.1 * t, 0.0, 0.02 * t), 0.1, 0.02)))
-    for t in each(30):
-        messages.append((t, "joints", JointState(BEGIN + t, ("left_wheel_joint",), (t,))))
+    messages += [(t, "odometry", Odometry(BEGIN + t, Pose2(0.1 * t, 0.0, 0.02 * t), 0.1, 0.02)) for t in each(50)]
+    messages += [(t, "joints", JointState(BEGIN + t, ("left_wheel_joint",), (t,))) for t in each(30)]
     for t in each(20):
         status = LinkStatus(BEGIN + t, "driving", "", False, 0.01, Twist(BEGIN + t, 0.1, 0.0), 1.0)
         messages.append((t, "link_status", status))

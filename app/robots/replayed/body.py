@@ -46,7 +46,7 @@ class Feed:
 class ReplayedBody:
     """Implements ``app.link.RobotLink`` for a ``log``.
 
-    ``streams`` says which channel of the log each stream of ``description`` comes from; others there are none.
+    ``streams`` says which channel of the log each stream of ``description`` comes from; one without stays silent.
     Delivered is what arrived from ``begin`` to ``end`` (s; None: of the log). With ``hold``, nothing is before
     :meth:`release`: whoever puts the program together says when everybody listens. The log is the caller's to close,
     after :meth:`stop`.
@@ -195,7 +195,8 @@ class ReplayedBody:
     @property
     def listened(self) -> set[str]:
         """The channels of the log that somebody wants now."""
-        streams = {self._channels[s] for s, receivers in self._receivers.items() if receivers and s in self._wanted}
+        heard = [stream for stream, receivers in self._receivers.items() if receivers and stream in self._wanted]
+        streams = {self._channels[stream] for stream in heard if stream in self._channels}
         return streams | {channel for channel, feeds in self._feeds.items() if any(feed.wanted for feed in feeds)}
 
     @property

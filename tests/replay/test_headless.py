@@ -1,0 +1,231 @@
+"""A log replayed headless: complete, filtered as asked, and the same each time."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import random
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.attention.solver import CachedSolver
+from app.link import LinkFailed
+from app.messages import Exploitation, QRCodes, Twist
+from app.recording.library import RecordingLibrary
+from app.replay.headless import Watch, run_headless
+from app.replay.options import ReplayOptions
+from app.replay.report import ReplayReport
+from app.robots.replayed.source import LogSource
+from app.runtime.load import CpuMeter
+from tests.replay.logs import BEGIN, MemoryLog, lab_log, lab_manifest, lab_messages, numbered
+
+# Nothing runs on a loop that others wait for: the replay's own loop is virtual.
+pytestmark = pytest.mark.blocking(reason="the virtual loop waits for threads by design")
+
+
+@pytest.fixture(scope="module")
+def report() -> ReplayReport:
+    return run_headless(lab_log())
+
+
+def test_every_module_lives_the_log(report: ReplayReport) -> None:
+    assert (report.begin, report.log_s) == (BEGIN, pytest.approx(4.0, abs=0.1))
+    channels = report.channels
+    assert channels["odometry"].messages == 200
+    assert channels["joints"].messages == 120
+    assert channels["link_status"].messages == 80
+    assert channels["scan"].messages == 0  # nobody wanted it
+    taken = report.modules["QRCodeDetector"].inputs["images"].taken
+    assert channels["qr_codes"].messages == taken > 10
+    assert channels["landmarks"].messages > 0
+    assert channels["camera_jpeg"].messages == channels["point_cloud"].messages == 10
+    assert report.modules["QRCodeDetector"].cpu_s > 0
+    assert all(module.restarts == 0 for module in report.modules.values())
+
+
+def test_the_operators_hands_drive_again() -> None:
+    driven: list[str | None] = []
+    twists: list[Twist] = []
+
+    def message(channel: str, said: Any) -> None:
+        if isinstance(said, Exploitation):
+            driven.append(said.behavior)
+        if channel == "teleop_twist":
+            twists.append(said)
+
+    run_headless(lab_log(), watch=Watch(message=message))
+    assert driven[0] is None
+    assert driven[-1] is None
+    assert "Teleop" in driven
+    assert {twist.linear_mps for twist in twists} == {0.0, 0.2}
+
+
+def test_desires_of_others_come_at_their_times(report: ReplayReport) -> None:
+    """Own motivations from the start; the operator's at 1 s and the script's at 2 s; the operator's gone at 3 s."""
+    lines = [(round(line.stamp - BEGIN, 3), line.strategies) for line in report.intentions]
+    assert lines[0] == (0.0, ("drive-by-hand",))
+    assert lines[1] == (0.0, ("find-qr-codes-1", "drive-by-hand"))
+    assert lines[2][0] == 1.0
+    assert any(name.startswith("telepresence") for name in lines[2][1])
+    assert [at for at, _ in lines] == [0.0, 0.0, 1.0, 2.0, 3.0]
+
+
+def test_without_desires_attention_is_left_to_the_modules() -> None:
+    report = run_headless(lab_log(), ReplayOptions(desires=False))
+    assert report.channels["camera_jpeg"].messages == 0
+    assert {line.stamp for line in report.intentions} == {BEGIN}
+
+
+def test_beginning_later_has_what_was_desired_then() -> None:
+    report = run_headless(lab_log(), ReplayOptions(begin=BEGIN + 2.5, end=BEGIN + 3.5))
+    assert report.log_s == 1.0
+    assert report.channels["odometry"].messages == 51
+    assert [round(line.stamp - BEGIN, 3) for line in report.intentions][-1] == 3.0
+    assert "d-4" in standing(report, ReplayOptions(begin=BEGIN + 2.5, end=BEGIN + 3.5))
+
+
+def standing(report: ReplayReport, options: ReplayOptions) -> set[str]:
+    """Ids of all desires that ever stood in a replay."""
+    seen: set[str] = set()
+
+    def message(channel: str, said: Any) -> None:
+        if channel == "workspace":
+            seen.update(record.id for record in said.desires)
+
+    run_headless(lab_log(), options, watch=Watch(message=message))
+    return seen
+
+
+def pictures_taken(phi: float, offset: int) -> list[float]:
+    stamps: list[float] = []
+
+    def message(_: str, said: Any) -> None:
+        if isinstance(said, QRCodes):
+            stamps.append(said.stamp)
+
+    options = ReplayOptions(phi={"QRCodeDetector.images": phi}, offset=offset, desires=False)
+    run_headless(lab_log(), options, watch=Watch(message=message), digests=False)
+    return stamps
+
+
+def test_any_divisor_at_any_offset_takes_exactly_its_share() -> None:
+    images = [logged.message.stamp for logged in lab_log().messages(channels={"kinect"})]
+    for offset in range(4):
+        assert pictures_taken(4, offset) == images[offset::4]
+    assert pictures_taken(math.inf, 0) == []
+
+
+def test_an_offset_counts_from_the_first_opening_of_an_attended_filter() -> None:
+    """Attention opens the filter at the begin: three images go by, then every one is taken until its φ changes."""
+    stamps: list[float] = []
+
+    def message(_: str, said: Any) -> None:
+        if isinstance(said, QRCodes):
+            stamps.append(said.stamp)
+
+    run_headless(lab_log(), ReplayOptions(offset=3, desires=False), watch=Watch(message=message))
+    images = [logged.message.stamp for logged in lab_log().messages(channels={"kinect"})]
+    assert stamps == images[3:]
+
+
+def test_only_one_module_on_what_was_recorded() -> None:
+    log = lab_log()
+    report = run_headless(log, ReplayOptions(only=("QRCodeDetector",), phi={"QRCodeDetector.images": 2.0}))
+    assert list(report.modules) == ["QRCodeDetector"]
+    assert report.channels["qr_codes"].messages == 20
+    assert log.decoded.keys() == {"kinect", "odometry", "workspace", "link_status"}
+
+
+def test_what_is_wanted_by_nobody_is_never_decoded() -> None:
+    log = lab_log()
+    run_headless(log, ReplayOptions(desires=False, phi={"QRCodeDetector.images": math.inf}))
+    assert "kinect" not in log.decoded
+    assert "scan" not in log.decoded
+
+
+def test_a_damaged_log_ends_with_its_reason() -> None:
+    log = MemoryLog(lab_messages(4.0), lab_manifest(), damaged_at=BEGIN + 1.5)
+    with pytest.raises(LinkFailed, match="is damaged; try hbba log repair"):
+        run_headless(log)
+
+
+def test_paced_by_real_time() -> None:
+    began = time.monotonic()
+    report = run_headless(MemoryLog(numbered(50, 0.02), lab_manifest()), speed=2.0)
+    assert time.monotonic() - began >= report.log_s / 2.0 * 0.9
+    assert report.times_real_time < 2.3
+
+
+# --- The same each time -----------------------------------------------------------------------------------------------
+
+
+@contextmanager
+def a_busy_computer(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Everything that runs in a thread takes its time, another each time: reading, computing, solving."""
+    chance = random.Random(7)
+
+    def late(function: Callable[..., Any]) -> Callable[..., Any]:
+        def called(*args: Any, **kwargs: Any) -> Any:
+            time.sleep(chance.choice((0.0, 0.0, 0.001, 0.01)))
+            return function(*args, **kwargs)
+
+        return called
+
+    with monkeypatch.context() as slow:
+        slow.setattr(CpuMeter, "call", late(CpuMeter.call))
+        slow.setattr(CachedSolver, "solve", late(CachedSolver.solve))
+        slow.setattr(LogSource, "piece", late(LogSource.piece))
+        yield
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ReplayOptions(),
+        ReplayOptions(phi={"CameraStream.images": 3.0, "QRCodeDetector.images": 2.0}, offset=1),
+        ReplayOptions(only=("QRCodeDetector", "ScenarioCoordinator"), begin=BEGIN + 0.7),
+    ],
+    ids=["as recorded", "held and shifted", "some modules, later"],
+)
+def test_two_replays_are_equal_also_on_a_busy_computer(options: ReplayOptions, monkeypatch: pytest.MonkeyPatch) -> None:
+    first = run_headless(lab_log(), options)
+    with a_busy_computer(monkeypatch):
+        second = run_headless(lab_log(), options, speed=4.0)
+    assert first.outcome() == second.outcome()
+    assert any(channel.messages for channel in first.channels.values())
+
+
+@pytest.mark.slow
+def test_processes_agree_whatever_their_hash_seed(report: ReplayReport, tmp_path: Path) -> None:
+    script = (
+        "import sys; from tests.replay.logs import lab_log; from app.replay.headless import run_headless; "
+        "sys.stdout.write(run_headless(lab_log()).to_json())"
+    )
+    outcomes = []
+    for seed in ("1", "77"):
+        environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONASYNCIODEBUG": "0"}
+        done = subprocess.run(
+            [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment,
+            cwd=Path(__file__).parents[2], timeout=50,
+        )  # fmt: skip
+        told = json.loads(done.stdout)
+        del told["cost"]
+        outcomes.append(told)
+    assert outcomes[0] == outcomes[1]
+    assert outcomes[0]["channels"] == json.loads(report.to_json())["channels"]
+
+
+def test_a_replay_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import tempfile
+
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    run_headless(lab_log(1.0), recordings=RecordingLibrary(tmp_path / "recordings"))
+    assert list(tmp_path.iterdir()) == []
