@@ -302,29 +302,29 @@ def peak_kib() -> int:
 # --- Names ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "%2e%2e%2fsecret",
-        "..%2fsecret",
-        "..%5csecret",
-        "%2e%2e",
-        "..",
-        "%252e%252e%252fsecret",
-        "%c0%ae%c0%ae%c0%afsecret",
-        "%ef%bc%8e%ef%bc%8e%ef%bc%8fsecret",
-        "secret%00",
-        "secret%0a",
-        "%2fetc%2fpasswd",
-        "//etc/passwd",
-        "file:%2f%2f%2fetc%2fpasswd",
-        ".secret",
-        "%20secret",
-        "se%0dcret",
-        "t%C3%B6ur",
-    ],
-)
-async def test_no_name_leads_out_of_the_folder(url: str, system: System, name: str) -> None:
+METHODS = (("GET", ""), ("DELETE", ""), ("POST", "/replay"))
+NAMES = [
+    "%2e%2e%2fsecret",
+    "..%2fsecret",
+    "..%5csecret",
+    "%2e%2e",
+    "..",
+    "%252e%252e%252fsecret",
+    "%c0%ae%c0%ae%c0%afsecret",
+    "%ef%bc%8e%ef%bc%8e%ef%bc%8fsecret",
+    "secret%00",
+    "secret%0a",
+    "%2fetc%2fpasswd",
+    "//etc/passwd",
+    "file:%2f%2f%2fetc%2fpasswd",
+    ".secret",
+    "%20secret",
+    "se%0dcret",
+    "t%C3%B6ur",
+]
+
+
+async def test_no_name_leads_out_of_the_folder(url: str, system: System) -> None:
     secret = system.recordings.folder.parent / "secret.mcap"
 
     def hide() -> None:
@@ -334,12 +334,12 @@ async def test_no_name_leads_out_of_the_folder(url: str, system: System, name: s
 
     await asyncio.to_thread(hide)
     host, _, port = url.removeprefix("http://").partition(":")
-    for request in (f"GET {name}", f"DELETE {name}", f"POST {name}/replay"):
-        method, _, rest = request.partition(" ")
+    requests = [(f"{method} ", f"{name}{rest}") for name in NAMES for method, rest in METHODS]
+    for method, rest in requests:
         # By hand: a client of good manners would tidy the path up.
         reader, writer = await asyncio.open_connection(host, int(port))
         head = (
-            f"{method} /api/v1/recordings/{rest} HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 0\r\nConnection: close"
+            f"{method}/api/v1/recordings/{rest} HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 0\r\nConnection: close"
         )
         writer.write(f"{head}\r\n\r\n".encode())
         answer = await asyncio.wait_for(reader.read(), 5)

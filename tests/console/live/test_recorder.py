@@ -1,0 +1,93 @@
+"""The Recorder on the live stream: for newcomers, at every change, and about once a second in between."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+import httpx
+import pytest
+
+from app.console.recordings import RecorderReport
+from app.system import System
+from tests.console.live_client import page
+from tests.console.program import Body, build
+from tests.console.scripted_recorder import ScriptedRecorder, heard
+
+
+@pytest.fixture
+def built(tmp_path: Path) -> tuple[System, Body]:
+    """A program with a Recorder."""
+    return build(tmp_path, recorder=True)
+
+
+@pytest.fixture
+def recorder(system: System) -> ScriptedRecorder:
+    """The Recorder at work."""
+    module = system.graph.modules["Recorder"].module
+    assert isinstance(module, ScriptedRecorder)
+    return module
+
+
+async def test_a_newcomer_is_told_and_so_is_every_change(url: str, system: System, recorder: ScriptedRecorder) -> None:
+    async with page(url) as ann, httpx.AsyncClient(base_url=f"{url}/api/v1") as client:
+        first = await ann.until("recorder")
+        assert (first["state"], first["name"], first["desired"], first["available"]) == ("idle", "", False, True)
+        await client.post("/recordings", json={"name": "tour"})
+        await ann.until("recorder", lambda m: m["desired"])
+        told = await ann.until("recorder", lambda m: m["state"] == "recording")
+        assert (told["name"], told["duration_s"], told["bytes"], told["reason"]) == ("tour", 1.5, 1000, "")
+        assert told["began"] <= told["stamp"]
+        async with page(url, "Bob") as bob:
+            assert (await bob.until("recorder"))["state"] == "recording"
+        recorder.say("stopped", reason="the disk is full")
+        told = await ann.until("recorder", lambda m: m["state"] == "stopped")
+        assert (told["reason"], told["desired"], told["began"]) == ("the disk is full", True, None)
+        await client.post("/recordings/stop")
+        assert not (await ann.until("recorder", lambda m: m["state"] == "idle"))["desired"]
+
+
+async def test_what_attention_refuses_is_told_with_its_reason(url: str) -> None:
+    async with page(url) as ann, httpx.AsyncClient(base_url=f"{url}/api/v1") as client:
+        await client.patch("/resources/cpu", json={"capacity": 4})
+        await client.post("/recordings", json={"intensity": 1})
+        told = await ann.until("recorder", lambda m: m["reason"] != "")
+        assert told["state"] == "idle"
+        assert told["reason"].startswith("unfulfilled: ")
+        await client.patch("/resources/cpu", json={"capacity": 100})
+        await ann.until("recorder", lambda m: m["state"] == "recording" and m["reason"] == "")
+
+
+async def test_a_failed_recorder_is_told_and_its_return(url: str, recorder: ScriptedRecorder) -> None:
+    async with page(url) as ann:
+        await ann.until("recorder", lambda m: m["available"])
+        recorder.fail(OSError("no such device"))
+        told = await ann.until("recorder", lambda m: not m["available"])
+        assert "no such device" in told["reason"]
+        await ann.until("recorder", lambda m: m["available"] and m["reason"] == "")
+
+
+async def test_numbers_alone_are_told_once_a_second(
+    system: System, recorder: ScriptedRecorder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    await heard(system, "idle")
+    report = RecorderReport(system)
+    now = system.clock.now()
+    monkeypatch.setattr(system.clock, "now", lambda: now)
+    assert report.news()
+    recorder.say("idle", messages=1)
+    assert not report.news()
+    recorder.say("idle", messages=1, dropped=1)
+    assert report.news()
+    assert not report.news()
+    now += 1
+    assert report.news()
+
+
+async def test_without_a_recorder_nothing_is_told(tmp_path: Path) -> None:
+    system, _ = await asyncio.to_thread(build, tmp_path)
+    report = RecorderReport(system)
+    assert report.channel is None
+    assert report.json() is None
+    assert not report.news()
+    assert not report.available
