@@ -39,7 +39,7 @@ class LogInfo:
     """What a log holds. ``begin`` and ``end`` (robot's clock, s) of its first and last message, equal if it is empty.
 
     ``format`` names it for people (``HBBA MCAP``, ``ROS 1 bag``, ``ROS 2 bag``, ``CARMEN``). ``ignored`` names topics
-    that carry what this program has no message for, and why.
+    that carry what this program has no message for, and why; ``notes`` says what the reader had to assume.
     """
 
     path: Path
@@ -49,6 +49,7 @@ class LogInfo:
     channels: Mapping[str, LoggedChannel]
     bytes: int
     ignored: Mapping[str, str] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
     @property
     def duration_s(self) -> float:

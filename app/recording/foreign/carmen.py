@@ -199,7 +199,8 @@ class CarmenLog:
         intensities = np.zeros_like(ranges) if row.intensities is None else row.intensities
         return LaserScan(
             row.times.captured, "laser" if channel == "scan" else "rear_laser", read_only(ranges),
-            read_only(intensities), row.angle_min, row.angle_increment, _RANGE_MIN_M, limit, 0.0, self._mount(channel, row),
+            read_only(intensities), row.angle_min, row.angle_increment, _RANGE_MIN_M, limit, 0.0,
+            self._mount(channel, row),
         )  # fmt: skip
 
     def _limit(self, row: Beams) -> float:
