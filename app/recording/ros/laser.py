@@ -19,10 +19,11 @@ from app.recording.ros.record import MAIN, Record, Topic
 from app.recording.stamps import SECOND
 
 _SCAN = "sensor_msgs/msg/LaserScan"
-#: A scan is drawn as points at most this often (s): for viewers that know no LaserScan; all scans are kept as such.
-POINTS_PERIOD_NS = SECOND // 10
-#: A transform that stays is repeated this often, for who begins to look in the middle.
-TRANSFORM_PERIOD_NS = SECOND
+#: Scans are drawn as points about ten times a second, for viewers that know no LaserScan; all are kept as scans.
+#: A little less than the period, or a clock's jitter would halve the rate.
+POINTS_PERIOD_NS = 95 * SECOND // 1000
+#: A transform that stays is repeated once a second, for who begins to look in the middle.
+TRANSFORM_PERIOD_NS = 95 * SECOND // 100
 
 
 @dataclass(frozen=True, slots=True)

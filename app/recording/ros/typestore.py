@@ -48,7 +48,7 @@ def deserialise(name: str, data: bytes) -> Any:
     try:
         return store().deserialize_cdr(data, name)
     except SerdeError as error:
-        raise ValueError(str(error)) from error
+        raise ValueError(f"no {name}: {error}") from error
 
 
 def encodable(text: str) -> str:

@@ -36,7 +36,7 @@ def there_and_back(codec: Converter, message: Any) -> Any:
 
 
 @pytest.mark.parametrize("cls", message_classes(), ids=lambda cls: cls.__name__)
-@settings(suppress_health_check=[HealthCheck.differing_executors])
+@settings(max_examples=40, suppress_health_check=[HealthCheck.differing_executors])
 @given(data=st.data())
 def test_every_message_comes_back_as_it_was(cls: type[Any], data: st.DataObject) -> None:
     codec = converter("channel", cls)
