@@ -11,6 +11,7 @@ from typing import Any
 
 from app.attention.intention import Intention
 from app.messages import LoadRecord, LogLine, RecorderStatus
+from app.modules.recording.recorder import Recorder
 from app.recording.library import RecordingLibrary
 from app.recording.log import Log
 from app.replay.digest import Digest
@@ -27,6 +28,9 @@ PATIENCE_S = 600.0
 TAIL_S = 0.001
 #: A replay at a given speed keeps step with real time to this (s of the log).
 PACE_S = 0.05
+#: A replay that is recorded waits while more than this is queued for the disk, looking so often (real s).
+QUEUED_BYTES = 16_000_000
+DISK_S = 0.01
 
 #: Records that tell of this computer, or of what its threads say.
 _OF_THE_MACHINE = (LoadRecord, LogLine, RecorderStatus)
@@ -72,6 +76,7 @@ async def _relive(replay: Replay, journal: _Journal, speed: float | None) -> Rep
             spent = {name: slot.context.meter.cpu_ns for name, slot in system.graph.modules.items()}
             wall, cpu = time.monotonic(), time.process_time()
             pacing = asyncio.create_task(_pace(system, speed)) if speed is not None else None
+            waiting = asyncio.create_task(_wait_for_disk(replay.recorder, system)) if replay.recorder else None
             finished = asyncio.create_task(body.finished.wait())
             failed = asyncio.create_task(system.wait_failed())
             try:
@@ -79,8 +84,11 @@ async def _relive(replay: Replay, journal: _Journal, speed: float | None) -> Rep
                 if failed.done():
                     raise failed.result()
                 await system.clock.sleep(TAIL_S)
+                await replay.end_recording()
+                while replay.recorder is not None and replay.recorder.writing:
+                    await _real_sleep(DISK_S)
             finally:
-                for task in (finished, failed, pacing):
+                for task in (finished, failed, pacing, waiting):
                     if task is not None:
                         task.cancel()
             journal.watch.progress(body.end)
@@ -101,13 +109,25 @@ async def _relive(replay: Replay, journal: _Journal, speed: float | None) -> Rep
 
 async def _pace(system: System, speed: float) -> None:
     """Hold time up until real time has come as far."""
-    loop = asyncio.get_running_loop()
     began, origin = time.monotonic(), system.clock.now()
     while True:
         await system.clock.sleep(PACE_S)
         early_s = (system.clock.now() - origin) / speed - (time.monotonic() - began)
         if early_s > 0:
-            await loop.run_in_executor(None, time.sleep, early_s)
+            await _real_sleep(early_s)
+
+
+async def _wait_for_disk(recorder: Recorder, system: System) -> None:
+    """Hold time up while much waits for the disk: a replay is faster than a recording may be."""
+    while True:
+        await system.clock.sleep(PACE_S)
+        while recorder.queued_bytes > QUEUED_BYTES:
+            await _real_sleep(DISK_S)
+
+
+async def _real_sleep(seconds: float) -> None:
+    """Sleep in a thread: virtual time stands meanwhile."""
+    await asyncio.get_running_loop().run_in_executor(None, time.sleep, seconds)
 
 
 def _module(system: System, name: str, before_ns: int) -> ModuleReport:

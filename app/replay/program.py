@@ -38,6 +38,7 @@ from app.yaml_source import suggestion
 OWN_RECORDS: frozenset[type[Any]] = frozenset(
     {DesiresRecord, Divisors, EventRecord, IntentionRecord, LoadRecord, LogLine, ModuleRecord, RecorderStatus}
 )
+NOT_ASKED = "not asked for"
 _STREAM = "stream."
 
 
@@ -48,7 +49,7 @@ class ReplayProgram:
     ``configuration`` as it will run; ``description`` of the body; ``streams``: the channel of the log each stream of
     the body comes from; ``fed``: channels that nobody in the program produces, taken from the log; ``left_out``:
     modules that cannot or shall not run, with the reason in words; ``silent``: inputs (``Module.port``) of running
-    modules on whose channel nothing can come.
+    modules on whose channel nothing can come (what people feed is silent where they said nothing).
     """
 
     configuration: Configuration
@@ -81,7 +82,7 @@ def prepare(log: Log, options: ReplayOptions, folder: Path) -> ReplayProgram:
         f"{module}.{port}": channel
         for module, spec in modules.items()
         for port, channel in spec.inputs.items()
-        if channel not in produced and channel not in fed
+        if channel not in produced and channel not in fed and not configuration.channels[channel].external
     }
     program = configuration.program.model_copy(update={"modules": modules})
     return ReplayProgram(
@@ -151,9 +152,9 @@ def _modules(
 def _obstacle(name: str, module_class: type[Module] | None, options: ReplayOptions, streams: Collection[str]) -> str:
     """Why the module stays out, in words; "" for one that runs (one that does not exist is the graph's to refuse)."""
     if module_class is not None and issubclass(module_class, Recorder):
-        return "" if options.record else "a replay is not recorded unless asked for"
+        return "" if options.record else NOT_ASKED
     if options.only is not None and name not in options.only:
-        return "not asked for"
+        return NOT_ASKED
     missing = sorted(set(module_class.streams.values()) - set(streams)) if module_class is not None else []
     return f"the log has no {' and no '.join(missing)}" if missing else ""
 

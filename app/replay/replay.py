@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import logging
 from contextlib import AsyncExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,19 +11,18 @@ from types import TracebackType
 from app.attention.desires import InvalidDesire, Source
 from app.errors import ConfigError
 from app.messages import DesiresRecord
+from app.modules.recording.recorder import Recorder
 from app.recording.library import RecordingLibrary
 from app.recording.log import Log
 from app.replay.desires import CountedIds, RecordedDesires
 from app.replay.options import ReplayOptions
-from app.replay.program import ReplayProgram, prepare
+from app.replay.program import NOT_ASKED, ReplayProgram, prepare
 from app.robots.replayed.body import ReplayedBody
 from app.runtime.clock import Clock
 from app.runtime.graph import Pin
 from app.system import System
 
 RECORD = "Record"
-
-log_lines = logging.getLogger("hbba.replay")
 
 
 class Replay:
@@ -49,6 +47,7 @@ class Replay:
         self.options = options or ReplayOptions()
         self._folder = TemporaryDirectory(prefix="hbba-replay-")
         self._stack = AsyncExitStack()
+        self._recording: str | None = None
         try:
             self.program: ReplayProgram = prepare(log, self.options, Path(self._folder.name))
             self.body = ReplayedBody(
@@ -85,7 +84,7 @@ class Replay:
     def notes(self) -> list[str]:
         """What is not as it was, in sentences for people."""
         program = self.program
-        lines = [f"{name} does not run: {why}" for name, why in program.left_out.items() if why != "not asked for"]
+        lines = [f"{name} does not run: {why}" for name, why in program.left_out.items() if why != NOT_ASKED]
         lines += [f"{port} gets nothing: the log has no {channel}" for port, channel in program.silent.items()]
         return lines
 
@@ -116,6 +115,19 @@ class Replay:
     ) -> None:
         """Stop the program; remove the log's files."""
         await self._stack.aclose()
+
+    @property
+    def recorder(self) -> Recorder | None:
+        """The module that records the replay, if it is recorded."""
+        modules = (slot.module for slot in self.system.graph.modules.values())
+        return next((module for module in modules if isinstance(module, Recorder)), None)
+
+    async def end_recording(self) -> None:
+        """Desire no more to record the replay; its file is closed by and by (``recorder.writing``)."""
+        if self._recording is not None:
+            self.system.workspace.remove(self._recording)
+            self._recording = None
+            await self.system.translator.settled()
 
     def _pin(self) -> None:
         filters, offset = self.system.graph.filters, self.options.offset
@@ -153,12 +165,12 @@ class Replay:
         if self.options.record is None:
             return
         try:
-            self.system.workspace.add(
+            self._recording = self.system.workspace.add(
                 RECORD,
                 intensity=8,
                 utility=1,
                 source=Source("operator", "replay"),
                 params={"name": self.options.record},
-            )
+            ).id
         except InvalidDesire as failure:
             raise ConfigError(str(failure), "--record") from None

@@ -30,6 +30,8 @@ from app.messages import (
 )
 from app.recording.log import LogError, Logged, LoggedChannel, LogInfo
 from app.recording.manifest import Manifest
+from app.recording.mcap_file import McapFile
+from app.recording.ros.encoder import Encoder
 from app.system import System
 
 BEGIN = 1_700_000_000.0
@@ -169,3 +171,13 @@ def lab_messages(seconds: float = 4.0, *, images_hz: float = 10.0) -> list[Logge
 def lab_log(seconds: float = 4.0, **more: Any) -> MemoryLog:
     """A log of the lab with all that a recording carries."""
     return MemoryLog(lab_messages(seconds, **more), lab_manifest())
+
+
+def write_log(path: Path, messages: list[Logged], manifest: Manifest) -> Path:
+    """A recording on disk, as the Recorder writes it."""
+    channels = load_configuration(paths.config_dir() / "lab.yaml").channels
+    file = McapFile(path, Encoder(channels), manifest, messages[0].at)
+    for logged in messages:
+        file.write(logged.at, logged.channel, logged.message)
+    file.close()
+    return path

@@ -37,7 +37,7 @@ def test_a_recording_brings_its_own_program(tmp_path: Path) -> None:
     assert program.description.model_path.is_relative_to(tmp_path)
     assert program.description.limits.linear_mps == 0.4
     assert not program.description.simulated
-    assert program.left_out == {"Recorder": "a replay is not recorded unless asked for"}
+    assert program.left_out == {"Recorder": "not asked for"}
     assert program.fed == ("operator_drive",)
     assert program.silent == {}
 
@@ -96,7 +96,7 @@ def test_strategies_lose_what_is_not_there() -> None:
     assert table["telepresence-2"].filters == {"CameraStream.images": 2, "PointCloudBuilder.images": 2}
     with built(lab_log(), ReplayOptions(only=("CameraStream",))) as alone:
         table = alone.system.table
-        assert alone.notes() == ["Recorder does not run: a replay is not recorded unless asked for"]
+        assert alone.notes() == []
     assert table["telepresence-2"].filters == {"CameraStream.images": 2}
     assert table.classes == ("Telepresence",)
 

@@ -16,7 +16,7 @@ import asyncio
 from collections.abc import Awaitable, Callable, Coroutine, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -26,6 +26,7 @@ from app.recording.file_sink import FileSink
 from app.recording.library import RecordingLibrary, default_name
 from app.recording.log import LogError
 from app.recording.manifest import Manifest
+from app.recording.mcap_file import OpenFile, create
 from app.recording.ring import SEGMENT_S, Hold, Ring, begin_of, leftovers, rescue
 from app.recording.ros.encoder import Encoder
 from app.recording.writer import MEGABYTE, Limits, RecordingWriter, Sink, in_words
@@ -67,6 +68,8 @@ class Recorder(Module):
     """Writes every message it is given into a log."""
 
     title = "Recorder"
+    #: How files are made; tests put a disk that fails in its place.
+    open_file: ClassVar[OpenFile] = staticmethod(create)
     Settings = RecorderSettings
     settings: RecorderSettings
 
@@ -81,6 +84,8 @@ class Recorder(Module):
         self._writer: RecordingWriter | None = None
         self._ending: list[RecordingWriter] = []
         self._told: list[RecordingWriter] = []
+        #: Whether what is written now is a ring.
+        self._turns = False
         self._wanted: dict[str, Any] = {}
         #: Newest message of each standing state, by what it is the state of.
         self._standing: dict[str, tuple[str, Message]] = {}
@@ -156,11 +161,21 @@ class Recorder(Module):
     # --- recording ---
 
     @property
+    def queued_bytes(self) -> int:
+        """About how many bytes of memory wait for the disk, of recordings that end too."""
+        return sum(writer.queued_bytes for writer in (*self._ending, self._writer) if writer is not None)
+
+    @property
+    def writing(self) -> bool:
+        """Whether a recording is not on disk to its end yet."""
+        return self._writer is not None or any(not writer.over for writer in self._ending)
+
+    @property
     def _keep_s(self) -> float:
         return 60.0 * float(self._wanted.get("keep_minutes", 0))
 
     def _ring_writer(self) -> RecordingWriter | None:
-        return self._writer if self._writer is not None and isinstance(self._writer.sink, Ring) else None
+        return self._writer if self._turns else None
 
     def _begin(self) -> None:
         settings = self.settings
@@ -170,6 +185,7 @@ class Recorder(Module):
             least_free_bytes=int(settings.least_free_mb * MEGABYTE),
             too_slow_after_s=settings.too_slow_after_s,
         )
+        self._turns = self._keep_s > 0
         at, keep_s, name = self.clock.now(), self._keep_s, str(self._wanted.get("name", ""))
         self._writer = RecordingWriter(
             lambda: self._open(at, keep_s, name),
@@ -185,9 +201,9 @@ class Recorder(Module):
         if keep_s:
             return Ring(
                 self._library.ring_folder, self._new_encoder, self._manifest, at, keep_s,
-                state_key=self._state_key, segment_s=self.settings.segment_s,
+                state_key=self._state_key, segment_s=self.settings.segment_s, open_file=self.open_file,
             )  # fmt: skip
-        return FileSink(self._library.candidates(name, at), self._new_encoder(), self._manifest, at)
+        return FileSink(self._library.candidates(name, at), self._new_encoder(), self._manifest, at, self.open_file)
 
     def _new_encoder(self) -> Encoder:
         return Encoder(self._table, self.settings.jpeg_quality)
@@ -255,8 +271,7 @@ class Recorder(Module):
         if writer is None:
             return RecorderStatus(now, "idle", "", 0.0, 0.0, 0, 0, 0, 0, "")
         sink = writer.sink
-        ring = isinstance(sink, Ring) if sink is not None else self._keep_s > 0
-        state = "stopped" if writer.reason else "ring" if ring else "recording"
+        state = "stopped" if writer.reason else "ring" if self._turns else "recording"
         return RecorderStatus(
             stamp=now,
             state=state,
