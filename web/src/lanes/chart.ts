@@ -114,6 +114,7 @@ export class LaneChart {
     const { since, frames, painted, ms } = this.cost;
     const seconds = (performance.now() - since) / 1000;
     if (seconds < 1) return;
+    this.canvas.dataset["newest"] = String(this.store.lanes.newest ?? "");
     this.canvas.dataset["fps"] = (frames / seconds).toFixed(1);
     this.canvas.dataset["painted"] = (painted / seconds).toFixed(1);
     this.canvas.dataset["paintMs"] = (ms / Math.max(1, painted)).toFixed(2);

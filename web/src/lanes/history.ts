@@ -69,7 +69,7 @@ export class LaneHistory {
    * Takes the past that the robot tells a new connection: all of it, or after a break what this page has missed. Of a
    * robot whose clock was set back, the new past alone is kept.
    */
-  fill(past: LanesHistory): void {
+  fill(past: LanesHistory, holdS = GAP_S): void {
     const last = past.stamps.at(-1);
     if (last === undefined) return;
     if (this.newest !== null && this.newest - last >= SET_BACK_S) this.clear();
@@ -83,7 +83,7 @@ export class LaneHistory {
         const { intensity, utility, divisor, state, text } = spell;
         return [{ class: row.class, rate: row.rate[number] ?? null, intensity, utility, divisor, state, text }];
       });
-      if (stamp > heard) this.push({ stamp, rows });
+      if (stamp > heard) this.push({ stamp, rows }, holdS);
     });
   }
 

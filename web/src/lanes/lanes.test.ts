@@ -55,6 +55,15 @@ describe("history", () => {
     expect(history.sample("QR", START + 1.2)).toBeNull();
   });
 
+  test("what a fast recording says holds until it says the next, however far on that is", () => {
+    const history = new LaneHistory();
+    for (const at of [0, 4, 8]) history.push({ stamp: START + at, rows: [row()] }, 10);
+    expect(history.sample("QR", START + 3.9)!.intensity).toBe(8);
+    const columns = new Columns(100);
+    toColumns(history, history.lanes.get("QR")!.intensity, { from: START, to: START + 10, width: 100 }, columns);
+    expect([0, 1].map((i) => columns.end[i]! - columns.x[i + 1]!)).toEqual([0, 0]);
+  });
+
   test("nothing is known in a silence, beyond the end, or of undesired values", () => {
     const history = filled(2, () => [row({ intensity: null, divisor: null })]);
     history.push({ stamp: START + 10, rows: [row()] });

@@ -32,7 +32,7 @@ function Body({ intention }: { intention: IntentionMessage }) {
         {Object.entries(intention.use).map(([name, use]) => (
           <Meter
             key={name}
-            label={name === "cpu" ? "CPU promised" : spaced(name)}
+            label={name === "cpu" ? "CPU promised" : name === "recording" ? "CPU for recording" : spaced(name)}
             value={use.used}
             limit={use.capacity}
             text={`${number(use.used)} of ${number(use.capacity)} ${use.unit ?? ""}`}

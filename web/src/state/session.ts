@@ -6,13 +6,11 @@ import { Problem, Rest } from "../protocol/rest";
 import { tokenIn } from "../protocol/token";
 import type { FromRobot, ToRobot } from "../protocol/types";
 import { GAP_S } from "../lanes/history";
+import { isFresh } from "./freshness";
 import type { Store } from "./store";
 
-const STALE_MS = 500;
 const WATCH_MS = 100;
 const READ_MS = 40;
-/** A paused recording says nothing by itself, but answers: two pings may be lost. */
-const REPLAY_STALE_MS = 2600;
 const HISTORY_EVENTS = 200;
 /** However fast a recording runs, what it says holds until it says the next. */
 const REPLAY_HOLD_S = 10;
@@ -132,8 +130,9 @@ export class Session {
     if ("stamp" in message && typeof message.stamp === "number" && message.type !== "load")
       this.store.clock.heard(message.stamp, at / 1000);
     if (message.type === "status") this.lastStatusAt = at;
-    if (message.type === "lanes") this.store.lanes.push(message, this.store.replay.peek() ? REPLAY_HOLD_S : GAP_S);
-    if (message.type === "lanes_history") this.store.lanes.fill(message);
+    const holdS = this.store.replay.peek() ? REPLAY_HOLD_S : GAP_S;
+    if (message.type === "lanes") this.store.lanes.push(message, holdS);
+    if (message.type === "lanes_history") this.store.lanes.fill(message, holdS);
     if (message.type === "events") this.store.addEvents(message.events);
     else if (message.type === "notice") this.store.notify(message.level, message.text);
     else if (message.type === "hello") {
@@ -182,7 +181,7 @@ export class Session {
 
   private fresh(): boolean {
     const at = performance.now();
-    return this.store.replay.peek() ? at - this.lastHeardAt <= REPLAY_STALE_MS : at - this.lastStatusAt <= STALE_MS;
+    return isFresh({ status: at - this.lastStatusAt, anything: at - this.lastHeardAt }, this.store.replay.peek());
   }
 
   private jump(): void {

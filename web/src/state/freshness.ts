@@ -1,0 +1,16 @@
+/** Whether what is shown is the present; pure. */
+
+/** A robot tells its status twenty times a second. */
+const STALE_MS = 500;
+/** A paused recording has nothing to tell by itself, but it answers pings: two of them may be lost. */
+const REPLAY_STALE_MS = 2600;
+
+/** Milliseconds since the last status, and since anything was heard. */
+export interface Silence {
+  status: number;
+  anything: number;
+}
+
+export function isFresh(silence: Silence, replay: boolean): boolean {
+  return replay ? silence.anything <= REPLAY_STALE_MS : silence.status <= STALE_MS;
+}
