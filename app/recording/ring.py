@@ -6,8 +6,11 @@ found by the next one (:func:`leftovers`) and becomes a recording.
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import logging
+import os
+import secrets
 import shutil
 import tempfile
 import threading
@@ -21,7 +24,7 @@ from typing import IO, Any
 from app.recording.chunks import join, scan
 from app.recording.log import LogError
 from app.recording.manifest import Manifest
-from app.recording.mcap_file import McapFile, OpenFile, RecordEncoder, Topic, create
+from app.recording.mcap_file import McapFile, OpenFile, RecordEncoder, Topic, create, is_being_written
 from app.recording.stamps import SECOND, to_ns
 
 log = logging.getLogger("hbba.recording")
@@ -29,6 +32,7 @@ log = logging.getLogger("hbba.recording")
 SEGMENT_S = 10.0
 _LOCK = "lock"
 _NEW = ".new-"
+_SAVING = ".saving-"
 _STATE = "-state.mcap"
 _SEGMENT = ".mcap"
 
@@ -228,6 +232,7 @@ def leftovers(folder: Path) -> list[Path]:
     """Rings below ``folder`` (a library's ``ring_folder``) whose program is gone."""
     if not folder.is_dir():
         return []
+    _sweep(folder)
     homes = (home for home in sorted(folder.iterdir()) if home.is_dir() and not home.name.startswith(_NEW))
     return [home for home in homes if not _is_alive(home)]
 
@@ -260,22 +265,40 @@ def begin_of(home: Path) -> float:
 
 
 def _save(state: Path, segments: list[Path], targets: Iterable[Path], progress: Callable[[int, int], None]) -> Path:
-    for target in targets:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            file = open(target, "xb")  # noqa: SIM115  # closed below, deleted where it failed
-        except FileExistsError:
-            continue
-        try:
-            with file:
-                with suppress(OSError):  # a file system without locks
-                    fcntl.flock(file, fcntl.LOCK_EX)
-                join([state, *segments], file, progress)
-        except BaseException:
-            target.unlink(missing_ok=True)
-            raise
-        return target
+    """Join the files in the ring's folder, and give what is whole its name: nobody sees half a recording."""
+    part = state.parent.parent / f"{_SAVING}{secrets.token_hex(4)}"
+    try:
+        with open(part, "xb") as file:
+            with suppress(OSError):  # a file system without locks
+                fcntl.flock(file, fcntl.LOCK_EX)
+            join([state, *segments], file, progress)
+        for target in targets:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            with suppress(FileExistsError):
+                _name(part, target)
+                return target
+    finally:
+        part.unlink(missing_ok=True)
     raise LogError("every name is taken")
+
+
+def _name(part: Path, target: Path) -> None:
+    """Let the file ``part`` be found as ``target`` too. Raises FileExistsError where that is another file."""
+    try:
+        os.link(part, target)
+    except FileExistsError:
+        raise
+    except OSError:  # a file system without links
+        if target.exists():
+            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(target)) from None
+        part.rename(target)
+
+
+def _sweep(folder: Path) -> None:
+    """Delete what programs that were killed while they saved had joined by then: the segments are still there."""
+    for part in folder.glob(f"{_SAVING}*"):
+        if not is_being_written(part):
+            part.unlink(missing_ok=True)
 
 
 def _make_home(folder: Path, at: float) -> tuple[Path, IO[bytes]]:

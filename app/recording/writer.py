@@ -200,7 +200,7 @@ class RecordingWriter:
         self._queue.append((at, channel, message, size))
 
     def call(self, function: Callable[[Sink], T]) -> Future[T]:
-        """Have ``function(sink)`` called in the thread, between messages."""
+        """Have ``function(sink)`` called in the thread, after all that was put before."""
         future: Future[T] = Future()
 
         def run() -> None:
@@ -266,6 +266,7 @@ class RecordingWriter:
                 if call is None:
                     going = False
                 else:
+                    self._charge(self._drain)  # what was put before the call comes before it
                     self._charge(call)
             self._charge(self._drain)
             now = time.monotonic()

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from mcap.reader import make_reader
 
 from app.messages import Landmarks, Odometry
-from app.recording.log import Logged, LogError
+from app.recording.log import LogError, Logged
 from app.recording.mcap_log import McapLog
 from app.recording.ring import Ring, begin_of, leftovers, rescue
 
@@ -156,6 +156,7 @@ def test_a_taken_name_is_left_alone_and_a_failed_copy_leaves_nothing(tmp_path: P
         with pytest.raises(OSError, match="no room"):
             hold.save(names(tmp_path), fail)
     assert sorted(path.name for path in tmp_path.glob("*.mcap")) == ["saved-2.mcap", "saved.mcap"]
+    assert not list(tmp_path.glob(".ring/.saving*"))
     turning.close(discard=True)
 
 

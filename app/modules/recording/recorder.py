@@ -201,9 +201,11 @@ class Recorder(Module):
         if keep_s:
             return Ring(
                 self._library.ring_folder, self._new_encoder, self._manifest, at, keep_s,
-                state_key=self._state_key, segment_s=self.settings.segment_s, open_file=self.open_file,
+                state_key=self._state_key, segment_s=self.settings.segment_s, open_file=type(self).open_file,
             )  # fmt: skip
-        return FileSink(self._library.candidates(name, at), self._new_encoder(), self._manifest, at, self.open_file)
+        return FileSink(
+            self._library.candidates(name, at), self._new_encoder(), self._manifest, at, type(self).open_file
+        )
 
     def _new_encoder(self) -> Encoder:
         return Encoder(self._table, self.settings.jpeg_quality)

@@ -1,0 +1,407 @@
+"""The Recorder on a real clock and real files: what it is asked for is on disk, and the robot never waits for it."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.messages import EventRecord, Landmarks, LoadRecord, ModuleRecord, Odometry, RecorderStatus
+from app.modules.recording.recorder import Recorder
+from app.recording.control import RecorderControl, RecorderUnavailable
+from app.recording.library import RecordingLibrary
+from app.recording.log import LogError, Logged
+from app.recording.manifest import Manifest
+from app.recording.mcap_log import McapLog
+from app.recording.ring import Ring, leftovers
+from app.runtime.channel_table import ChannelSpec, ChannelTable
+from app.runtime.clock import RealClock
+from app.runtime.graph import Graph, ModuleSpec
+from app.runtime.supervisor import Supervisor
+from tests.recording.disks import BEGIN, MANIFEST, Disk, encoder, image, landmarks, odometry
+
+TABLE = ChannelTable(
+    {
+        name: ChannelSpec.model_validate({"external": True, **row})
+        for name, row in {
+            "kinect": {"type": "Image", "rate_hz": 15},
+            "odometry": {"type": "Odometry", "rate_hz": 100},
+            "landmarks": {"type": "Landmarks", "latched": True},
+            "module_states": {"type": "ModuleRecord", "latched": True},
+            "events": {"type": "EventRecord"},
+            "load": {"type": "LoadRecord", "log": "never"},
+            "recorder": {"type": "RecorderStatus", "log": "never", "external": False},
+        }.items()
+    }
+)
+
+
+class Robot:
+    """A program of one module, the Recorder, whose strategies would filter the pictures."""
+
+    def __init__(self, folder: Path, **settings: Any) -> None:
+        self.library = RecordingLibrary(folder)
+        self.control = RecorderControl()
+        self.clock = RealClock()
+        spec = {
+            "class": "app.modules.recording.recorder:Recorder",
+            "outputs": {"status": "recorder"},
+            "settings": {"least_free_mb": 0, **settings},
+        }
+        self.graph = Graph(
+            clock=self.clock,
+            channels=TABLE,
+            modules={"Recorder": ModuleSpec.model_validate(spec)},
+            services={
+                RecordingLibrary: self.library,
+                RecorderControl: self.control,
+                Manifest: MANIFEST,
+                ChannelTable: TABLE,
+            },
+            attended=["Recorder.kinect"],
+        )
+        self.supervisor = Supervisor(self.graph.modules, self.clock)
+        self.statuses = self.graph.channel("recorder").subscribe("test", capacity=1000)
+
+    async def __aenter__(self) -> Robot:
+        await self.supervisor.__aenter__()
+        await self.until(lambda status: status.state == "idle")
+        return self
+
+    async def __aexit__(self, *error: object) -> None:
+        await self.supervisor.__aexit__(*error)
+
+    def desire(self, wanted: bool = True, **parameters: Any) -> None:
+        """As an intention would have it: parameters, and the pictures' filter open."""
+        self.graph.filters.apply({"Recorder.kinect": 1 if wanted else float("inf")})
+        self.graph.configure("Recorder", {"name": "", "keep_minutes": 0, **parameters} if wanted else {})
+
+    def feed(self, channel: str, message: Any) -> None:
+        self.graph.channel(channel).publish(message)
+
+    async def until(self, condition: Callable[[RecorderStatus], bool]) -> RecorderStatus:
+        async with asyncio.timeout(20):
+            while not condition(status := await self.statuses.receive()):
+                pass
+        return status
+
+    async def taken(self, channel: str, count: int) -> None:
+        """Until the Recorder has taken ``count`` messages of ``channel`` in all."""
+        port = self.graph.modules["Recorder"].context.inputs[channel]
+        async with asyncio.timeout(20):
+            while port.subscription.taken < count:  # noqa: ASYNC110  # the loop's next turn is the event
+                await asyncio.sleep(0)
+
+    async def record(self, count: int = 100, **parameters: Any) -> RecorderStatus:
+        """Begin, feed ``count`` odometries, end; the last status before the end."""
+        before = self.graph.modules["Recorder"].context.inputs["odometry"].subscription.taken
+        self.desire(**parameters)
+        for i in range(count):
+            self.feed("odometry", odometry(BEGIN + i / 100))
+            await asyncio.sleep(0)
+        await self.taken("odometry", before + count)
+        self.desire(False)
+        return await self.until(lambda status: status.state == "idle")
+
+
+async def read(path: Path) -> list[Logged]:
+    def messages() -> list[Logged]:
+        log = McapLog(path)
+        try:
+            return list(log.messages())
+        finally:
+            log.close()
+
+    return await asyncio.to_thread(messages)
+
+
+def of(messages: list[Logged], kind: type) -> list[Any]:
+    return [logged.message for logged in messages if isinstance(logged.message, kind)]
+
+
+def files(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.glob("*.mcap"))
+
+
+@pytest.fixture
+def disk(monkeypatch: pytest.MonkeyPatch) -> Iterator[Disk]:
+    disk = Disk()
+    monkeypatch.setattr(Recorder, "open_file", staticmethod(disk.open))
+    yield disk
+    disk.unblock.set()
+
+
+async def test_nobody_wants_it_so_it_takes_and_forgets(tmp_path: Path) -> None:
+    async with Robot(tmp_path) as robot:
+        for i in range(1000):
+            robot.feed("odometry", odometry(BEGIN + i / 100))
+            await asyncio.sleep(0)
+        await robot.taken("odometry", 1000)
+        statistics = robot.graph.channel("odometry").statistics().subscriptions["Recorder.odometry"]
+        assert (statistics.depth, statistics.dropped) == (0, 0)
+        assert not robot.graph.channel("kinect").wanted
+    assert await asyncio.to_thread(os.listdir, tmp_path) == []
+
+
+async def test_what_is_fed_while_it_is_desired_is_in_the_file(tmp_path: Path) -> None:
+    async with Robot(tmp_path) as robot:
+        robot.feed("odometry", odometry(BEGIN - 1))
+        await robot.taken("odometry", 1)
+        robot.desire(name="walk")
+        status = await robot.until(lambda status: status.state == "recording" and status.name == "walk")
+        assert status.began == pytest.approx(robot.clock.now(), abs=5)
+        assert robot.graph.channel("kinect").wanted
+        for i in range(200):
+            robot.feed("odometry", odometry(BEGIN + i / 100))
+            await asyncio.sleep(0)
+        robot.feed("kinect", image(BEGIN))
+        robot.feed("load", LoadRecord(BEGIN, 1.0, (), (), 0.0))
+        await robot.taken("odometry", 201)
+        await robot.taken("kinect", 1)
+        robot.desire(False)
+        await robot.until(lambda status: status.state == "idle")
+        assert not robot.graph.channel("kinect").wanted
+        robot.feed("odometry", odometry(BEGIN + 9))
+        await robot.taken("odometry", 202)
+    messages = await read(tmp_path / "walk.mcap")
+    assert [m.stamp for m in of(messages, Odometry)] == [BEGIN + i / 100 for i in range(200)]
+    assert {logged.channel for logged in messages} == {"odometry", "kinect"}
+
+
+async def test_it_says_how_much_it_has_written(tmp_path: Path) -> None:
+    async with Robot(tmp_path) as robot:
+        robot.desire(name="walk")
+        for i in range(50):
+            robot.feed("odometry", odometry(BEGIN + i / 100))
+            await asyncio.sleep(0)
+        status = await robot.until(lambda status: status.messages == 50 and status.queued_bytes == 0)
+        assert (status.state, status.dropped, status.reason) == ("recording", 0, "")
+        assert status.bytes > 0
+        assert status.duration_s <= robot.clock.now() - status.began
+
+
+async def test_a_log_begins_with_the_whole_state(tmp_path: Path) -> None:
+    async with Robot(tmp_path) as robot:
+        robot.feed("landmarks", landmarks(BEGIN - 60, "older"))
+        robot.feed("landmarks", landmarks(BEGIN - 50, "newer"))
+        robot.feed("module_states", ModuleRecord(BEGIN - 40, "Kinect", "running", 0, ""))
+        robot.feed("module_states", ModuleRecord(BEGIN - 30, "Hokuyo", "running", 0, ""))
+        robot.feed("module_states", ModuleRecord(BEGIN - 20, "Kinect", "failed", 0, "lost"))
+        robot.feed("events", EventRecord(BEGIN - 10, "module", "Kinect", "Kinect failed", "{}"))
+        await robot.taken("module_states", 3)
+        await robot.record(5, name="walk")
+    messages = await read(tmp_path / "walk.mcap")
+    state = [logged.message for logged in messages if logged.at == messages[0].at]
+    (marks,) = of(messages, Landmarks)
+    assert [mark.text for mark in marks.landmarks] == ["newer"]
+    modules = of(messages, ModuleRecord)
+    assert {(m.module, m.status) for m in modules} == {("Kinect", "failed"), ("Hokuyo", "running")}
+    assert set(map(type, state)) == {Landmarks, ModuleRecord}  # what merely happened before is not part of it
+    assert not of(messages, EventRecord)
+
+
+async def test_a_name_that_is_taken_gets_a_number_and_none_is_the_time(tmp_path: Path) -> None:
+    async with Robot(tmp_path) as robot:
+        await robot.record(name="walk")
+        await robot.record(name="walk")
+        await robot.record(name="walk")
+        await robot.record()
+    *rest, timed = sorted(await asyncio.to_thread(files, tmp_path), key=lambda name: name[:4] != "walk")
+    assert rest == ["walk-2.mcap", "walk-3.mcap", "walk.mcap"]
+    assert timed[:2] == "20"
+    assert len(of(await read(tmp_path / "walk-3.mcap"), Odometry)) == 100
+
+
+async def test_other_parameters_begin_another_file(tmp_path: Path) -> None:
+    async with Robot(tmp_path) as robot:
+        robot.desire(name="first")
+        robot.feed("odometry", odometry(BEGIN))
+        await robot.taken("odometry", 1)
+        await robot.record(name="second")
+    assert len(of(await read(tmp_path / "first.mcap"), Odometry)) == 1
+    assert len(of(await read(tmp_path / "second.mcap"), Odometry)) == 100
+
+
+async def test_stopping_the_program_closes_the_file(tmp_path: Path) -> None:
+    async with Robot(tmp_path) as robot:
+        robot.desire(name="walk")
+        robot.feed("odometry", odometry(BEGIN))
+        await robot.taken("odometry", 1)
+    assert len(of(await read(tmp_path / "walk.mcap"), Odometry)) == 1
+
+
+async def test_a_crash_closes_the_file_and_the_next_life_goes_on_in_another(tmp_path: Path) -> None:
+    async with Robot(tmp_path) as robot:
+        robot.desire(name="walk")
+        robot.feed("odometry", odometry(BEGIN))
+        await robot.taken("odometry", 1)
+        robot.graph.modules["Recorder"].module.fail(RuntimeError("a mistake"))
+        await robot.until(lambda status: status.name == "walk-2")
+        robot.feed("odometry", odometry(BEGIN + 1))
+        await robot.taken("odometry", 2)
+    assert [m.stamp for m in of(await read(tmp_path / "walk.mcap"), Odometry)] == [BEGIN]
+    assert [m.stamp for m in of(await read(tmp_path / "walk-2.mcap"), Odometry)] == [BEGIN + 1]
+
+
+@pytest.mark.parametrize(
+    ("number", "words"), [(errno.ENOSPC, "disk is full"), (errno.EIO, "disk fails"), (errno.EROFS, "may be written")]
+)
+async def test_a_disk_that_fails_stops_recording_and_nothing_else(
+    tmp_path: Path, disk: Disk, number: int, words: str
+) -> None:
+    async with Robot(tmp_path) as robot:
+        other = robot.graph.channel("odometry").subscribe("another module", capacity=1000)
+        robot.desire(name="walk")
+        await robot.until(lambda status: status.name == "walk")
+        disk.error = OSError(number, os.strerror(number))
+        for i in range(300):
+            robot.feed("odometry", odometry(BEGIN + i / 100))
+            await asyncio.sleep(0)
+        status = await robot.until(lambda status: status.state == "stopped")
+        assert words in status.reason
+        assert other.statistics().depth == 300
+        assert robot.supervisor.states["Recorder"].status == "running"
+        # Still desired, it stays stopped; withdrawn and desired again, it tries again.
+        disk.error = None
+        robot.desire(False)
+        await robot.until(lambda status: status.state == "idle")
+        await robot.record(name="again")
+        assert robot.supervisor.states["Recorder"].restarts == 0
+    assert len(of(await read(tmp_path / "again.mcap"), Odometry)) == 100
+
+
+async def test_a_write_that_blocks_holds_up_nobody(tmp_path: Path, disk: Disk) -> None:
+    async with Robot(tmp_path, queue_messages=100, too_slow_after_s=0.2) as robot:
+        other = robot.graph.channel("odometry").subscribe("another module", capacity=100_000)
+        disk.unblock.clear()
+        robot.desire(name="walk")
+        fed, longest = 0, 0.0
+        while True:  # until it gives up by itself: not one of these turns of the loop waits for the disk
+            before = robot.clock.now()
+            robot.feed("odometry", odometry(BEGIN + fed / 100))
+            fed += 1
+            await asyncio.sleep(0.001)
+            longest = max(longest, robot.clock.now() - before)
+            if (status := robot.graph.channel("recorder").latest) is not None and status.state == "stopped":
+                break
+        assert "too slow" in status.reason
+        assert status.dropped > 0
+        assert other.statistics().depth == fed
+        assert longest < 1.0  # a busy computer; the disk would hold it up for ever
+        assert robot.supervisor.states["Recorder"].status == "running"
+        disk.unblock.set()
+        robot.desire(False)
+        await robot.until(lambda status: status.state == "idle")
+    assert len(of(await read(tmp_path / "walk.mcap"), Odometry)) == 100
+
+
+async def test_the_writers_cpu_time_is_the_recorders(tmp_path: Path) -> None:
+    async with Robot(tmp_path) as robot:
+        meter = robot.graph.modules["Recorder"].context.meter
+        await robot.record(1, name="one")
+        before = meter.cpu_ns
+        await robot.record(3000, name="many")
+        # Encoding and writing one odometry takes more than 20 us anywhere; the loop's share is not half of that.
+        assert meter.cpu_ns - before > 3000 * 20_000
+
+
+async def test_a_ring_is_saved_on_request_and_turns_on(tmp_path: Path) -> None:
+    async with Robot(tmp_path) as robot:
+        assert robot.control.available
+        with pytest.raises(RecorderUnavailable, match="no ring"):
+            await robot.control.save_ring()
+        robot.desire(keep_minutes=5)
+        await robot.until(lambda status: status.state == "ring")
+        for i in range(100):
+            robot.feed("odometry", odometry(BEGIN + i / 100))
+            await asyncio.sleep(0)
+        await robot.taken("odometry", 100)
+        assert await robot.control.save_ring(name="seen") == "seen"
+        assert await robot.control.save_ring(1, name="seen") == "seen-2"
+        with pytest.raises(ValueError, match="name"):
+            await robot.control.save_ring(name="../else")
+        robot.feed("odometry", odometry(BEGIN + 1))
+        await robot.taken("odometry", 101)
+        robot.desire(False)
+        await robot.until(lambda status: status.state == "idle")
+    assert not robot.control.available
+    assert len(of(await read(tmp_path / "seen.mcap"), Odometry)) == 100
+    assert await asyncio.to_thread(leftovers, robot.library.ring_folder) == []  # withdrawn: nobody wants the rest
+
+
+async def test_a_ring_that_changes_its_length_turns_on(tmp_path: Path) -> None:
+    async with Robot(tmp_path) as robot:
+        robot.desire(keep_minutes=5)
+        await robot.until(lambda status: status.state == "ring")
+        robot.feed("odometry", odometry(BEGIN))
+        await robot.taken("odometry", 1)
+        robot.desire(keep_minutes=2)
+        robot.feed("odometry", odometry(BEGIN + 1))
+        await robot.taken("odometry", 2)
+        await robot.control.save_ring(name="both")
+    assert len(of(await read(tmp_path / "both.mcap"), Odometry)) == 2
+
+
+async def test_a_ring_that_finds_no_room_to_be_saved_says_so_and_turns_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with Robot(tmp_path, least_free_mb=200) as robot:
+        robot.desire(keep_minutes=5)
+        await robot.until(lambda status: status.state == "ring")
+        robot.feed("odometry", odometry(BEGIN))
+        await robot.taken("odometry", 1)
+        monkeypatch.setattr(robot.library, "free_bytes", lambda: 200_000_000)
+        with pytest.raises(LogError, match="200 MB are kept free"):
+            await robot.control.save_ring(name="seen")
+        assert await asyncio.to_thread(files, tmp_path) == []
+        monkeypatch.undo()
+        assert await robot.control.save_ring(name="seen") == "seen"
+
+
+async def test_an_event_saves_the_ring(tmp_path: Path) -> None:
+    patterns = [{"kind": "guard", "subject": "e_stopped"}, {"kind": "module"}]
+    async with Robot(tmp_path, save_ring_on=patterns, save_after_s=0) as robot:
+        robot.desire(keep_minutes=5)
+        await robot.until(lambda status: status.state == "ring")
+        robot.feed("odometry", odometry(BEGIN))
+        robot.feed("events", EventRecord(BEGIN, "guard", "driving", "The base drives", "{}"))
+        robot.feed("events", EventRecord(BEGIN, "guard", "e_stopped", "Emergency stop", "{}"))
+        async with asyncio.timeout(20):
+            while not await asyncio.to_thread(files, tmp_path):
+                await robot.statuses.receive()
+    (saved,) = await asyncio.to_thread(files, tmp_path)
+    assert saved.endswith("-guard-e_stopped.mcap")
+    assert [event.subject for event in of(await read(tmp_path / saved), EventRecord)] == ["driving", "e_stopped"]
+
+
+async def test_the_ring_of_an_earlier_run_becomes_a_recording(tmp_path: Path) -> None:
+    library = RecordingLibrary(tmp_path)
+
+    def live() -> None:
+        earlier = Ring(library.ring_folder, encoder, MANIFEST, BEGIN, 60.0)
+        for i in range(100):
+            earlier.write(BEGIN + i / 10, "odometry", odometry(BEGIN + i / 10))
+        earlier.close(discard=False)
+
+    await asyncio.to_thread(live)
+    async with Robot(tmp_path) as robot:
+        async with asyncio.timeout(20):
+            while not await asyncio.to_thread(files, tmp_path):
+                await robot.statuses.receive()
+    (saved,) = await asyncio.to_thread(files, tmp_path)
+    assert saved.endswith("-ring.mcap")
+    assert len(of(await read(tmp_path / saved), Odometry)) == 100
+    assert await asyncio.to_thread(leftovers, library.ring_folder) == []
+
+
+async def test_a_folder_that_cannot_be_made_is_a_reason(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("in the way")
+    async with Robot(tmp_path / "file" / "recordings") as robot:
+        robot.desire(name="walk")
+        status = await robot.until(lambda status: status.state == "stopped")
+        assert "file" in status.reason
