@@ -62,7 +62,7 @@ class RecorderReport:
             "stamp": self._system.clock.now(),
             "state": state,
             "name": status.name,
-            "began": status.began if status.name and status.began else None,
+            "began": status.began or None,
             "duration_s": round(status.duration_s, 3),
             "bytes": status.bytes,
             "messages": status.messages,

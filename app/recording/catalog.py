@@ -7,43 +7,47 @@ kept for as long as the file's size and time of change stay.
 from __future__ import annotations
 
 import os
-import shutil
 import struct
 import threading
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from io import BytesIO
 from pathlib import Path
 from typing import IO
 
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
+from mcap.opcode import Opcode
 from mcap.reader import SeekingReader
-from mcap.records import Chunk, McapRecord, Message, Metadata
-from mcap.stream_reader import MAGIC_SIZE, StreamReader, read_magic
+from mcap.records import Metadata
+from mcap.stream_reader import MAGIC_SIZE, read_magic
 
 from app.recording.library import NAME, SUFFIX, RecordingLibrary
+from app.recording.mcap_file import is_being_written
 from app.recording.mcap_layout import FACTS
 from app.recording.stamps import from_ns
 
 #: A record larger than this, in a file that ends in the middle, is no record but what chance left there.
 _LARGEST_RECORD = 64 * 1024 * 1024
 #: What a damaged file makes the MCAP library raise.
-_DAMAGE = (McapError, ValueError, struct.error, EOFError)
+_DAMAGE = (McapError, ValueError, struct.error, EOFError, MemoryError, OverflowError)
+_PREFIX = struct.Struct("<BQ")
+_STAMP = struct.Struct("<Q")
 
 
 @dataclass(frozen=True, slots=True)
 class Recording:
     """A file of the folder.
 
-    ``complete``: it was closed as it should be; if not, its ``end`` is not known. ``begin`` and ``end`` (robot's
-    clock, s) of its messages, None where they cannot be told. ``robot`` as its facts name it, "" where they do not.
-    ``modified`` is the file's own time (s, Unix).
+    ``complete``: it was closed as it should be; if not, its ``end`` is not known. ``written``: it is being written.
+    ``begin`` and ``end`` (robot's clock, s) of its messages, None where they cannot be told. ``robot`` as its facts
+    name it, "" where they do not. ``modified`` is the file's own time (s, Unix).
     """
 
     name: str
     bytes: int
     modified: float
     complete: bool
+    written: bool = False
     begin: float | None = None
     end: float | None = None
     robot: str = ""
@@ -85,21 +89,20 @@ class Catalog:
         """Whether there is a recording of this name. Raises ValueError for a name that may not be."""
         return self._library.path(name).is_file()
 
+    def written(self, name: str) -> bool:
+        """Whether a program writes the recording now. Raises ValueError for a bad name, FileNotFoundError, OSError."""
+        return is_being_written(self._library.path(name))
+
     def delete(self, name: str) -> None:
         """Remove a recording for good. Raises ValueError for a bad name, FileNotFoundError, or another OSError."""
         self._library.path(name).unlink()
 
-    def free_bytes(self) -> int:
-        """Room left for recordings, for this user."""
-        folder = self._library.folder
-        while not folder.is_dir() and folder != folder.parent:
-            folder = folder.parent
-        return shutil.disk_usage(folder).free
-
     def _look(self, name: str, path: Path, status: os.stat_result) -> tuple[tuple[int, int], Recording]:
         sign = (status.st_mtime_ns, status.st_size)
         known = self._known.get(name)
-        return known if known is not None and known[0] == sign else (sign, read(name, path, status))
+        if known is not None and known[0] == sign and not known[1].written:
+            return known
+        return sign, read(name, path, status)
 
 
 def read(name: str, path: Path, status: os.stat_result) -> Recording:
@@ -107,7 +110,9 @@ def read(name: str, path: Path, status: os.stat_result) -> Recording:
     blank = Recording(name, status.st_size, status.st_mtime, complete=False)
     try:
         with path.open("rb") as file:
-            return _summarized(file, blank) if _is_closed(file, status.st_size) else _begun(file, blank)
+            if _is_closed(file, status.st_size):
+                return _summarized(file, blank)
+            return replace(_begun(file, blank), written=is_being_written(path))
     except OSError:
         return blank
 
@@ -142,22 +147,25 @@ def _summarized(file: IO[bytes], blank: Recording) -> Recording:
 
 
 def _begun(file: IO[bytes], blank: Recording) -> Recording:
+    """What the records before the first message tell; by hand, since a length that damage left there may be any."""
     robot, begin = "", None
+    file.seek(MAGIC_SIZE)
+    while begin is None and len(head := file.read(_PREFIX.size)) == _PREFIX.size:
+        opcode, length = _PREFIX.unpack(head)
+        behind = file.tell() + length
+        if behind > blank.bytes:
+            break
+        if opcode == Opcode.CHUNK and length >= _STAMP.size:
+            begin = from_ns(_STAMP.unpack(file.read(_STAMP.size))[0])
+        elif opcode == Opcode.METADATA:
+            robot = _robot(file.read(length)) or robot
+        file.seek(behind)
+    return replace(blank, begin=begin, robot=robot)
+
+
+def _robot(data: bytes) -> str:
     try:
-        for record in _records(file):
-            if isinstance(record, Metadata) and record.name == FACTS:
-                robot = record.metadata.get("robot", "")
-            elif isinstance(record, Chunk):
-                begin = from_ns(record.message_start_time)
-                break
-            elif isinstance(record, Message):
-                begin = from_ns(record.log_time)
-                break
+        metadata = Metadata.read(ReadDataStream(BytesIO(data)))
     except _DAMAGE:
-        pass  # what was read before the damage stands
-    return replace(blank, complete=False, begin=begin, robot=robot)
-
-
-def _records(file: IO[bytes]) -> Iterator[McapRecord]:
-    file.seek(0)
-    return iter(StreamReader(file, emit_chunks=True, record_size_limit=_LARGEST_RECORD).records)
+        return ""
+    return metadata.metadata.get("robot", "") if metadata.name == FACTS else ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 from pathlib import Path
 
@@ -42,10 +43,8 @@ def library(tmp_path: Path) -> RecordingLibrary:
     return library
 
 
-def test_no_folder_is_no_recordings_and_still_has_room_on_its_disk(tmp_path: Path) -> None:
-    catalog = Catalog(RecordingLibrary(tmp_path / "not" / "there"))
-    assert catalog.recordings() == []
-    assert catalog.free_bytes() > 0
+def test_no_folder_is_no_recordings(tmp_path: Path) -> None:
+    assert Catalog(RecordingLibrary(tmp_path / "not" / "there")).recordings() == []
 
 
 def test_a_closed_recording_tells_its_times_and_robot(library: RecordingLibrary) -> None:
@@ -66,6 +65,20 @@ def test_one_that_was_not_closed_tells_when_it_began(library: RecordingLibrary) 
     assert recording.begin == 1_795_000_000.25
     assert recording.duration_s is None
     assert recording.robot == "IRL-1/TR"
+
+
+def test_one_that_a_program_writes_is_told_from_one_that_was_left(library: RecordingLibrary) -> None:
+    write(library.path("tour"), closed=False)
+    catalog = Catalog(library)
+    assert not catalog.recordings()[0].written
+    with library.path("tour").open("rb") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        os.utime(library.path("tour"))
+        assert catalog.recordings()[0].written
+        assert catalog.written("tour")
+    # Nothing of the file has changed but that.
+    assert not catalog.recordings()[0].written
+    assert not catalog.written("tour")
 
 
 def test_a_recording_without_messages_or_facts_has_no_times(library: RecordingLibrary) -> None:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 from fastapi import APIRouter, Header, Path, Request
 from fastapi.responses import Response
@@ -33,6 +34,7 @@ from app.recording.log import LogError
 if TYPE_CHECKING:
     from app.system import System
 
+T = TypeVar("T")
 Name = Annotated[str, Path(description="The recording's name.", examples=["tour"])]
 
 
@@ -46,7 +48,8 @@ def recordings_router(system: System, replays: Replays) -> APIRouter:
     @router.get("/recordings", response_model=RecordingList, summary="List all recordings")
     async def list_recordings(request: Request) -> Response:
         """The newest first, with the room left on the disk and what the Recorder does."""
-        found, free = await asyncio.gather(asyncio.to_thread(catalog.recordings), asyncio.to_thread(catalog.free_bytes))
+        found = await _on_disk(catalog.recordings)
+        free = await _on_disk(system.recordings.free_bytes)
         return Json(
             {
                 "folder": str(system.recordings.folder),
@@ -143,9 +146,10 @@ def recordings_router(system: System, replays: Replays) -> APIRouter:
         """The file as it is, to open here or in Foxglove, Rerun and other MCAP tools. `Range` is understood."""
         path = await _closed(name)
         try:
-            return await Download.of(path, request)
+            status = await _on_disk(path.stat)
         except FileNotFoundError:
             raise _no_such(name) from None
+        return Download.of(path, status, request.headers.get("range"))
 
     @router.delete(
         "/recordings/{name}", status_code=204, summary="Delete a recording", responses=problems(404, 409, 422)
@@ -154,11 +158,9 @@ def recordings_router(system: System, replays: Replays) -> APIRouter:
         """For good. One that is being written is refused: stop first."""
         await _closed(name)
         try:
-            await asyncio.to_thread(catalog.delete, name)
+            await _on_disk(catalog.delete, name)
         except FileNotFoundError:
             raise _no_such(name) from None
-        except OSError as failure:
-            raise Problem(409, "not-deleted", f"{name} cannot be deleted: {failure.strerror}.") from None
         return Response(status_code=204)
 
     @router.post(
@@ -199,32 +201,38 @@ def recordings_router(system: System, replays: Replays) -> APIRouter:
     async def _closed(name: str) -> FilePath:
         """Where the recording is; refused where there is none, or while it is being written."""
         path = _checked(name)
-        if report.writes(name):
+        try:
+            written = report.writes(name) or await _on_disk(catalog.written, name)
+        except FileNotFoundError:
+            raise _no_such(name) from None
+        if written:
             raise Problem(
                 409, "recording-in-progress", f"{name} is being written: stop first, with POST /api/v1/recordings/stop."
             )
-        if not await asyncio.to_thread(catalog.has, name):
-            raise _no_such(name)
         return path
 
     async def _need_free(name: str) -> None:
-        if name and (report.writes(name) or await asyncio.to_thread(catalog.has, name)):
+        if name and (report.writes(name) or await _on_disk(catalog.has, name)):
             raise Problem(409, "recording-exists", f"There is a recording called {name} already; choose another name.")
 
     return router
 
 
 def _recording_json(recording: Recording, report: RecorderReport) -> dict[str, Any]:
-    written = report.writes(recording.name)
-    status = report.status
+    ours, status = report.writes(recording.name), report.status
+    state = "recording" if ours or recording.written else "complete" if recording.complete else "unfinished"
     return {
         "name": recording.name,
         "bytes": recording.bytes,
-        "duration_s": round(status.duration_s, 3) if written else recording.duration_s,
-        "began": status.began if written else recording.begin,
-        "state": "recording" if written else "complete" if recording.complete else "unfinished",
+        "duration_s": _rounded(status.duration_s if ours else recording.duration_s),
+        "began": status.began if ours else recording.begin,
+        "state": state,
         "robot": recording.robot,
     }
+
+
+def _rounded(seconds: float | None) -> float | None:
+    return None if seconds is None else round(seconds, 3)
 
 
 def _replay_json(replays: Replays, request: Request) -> dict[str, Any] | None:
@@ -238,6 +246,18 @@ def _need_recorder(report: RecorderReport) -> None:
     if not report.available:
         why = (report.json() or {}).get("reason") or "this program has no Recorder at work, or no strategy for it"
         raise Problem(409, "recorder-missing", f"Nothing can be recorded: {why}.")
+
+
+async def _on_disk(function: Callable[..., T], *args: Any) -> T:
+    """``function(*args)`` in a thread. Raises Problem where the disk refuses, FileNotFoundError as it is."""
+    try:
+        return await asyncio.to_thread(function, *args)
+    except FileNotFoundError:
+        raise
+    except OSError as failure:
+        raise Problem(
+            409, "disk-refuses", f"The disk refuses: {failure.filename}: {failure.strerror or failure}."
+        ) from None
 
 
 def _no_such(name: str) -> Problem:

@@ -226,6 +226,13 @@ async def test_what_is_not_allowed_is_named(client: httpx.AsyncClient, path: str
     assert (await client.get("/desires")).json()["desires"] == []
 
 
+async def test_a_disk_that_refuses_is_told(client: httpx.AsyncClient, system: System) -> None:
+    await asyncio.to_thread(system.recordings.folder.write_text, "no folder")
+    refused = is_problem(await client.get("/recordings"), 409, "disk-refuses")
+    assert str(system.recordings.folder) in refused["detail"]
+    assert "Not a directory" in refused["detail"]
+
+
 # --- Downloading ---------------------------------------------------------------------------------------------------
 
 
