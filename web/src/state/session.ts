@@ -25,6 +25,8 @@ export class Session {
   onChance: () => void = () => undefined;
   /** Called when the robot has greeted a new connection. */
   onHello: () => void = () => undefined;
+  /** Called when a recording has gone to another place. */
+  onJump: () => void = () => undefined;
   private readonly live: LiveConnection;
   private readonly waiting = new Map<FromRobot["type"], FromRobot>();
   private lastStatusAt = 0;
@@ -187,6 +189,7 @@ export class Session {
   private jump(): void {
     for (const kind of OF_THE_PAST) this.waiting.delete(kind);
     batch(() => this.store.forget());
+    this.onJump();
   }
 
   /** A page that was busy itself reads first what came meanwhile, before it says that nothing came. */

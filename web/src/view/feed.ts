@@ -5,6 +5,8 @@ import { CAMERA, parsePicture, type Picture } from "../protocol/picture";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
 
+const KEPT_MS = 1500;
+
 export class CameraFeed {
   /** Stamp of the picture shown; null: none yet on this connection. */
   readonly stamp = signal<number | null>(null);
@@ -15,11 +17,19 @@ export class CameraFeed {
     private readonly session: Session,
   ) {}
 
+  private jumped = 0;
+
   start(): void {
     this.session.onPicture = (frame) => void this.take(frame);
     this.session.onHello = () => {
       this.stamp.value = null;
       this.tell();
+    };
+    // A picture of before a jump stays until that of the new place comes, but not for long if none does.
+    this.session.onJump = () => {
+      const before = this.stamp.peek();
+      clearTimeout(this.jumped);
+      this.jumped = window.setTimeout(() => this.stamp.peek() === before && (this.stamp.value = null), KEPT_MS);
     };
     effect(() => {
       void this.store.camera.value;

@@ -1,0 +1,151 @@
+"""Recordings from the page: made, listed, downloaded, deleted; and replayed, with the page following."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from mcap.reader import make_reader
+from playwright.sync_api import Page, expect
+
+from tests.browser.running import Robot, running_robot
+
+RECORD_S = 2.5
+
+
+@pytest.fixture(scope="module")
+def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
+    """One robot for the file, with a folder of recordings of its own: each test makes and knows its own by name."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("HBBA_RECORDINGS", str(tmp_path_factory.mktemp("recordings")))
+        with running_robot(tmp_path_factory.mktemp("robot")) as running:
+            yield running
+
+
+def recorder(page: Page, state: str) -> None:
+    """Wait until the bar says that the Recorder is in ``state``."""
+    page.locator(f"[data-testid=record][data-state={state}]").wait_for()
+
+
+def record(page: Page, name: str) -> None:
+    """Record for a few seconds under ``name``, and wait until it is listed as complete."""
+    page.get_by_test_id("tab-recordings").click()
+    page.get_by_test_id("recording-name-field").fill(name)
+    page.get_by_test_id("recording-start").click()
+    recorder(page, "recording")
+    page.wait_for_timeout(RECORD_S * 1e3)
+    page.get_by_test_id("record").click()
+    recorder(page, "idle")
+    page.locator(f"[data-testid=recording][data-name={name}][data-state=complete]").wait_for()
+
+
+def test_a_recording_is_made_listed_downloaded_and_deleted(robot: Robot, page: Page, tmp_path: Path) -> None:
+    """What is downloaded is an MCAP file with the sensors' messages in it; deleted, it is gone from the robot."""
+    record(page, "kept")
+    row = page.locator("[data-testid=recording][data-name=kept]")
+    assert RECORD_S * 0.8 < float(row.get_attribute("data-duration") or 0) < RECORD_S + 3
+    size = int(row.get_attribute("data-bytes") or 0)
+    with page.expect_download() as download:
+        row.get_by_test_id("recording-download").click()
+    assert download.value.suggested_filename == "kept.mcap"
+    file = tmp_path / "kept.mcap"
+    download.value.save_as(file)
+    assert file.stat().st_size == size
+    with file.open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    assert summary is not None
+    assert summary.statistics is not None
+    counts = {
+        channel.topic: summary.statistics.channel_message_counts.get(number, 0)
+        for number, channel in summary.channels.items()
+    }
+    assert max(counts.values()) > 10 * RECORD_S
+    row.get_by_test_id("recording-delete").click()
+    row.get_by_test_id("recording-delete-confirm").click()
+    row.wait_for(state="detached")
+    assert "kept" not in [each["name"] for each in robot.get("/recordings")["recordings"]]
+
+
+def position(page: Page) -> float:
+    """Seconds from the recording's beginning, as the transport has it."""
+    transport = page.get_by_test_id("transport")
+    return float(transport.get_attribute("data-position") or 0) - float(transport.get_attribute("data-begin") or 0)
+
+
+def wait_position(page: Page, least: float, most: float) -> None:
+    """Until the recording is between ``least`` and ``most`` seconds from its beginning."""
+    page.wait_for_function(
+        """([least, most]) => {
+            const { position, begin, phase } = document.querySelector("[data-testid=transport]").dataset;
+            return phase !== "seeking" && position - begin >= least && position - begin <= most;
+        }""",
+        arg=[least, most],
+    )
+
+
+def test_a_recording_is_replayed_in_a_tab_of_its_own(robot: Robot, page: Page) -> None:
+    """It plays, stands, steps, jumps and runs faster; camera and lanes follow its time; nothing can be driven."""
+    record(page, "lived")
+    row = page.locator("[data-testid=recording][data-name=lived]")
+    with page.context.expect_page() as opened:
+        row.get_by_test_id("recording-replay").click()
+    row.locator("[data-testid=replay-state][data-state=running]").wait_for(timeout=60_000)
+    replay = opened.value
+    address = row.get_by_test_id("replay-link").get_attribute("href") or ""
+    replay.goto(f"{address}?scene=off")
+    transport = replay.get_by_test_id("transport")
+    transport.wait_for()
+    replay.locator("[data-testid=connection][data-phase=live]").wait_for()
+    expect(replay.get_by_test_id("recording-marker")).to_contain_text("Recording of IRL-1/TR")
+    assert replay.get_by_test_id("drive-pad").count() == replay.get_by_test_id("estop").count() == 0
+
+    # From the end, or from wherever it is by now: to the beginning, to stand there.
+    replay.keyboard.press("Home")
+    wait_position(replay, 0, 1)
+    if transport.get_attribute("data-playing") == "true":
+        replay.keyboard.press("Space")
+    expect(transport).to_have_attribute("data-phase", "paused")
+    stood = position(replay)
+    replay.keyboard.press("Period")
+    wait_position(replay, stood + 0.01, stood + 0.5)
+    replay.keyboard.press("KeyW")
+    replay.keyboard.press("Escape")
+    # A recording that stands says nothing new for longer than a robot may, and is not called stale.
+    replay.wait_for_timeout(1_000)
+    expect(replay.get_by_test_id("page")).to_have_attribute("data-phase", "live")
+    stepped = position(replay)
+    assert stepped < stood + 0.5
+
+    # Half speed from the middle, where the timeline was clicked.
+    replay.get_by_test_id("playback-speed").select_option("0.5")
+    expect(transport).to_have_attribute("data-speed", "0.5")
+    box = replay.get_by_test_id("timeline").bounding_box()
+    assert box is not None
+    replay.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    middle = float(replay.get_by_test_id("timeline").get_attribute("max") or 0) / 2
+    wait_position(replay, middle - 0.3, middle + 0.3)
+    camera = replay.get_by_test_id("camera")
+    replay.wait_for_function(
+        """() => {
+            const { position, begin } = document.querySelector("[data-testid=transport]").dataset;
+            const { stamp } = document.querySelector("[data-testid=camera]").dataset;
+            return stamp && Math.abs(stamp - position) < 0.5;
+        }"""
+    )
+    shown = float(camera.get_attribute("data-stamp") or 0)
+    replay.keyboard.press("Space")
+    wait_position(replay, middle + 0.4, 2 * middle)
+    replay.keyboard.press("Space")
+    expect(transport).to_have_attribute("data-phase", "paused")
+    assert float(camera.get_attribute("data-stamp") or 0) > shown
+    replay.wait_for_function(
+        """() => {
+            const { position } = document.querySelector("[data-testid=transport]").dataset;
+            const { newest } = document.querySelector("[data-testid=lane-canvas]").dataset;
+            return newest && position - newest < 0.3 && newest - position < 0.05;
+        }"""
+    )
+    assert replay.get_by_test_id("lane-FindQRCodes").get_attribute("data-intensity")
+    row.get_by_test_id("replay-end").click()
+    row.get_by_test_id("replay-state").wait_for(state="detached")
