@@ -6,9 +6,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from app.messages import EncodedImage, Image, JointState, LaserScan, LogLine, Odometry, PointCloud, Twist
+from app.messages import EncodedImage, Image, JointState, Landmarks, LaserScan, LogLine, Odometry, PointCloud, Twist
 from app.recording.ros.camera import EncodedImageConverter, ImageConverter
 from app.recording.ros.cloud import PointCloudConverter
+from app.recording.ros.landmarks import LandmarksConverter
 from app.recording.ros.laser import LaserScanConverter
 from app.recording.ros.plain import (
     GeneratedConverter,
@@ -32,6 +33,7 @@ CONVERTERS: Mapping[type[Any], Callable[[str, Options], Converter]] = {
     EncodedImage: lambda channel, _: EncodedImageConverter(channel),
     Image: lambda channel, options: ImageConverter(channel, options.jpeg_quality),
     JointState: lambda channel, _: JointStateConverter(channel),
+    Landmarks: lambda channel, _: LandmarksConverter(channel),
     LaserScan: lambda channel, options: LaserScanConverter(channel, options.rate_hz),
     LogLine: lambda channel, _: LogLineConverter(channel),
     Odometry: lambda channel, _: OdometryConverter(channel),

@@ -29,7 +29,7 @@ class GeneratedConverter:
         """Raises UnrecordableType."""
         self._generated = generated(cls)
         self._topic = f"/{channel}"
-        self.topics = (Topic(self._topic, self._generated.type),)
+        self.topics: tuple[Topic, ...] = (Topic(self._topic, self._generated.type),)
 
     def encode(self, message: Any, stamp_ns: int) -> list[Record]:
         """One record."""

@@ -33,9 +33,9 @@ def definition(name: str) -> str:
     return store().generate_msgdef(name, ros_version=2)[0]
 
 
-def make(name: str, *values: Any) -> Any:
-    """A rosbags object of the type, its fields in order; arrays of numbers are numpy arrays."""
-    return store().types[name](*values)
+def make(name: str, *values: Any, **named: Any) -> Any:
+    """A rosbags object of the type, its fields in order or by name; arrays of numbers are numpy arrays."""
+    return store().types[name](*values, **named)
 
 
 def serialise(name: str, *values: Any) -> bytes:

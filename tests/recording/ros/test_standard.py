@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from app.geometry import CameraModel, Pose2, Pose3
-from app.messages import Image, JointState, LaserScan, LogLine, Odometry, PointCloud, Twist
+from app.messages import Image, JointState, Landmark, Landmarks, LaserScan, LogLine, Odometry, PointCloud, Twist
 from app.recording.ros import typestore
 from app.recording.ros.converters import Options, converter
 from app.recording.ros.record import Record
@@ -168,6 +168,30 @@ def test_small_messages_are_what_ros_calls_them() -> None:
     assert (joints.name, joints.position.tolist(), len(joints.velocity)) == (["pan", "tilt"], [0.5, -0.5], 0)
     line = records_of(LogLine(STAMP, 30, "hbba.guard", "no command"))["/channel"]
     assert (line.level, line.name, line.msg) == (line.WARN, "hbba.guard", "no command")
+
+
+def test_landmarks_are_drawn_anew_when_one_is_new_or_elsewhere_but_not_at_every_sighting() -> None:
+    codec = converter("channel", Landmarks)
+    lamp = Landmark("lamp", (1.0, 2.0, 0.5), 0.01, 3, STAMP, STAMP)
+    told = [
+        (lamp,),
+        (replace(lamp, p_OQ=(1.002, 2.0, 0.5), sightings=4),),
+        (replace(lamp, p_OQ=(1.2, 2.0, 0.5)),),
+        (replace(lamp, p_OQ=(1.2, 2.0, 0.5)), replace(lamp, text="door \udcff")),
+    ]
+    written = [codec.encode(Landmarks(STAMP, landmarks), to_ns(STAMP)) for landmarks in told]
+    assert [[record.topic for record in records] for records in written] == [
+        ["/channel/markers", "/channel"], ["/channel"], ["/channel/markers", "/channel"],
+        ["/channel/markers", "/channel"],
+    ]  # fmt: skip
+    clear, *markers = decoded(written[3][0]).markers
+    assert clear.action == clear.DELETEALL
+    assert [(m.id, m.type, m.action, m.text) for m in markers] == [
+        (0, clear.SPHERE, 0, ""), (1, clear.TEXT_VIEW_FACING, 0, "lamp"),
+        (2, clear.SPHERE, 0, ""), (3, clear.TEXT_VIEW_FACING, 0, "door ?"),
+    ]  # fmt: skip
+    assert {m.header.frame_id for m in markers} == {"odom"}
+    assert (markers[0].pose.position.x, markers[0].scale.x) == (1.2, 0.1)
 
 
 def test_half_a_character_in_a_log_line_does_not_end_a_recording() -> None:
