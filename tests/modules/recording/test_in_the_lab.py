@@ -1,0 +1,68 @@
+"""The Recorder in the lab's program: it costs the body nothing until a recording is desired."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+from app.attention.desires import Source
+from app.config import load_configuration
+from app.messages import Image, IntentionRecord, Odometry, RecorderStatus
+from app.recording.library import RecordingLibrary
+from app.recording.mcap_log import McapLog
+from app.system import System
+from tests.modules.fakes import FakeLink
+from tests.recording.disks import image, odometry
+
+CONFIG = Path(__file__).parents[3] / "config" / "lab.yaml"
+
+
+async def test_the_kinect_runs_for_a_recording_only(tmp_path: Path) -> None:
+    link = FakeLink()
+    configuration = await asyncio.to_thread(load_configuration, CONFIG)
+    library = RecordingLibrary(tmp_path)
+    # Building it reads its files; nothing runs yet.
+    system = await asyncio.to_thread(System, configuration, link=link, recordings=library)
+    async with system, asyncio.timeout(30):
+        told = system.graph.channel("recorder").subscribe("test", capacity=1000)
+
+        async def until(state: str) -> RecorderStatus:
+            while (status := await told.receive()).state != state:
+                pass
+            return status
+
+        await until("idle")
+        # What the robot looks for by itself needs the Kinect too: it is to want nothing here.
+        with system.workspace.transaction():
+            for motive in system.workspace.desires():
+                system.workspace.remove(motive.id)
+        while link.demands["kinect"][-1] or link.demands["hokuyo"][-1]:
+            await told.receive()
+        source = Source("operator", "somebody")
+        desire = system.workspace.add("Record", params={"name": "lab"}, source=source, intensity=1.0, utility=1.0)
+        await until("recording")
+        assert link.demands["kinect"][-1]
+        assert link.demands["hokuyo"][-1]
+        began = system.clock.now()
+        for i in range(30):
+            link.emit("odometry", odometry(began + i / 100))
+            link.emit("kinect", image(began + i / 100, seed=i))
+            await asyncio.sleep(0)
+        system.workspace.remove(desire.id)
+        await until("idle")
+        assert system.graph.filters.divisors()["Recorder.kinect"] == float("inf")
+        assert not link.demands["kinect"][-1]
+        assert not link.demands["hokuyo"][-1]
+
+    def read() -> tuple[list[type], dict[str, str]]:
+        log = McapLog(tmp_path / "lab.mcap")
+        try:
+            return [type(logged.message) for logged in log.messages()], dict(log.manifest.facts)
+        finally:
+            log.close()
+
+    types, facts = await asyncio.to_thread(read)
+    assert types.count(Odometry) == 30
+    assert types.count(Image) >= 1
+    assert IntentionRecord in types
+    assert facts["stream.kinect"] == "kinect"
