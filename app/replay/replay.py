@@ -95,7 +95,7 @@ class Replay:
     async def __aenter__(self) -> Replay:
         """Start the program, have the desires that stood then, let the log speak. Raises LinkFailed, ConfigError."""
         async with AsyncExitStack() as stack:
-            stack.callback(self.close)
+            stack.push_async_callback(asyncio.to_thread, self.close)
             await stack.enter_async_context(self.system)
             self._connect(stack)
             await self._started()

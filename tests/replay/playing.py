@@ -1,0 +1,55 @@
+"""A recording played on a real loop, for tests."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+
+from app.recording.log import Log
+from app.replay.playback import Playback, PlaybackState
+from app.replay.replay import Replay
+from app.runtime.replay_clock import ReplayClock
+
+PATIENCE_S = 10.0
+
+
+@dataclass
+class Played:
+    """A recording at play, and what it said of itself."""
+
+    playback: Playback
+    replay: Replay
+    clock: ReplayClock
+    states: list[PlaybackState]
+    jumps: list[float]
+
+    async def phase(self, phase: str) -> PlaybackState:
+        """Wait until it is in ``phase``."""
+        async with asyncio.timeout(PATIENCE_S):
+            while (state := self.playback.state).phase != phase:
+                changed = asyncio.Event()
+                end = self.playback.observe(lambda _, changed=changed: changed.set())  # type: ignore[misc]
+                await changed.wait()
+                end()
+        return state
+
+
+def prepare(log: Log) -> tuple[Log, ReplayClock, Replay]:
+    """What is to be played; off the loop, since it reads files."""
+    clock = ReplayClock(log.info.begin, log.info.end)
+    return log, clock, Replay(log, clock)
+
+
+@asynccontextmanager
+async def played(
+    prepared: tuple[Log, ReplayClock, Replay], *, playing: bool = False, speed: float | None = 1.0
+) -> AsyncIterator[Played]:
+    """Play it."""
+    log, clock, replay = prepared
+    async with replay, Playback(replay.system, replay.body, clock, log, playing=playing, speed=speed) as playback:
+        play = Played(playback, replay, clock, [], [])
+        playback.observe(play.states.append)
+        playback.on_jump(play.jumps.append)
+        yield play

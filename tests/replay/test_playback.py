@@ -1,0 +1,269 @@
+"""A recording of the lab, played on a real loop: what stands, what goes on, what is shown where it is put down."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from typing import Any
+
+import pytest
+
+from app.messages import Image, Landmark, Landmarks
+from app.recording.log import LogError, Logged
+from app.replay.playback import checked_speed
+from app.replay.replay import Replay
+from app.runtime.replay_clock import ReplayClock
+from tests.replay.logs import BEGIN, MemoryLog, lab_log, lab_manifest, lab_messages
+from tests.replay.playing import played, prepare
+
+Prepared = tuple[Any, ReplayClock, Replay]
+
+
+@pytest.fixture
+def lab() -> Prepared:
+    """Six seconds of the lab."""
+    return prepare(lab_log(6.0))
+
+
+def stamps(play: Any, channel: str) -> list[float]:
+    """The stamps of what ``channel`` carries from now on, appended as it comes."""
+    found: list[float] = []
+    play.replay.system.graph.channels[channel].observe(lambda message: found.append(message.stamp))
+    return found
+
+
+async def test_it_plays_in_real_time_stands_and_goes_on(lab: Prepared) -> None:
+    async with played(lab, playing=True) as play:
+        odometry = stamps(play, "odometry")
+        began, from_ = time.monotonic(), play.playback.state.position
+        await asyncio.wait_for(play.clock.sleep_until(BEGIN + 0.5), 5)
+        assert time.monotonic() - began == pytest.approx(BEGIN + 0.5 - from_, abs=0.15)
+        play.playback.pause()
+        state = play.playback.state
+        assert (state.phase, state.playing) == ("paused", False)
+        count = len(odometry)
+        await play.playback._quiet()
+        assert play.playback.state.position == state.position
+        assert len(odometry) - count <= 1
+        play.playback.play()
+        await asyncio.wait_for(play.clock.sleep_until(state.position + 0.2), 5)
+        assert odometry == sorted(odometry)
+        assert odometry[-1] > state.position
+
+
+async def test_at_another_speed(lab: Prepared) -> None:
+    async with played(lab, playing=True, speed=10.0) as play:
+        began = time.monotonic()
+        await asyncio.wait_for(play.clock.sleep_until(BEGIN + 3.0), 5)
+        play.playback.set_speed(5.0)
+        assert play.playback.state.speed == 5.0
+        await play.phase("ended")
+        assert time.monotonic() - began == pytest.approx(0.3 + 0.6, abs=0.3)
+        assert play.playback.state.position == BEGIN + 5.98
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.05, 21.0, float("nan"), -1.0])
+def test_a_speed_that_cannot_be_is_refused(speed: float) -> None:
+    with pytest.raises(ValueError, match=r"from 0\.1 to 20"):
+        checked_speed(speed)
+
+
+async def test_as_fast_as_possible_nothing_is_dropped(lab: Prepared) -> None:
+    images = [m.message.stamp for m in lab[0].messages(None, {"kinect"})]
+    async with played(lab, playing=True, speed=None) as play:
+        codes = stamps(play, "qr_codes")
+        state = await play.phase("ended")
+        assert state.position == state.end
+        counters = play.replay.system.graph.modules["QRCodeDetector"].context.inputs["images"].subscription.statistics()
+        assert (counters.dropped, counters.depth) == (0, 0)
+        # Every image that attention let through was worked on, in order.
+        assert len(codes) == counters.passed == counters.taken
+        assert codes == sorted(codes)
+        assert codes[-1] >= images[-8]
+
+
+async def test_a_seek_shows_what_was_there_while_time_stands(lab: Prepared) -> None:
+    async with played(lab) as play:
+        graph = play.replay.system.graph
+        for position in (BEGIN + 4.0, BEGIN + 1.5):
+            await play.playback.seek(position)
+            state = play.playback.state
+            assert (state.position, state.phase, state.playing) == (position, "paused", False)
+            assert play.replay.system.clock.now() == position
+            for channel in ("odometry", "joints", "kinect", "link_status", "qr_codes", "landmarks"):
+                latest = graph.channels[channel].latest
+                assert latest is not None, channel
+                assert position - 0.2 < latest.stamp <= position, channel
+            last = max(m.at for m in lab[0].messages(None, {"kinect"}) if m.at <= position)
+            assert graph.channels["qr_codes"].latest.stamp == pytest.approx(last - 0.02)
+        assert play.jumps == [BEGIN + 4.0, BEGIN + 1.5]
+
+
+async def test_what_stood_before_is_forgotten_at_a_seek(lab: Prepared) -> None:
+    async with played(lab, playing=True, speed=20.0) as play:
+        system = play.replay.system
+        await asyncio.wait_for(play.clock.sleep_until(BEGIN + 4.0), 5)
+        assert system.timeline.query()
+        restarts = {name: state.restarts for name, state in system.supervisor.states.items()}
+        play.playback.pause()
+        await play.playback.seek(BEGIN + 0.2)
+        assert all(event.stamp == BEGIN + 0.2 for event in system.timeline.query())
+        assert system.graph.channels["landmarks"].latest.landmarks[0].sightings == 1
+        assert {name: state.restarts for name, state in system.supervisor.states.items()} == restarts
+        assert all(state.status == "running" for state in system.supervisor.states.values())
+
+
+async def test_desires_are_those_that_stood_there(lab: Prepared) -> None:
+    def classes() -> list[tuple[str, str]]:
+        return sorted((d.cls, d.source.name) for d in play.replay.system.workspace.desires())
+
+    always = [("FindQRCodes", "ScenarioCoordinator"), ("Teleoperation", "ScenarioCoordinator")]
+    async with played(lab) as play:
+        await play.playback.seek(BEGIN + 2.5)
+        assert classes() == sorted([*always, ("FindQRCodes", "script"), ("Telepresence", "ada")])
+        await play.playback.seek(BEGIN + 0.5)
+        assert classes() == always
+        await play.playback.seek(BEGIN + 5.0)
+        assert classes() == sorted([*always, ("FindQRCodes", "script")])
+        assert play.replay.system.translator.is_settled
+
+
+def test_landmarks_that_were_known_are_known_again() -> None:
+    door = Landmarks(BEGIN + 0.9, (Landmark("door", (3.0, 1.0, 1.0), 0.05, 7, BEGIN + 0.3, BEGIN + 0.9),))
+    messages = [*lab_messages(3.0), Logged(BEGIN + 0.9, "landmarks", door)]
+    log = MemoryLog(sorted(messages, key=lambda logged: logged.at), lab_manifest())
+    prepared = prepare(log)
+
+    async def main() -> None:
+        async with played(prepared) as play:
+            landmarks = play.replay.system.graph.channels["landmarks"]
+            await play.playback.seek(BEGIN + 2.0)
+            texts = [landmark.text for landmark in landmarks.latest.landmarks]
+            assert texts == ["door", "https://example.org/lab"], "the module goes on from them"
+            await play.playback.seek(BEGIN + 0.5)
+            assert [landmark.text for landmark in landmarks.latest.landmarks] == ["https://example.org/lab"]
+
+    asyncio.run(main())
+
+
+async def test_it_goes_on_playing_after_a_seek(lab: Prepared) -> None:
+    async with played(lab, playing=True) as play:
+        await play.playback.seek(BEGIN + 3.0)
+        assert play.playback.state.phase == "playing"
+        odometry = stamps(play, "odometry")
+        await asyncio.wait_for(play.clock.sleep_until(BEGIN + 3.3), 5)
+        expected = [m.at for m in lab[0].messages(BEGIN + 3.0, {"odometry"}) if BEGIN + 3.0 < m.at <= odometry[-1]]
+        assert odometry == pytest.approx(expected[-len(odometry) :])
+        assert len(odometry) > 10
+
+
+async def test_of_many_seeks_only_the_newest_counts(lab: Prepared) -> None:
+    async with played(lab) as play:
+        await asyncio.gather(*(play.playback.seek(BEGIN + i / 10) for i in range(40)))
+        assert play.playback.state.position == BEGIN + 3.9
+        assert len(play.jumps) <= 2
+        assert play.jumps[-1] == BEGIN + 3.9
+
+
+async def test_a_seek_beyond_an_end_goes_to_it(lab: Prepared) -> None:
+    async with played(lab) as play:
+        await play.playback.seek(BEGIN + 60)
+        assert play.playback.state.position == BEGIN + 5.98
+        assert play.playback.state.phase == "ended"
+        await play.playback.seek(0.0)
+        assert play.playback.state.position == BEGIN
+        assert play.playback.state.phase == "paused"
+
+
+async def test_steps_go_from_image_to_image(lab: Prepared) -> None:
+    async with played(lab) as play:
+        await play.playback.seek(BEGIN + 4.0)
+        codes = stamps(play, "qr_codes")
+        for _ in range(3):
+            await play.playback.step()
+        assert play.playback.state.phase == "paused"
+        images = [m for m in lab[0].messages(BEGIN + 4.0, {"kinect"}) if m.at > BEGIN + 4.0][:3]
+        assert play.playback.state.position == images[-1].at
+        assert play.replay.system.graph.channels["kinect"].latest.stamp == images[-1].message.stamp
+        # All of them have been worked on when the step is over.
+        assert codes == [image.message.stamp for image in images]
+
+
+@pytest.mark.parametrize(
+    ("without", "to"), [(("kinect",), BEGIN + 0.103), (("kinect", "scan"), BEGIN + 0.2)], ids=["scans", "neither"]
+)
+def test_steps_where_there_are_no_images(without: tuple[str, ...], to: float) -> None:
+    prepared = prepare(MemoryLog([m for m in lab_messages(2.0) if m.channel not in without], lab_manifest()))
+
+    async def main() -> None:
+        async with played(prepared) as play:
+            await play.playback.seek(BEGIN + 0.1)
+            await play.playback.step()
+            assert play.playback.state.position == pytest.approx(to, abs=1e-5)
+
+    asyncio.run(main())
+
+
+async def test_at_the_end_it_stands_and_play_begins_again(lab: Prepared) -> None:
+    async with played(lab, playing=True, speed=20.0) as play:
+        state = await play.phase("ended")
+        assert (state.position, state.playing) == (state.end, False)
+        await play.playback.step()
+        assert play.playback.state.phase == "ended"
+        play.playback.set_speed(1.0)
+        play.playback.play()
+        await play.phase("playing")
+        assert play.jumps == [BEGIN]
+        assert play.playback.state.position < BEGIN + 1.0
+
+
+async def test_who_comes_while_time_stands_is_shown_what_stands_there(lab: Prepared) -> None:
+    async with played(lab) as play:
+        await play.playback.seek(BEGIN + 4.0)
+        channel = play.replay.system.graph.channels["scan"]
+        assert channel.latest is None, "nobody wanted scans"
+        scans = channel.subscribe("test")
+        scan = await asyncio.wait_for(scans.receive(), 5)
+        assert BEGIN + 3.85 < scan.stamp <= BEGIN + 4.0
+
+
+class Torn(MemoryLog):
+    """A file that is damaged, once it is."""
+
+    torn = False
+
+    def messages(self, begin: Any = None, channels: Any = None) -> Any:
+        if self.torn:
+            raise LogError("memory.mcap is damaged; try hbba log repair")
+        return super().messages(begin, channels)
+
+
+@pytest.fixture
+def torn() -> Prepared:
+    """A recording that can be damaged while it is played."""
+    return prepare(Torn(lab_messages(3.0), lab_manifest()))
+
+
+async def test_what_cannot_be_read_is_said_and_all_stays(torn: Prepared) -> None:
+    log = torn[0]
+    async with played(torn) as play:
+        await play.playback.seek(BEGIN + 1.0)
+        log.torn = True
+        for doing in (play.playback.seek(BEGIN + 2.0), play.playback.step()):
+            with pytest.raises(LogError, match="hbba log repair"):
+                await doing
+        assert play.playback.state.position == BEGIN + 1.0
+        assert play.playback.state.phase == "paused"
+        assert isinstance(play.replay.system.graph.channels["kinect"].latest, Image)
+        log.torn = False
+        await play.playback.seek(BEGIN + 2.0)
+        assert play.playback.state.position == BEGIN + 2.0
+
+
+async def test_it_begins_where_the_clock_stands(lab: Prepared) -> None:
+    log, clock, replay = lab
+    clock.jump(BEGIN + 2.0)
+    async with played((log, clock, replay)) as play:
+        await play.phase("paused")
+        assert play.playback.state.position == BEGIN + 2.0
+        assert play.replay.system.graph.channels["odometry"].latest.stamp == BEGIN + 2.0
