@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from app.commands import bench, calibrate, check, doctor, replay, run, solve
+from app.commands import bench, calibrate, check, doctor, log, replay, run, solve
 
 #: What ``argparse`` gives for adding a command; its own type is private and generic.
 Subparsers = Any
@@ -27,6 +27,7 @@ class Command(Protocol):
 COMMANDS: Mapping[str, Command] = {
     "run": run,
     "replay": replay,
+    "log": log,
     "doctor": doctor,
     "check": check,
     "solve": solve,

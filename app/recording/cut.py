@@ -83,6 +83,13 @@ def cut(
     return CutReport(out, from_ns(begin_ns), from_ns(end_ns), messages, standing, out.stat().st_size)
 
 
+def span(path: Path) -> tuple[float, float]:
+    """When the first and the last message of a finished MCAP file arrived (robot's clock, s). Raises LogError."""
+    with _opened(path) as (_, summary):
+        first, last = _span(path, summary)
+    return from_ns(first), from_ns(last)
+
+
 def _copy(
     path: Path,
     stream: IO[bytes],

@@ -35,6 +35,7 @@ def check_new(path: Path, force: bool) -> None:
 def replacing(path: Path, force: bool = False) -> Iterator[Path]:
     """A name beside ``path`` to write to; renamed to ``path`` when all went well, deleted on any exception.
 
+    Where nothing was written there, or it was deleted again, ``path`` does not come to be.
     Raises LogError where ``path`` exists and ``force`` is not given, or where the disk is full or refuses.
     """
     check_new(path, force)
@@ -42,6 +43,8 @@ def replacing(path: Path, force: bool = False) -> Iterator[Path]:
     part = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
     try:
         yield part
+        if not part.exists():
+            return
         if path.exists() and not force:
             raise LogError(f"{path} has come to be meanwhile; nothing was replaced")
         part.replace(path)

@@ -17,6 +17,7 @@ from mcap.records import Channel, Header, MessageIndex, Metadata, Schema
 
 from app.recording import salvage
 from app.recording.log import LogError
+from app.recording.mcap_file import is_being_written
 from app.recording.mcap_layout import PROFILE, library
 from app.recording.output import McapCopy, Progress, check_new, durable, replacing, unwatched
 from app.recording.salvage import Broken, Sound
@@ -81,6 +82,8 @@ def repair(
     target = path if in_place or out is None else out
     if not in_place:
         check_new(target, force)
+    elif path.is_file() and is_being_written(path):
+        raise LogError(f"{path} is being recorded now; stop that first, or name another file with -o")
     with _mapped(path) as data:
         found = _Look(data, progress, 2)
         report = _report(path, None, len(data), found)

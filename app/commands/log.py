@@ -1,0 +1,270 @@
+"""``hbba log``: what recordings there are and what is in them; cutting, repairing and exporting them."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Callable
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from app.errors import ConfigError
+
+#: A time on the command line, once the begin of the log (robot's clock, s) is known.
+Moment = Callable[[float], float]
+
+TIMES = "seconds from the log's begin, M:SS, H:MM:SS, or a date and time as 2026-03-14T15:09:26"
+
+
+def add_parser(subparsers: Any) -> None:
+    """Declare ``hbba log`` and what it can do."""
+    parser = subparsers.add_parser(
+        "log",
+        help="list, look into, cut, repair and export recordings",
+        description="Look after recordings. FILE is a log (of this program, a ROS bag, a CARMEN log) or the name of "
+        "one of your recordings. Without anything, list these.",
+    )
+    actions = parser.add_subparsers(dest="action", metavar="ACTION")
+    actions.add_parser("list", help="list your recordings", description="List your recordings, the newest first.")
+    _add_info(actions)
+    _add_cut(actions)
+    _add_repair(actions)
+    _add_export(actions)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Do it. Exit code 2 for a person's mistake or a log that cannot be read, 1 where what was asked for failed."""
+    from app.recording.log import LogError
+
+    doing = {"info": _info, "cut": _cut, "repair": _repair, "export": _export, None: _list, "list": _list}[args.action]
+    try:
+        return doing(args)
+    except LogError as failure:
+        print(f"hbba log: {failure}", file=sys.stderr)
+        return 2
+
+
+# --- list and info -----------------------------------------------------------------------------------------------
+
+
+def _list(args: argparse.Namespace) -> int:
+    from app.commands.log_report import print_recordings
+    from app.recording.catalog import Catalog
+    from app.recording.library import RecordingLibrary, default_folder
+
+    library = RecordingLibrary(default_folder())
+    try:
+        print_recordings(Catalog(library).recordings(), library)
+    except OSError as failure:
+        raise ConfigError(f"{library.folder}: cannot be read: {failure.strerror or failure}") from None
+    return 0
+
+
+def _add_info(actions: Any) -> None:
+    parser = actions.add_parser(
+        "info",
+        help="what is in a log",
+        description="Say what is in a log. Exit code 1 if it was not closed or is damaged: `hbba log repair` helps.",
+    )
+    _add_file(parser)
+    parser.add_argument("--json", action="store_true", help="print it as JSON")
+    parser.add_argument("--remap", type=Path, metavar="FILE", help="which topics of a ROS bag are which channels")
+
+
+def _info(args: argparse.Namespace) -> int:
+    from app.commands.log_report import look_into, print_contents
+
+    contents = look_into(find_log(args.file), _remap(args.remap))
+    print_contents(contents, as_json=args.json)
+    return 0 if contents.state == "complete" else 1
+
+
+# --- cut and repair ----------------------------------------------------------------------------------------------
+
+
+def _add_cut(actions: Any) -> None:
+    parser = actions.add_parser(
+        "cut",
+        help="copy a piece of a log into a new one",
+        description="Copy what arrived between two times, with the state that stood at the first, and everything that "
+        f"is attached. Nothing is encoded anew. Times are {TIMES}.",
+    )
+    _add_file(parser)
+    _add_times(parser)
+    _add_channels(parser, "only these channels or topics")
+    _add_out(parser, "the new log (default: FILE-cut.mcap)", "OUT")
+
+
+def _cut(args: argparse.Namespace) -> int:
+    from app.commands.log_progress import shown
+    from app.commands.log_report import clock, size
+    from app.recording.cut import cut, span
+
+    path = find_log(args.file)
+    out = args.out or path.with_name(f"{path.stem}-cut.mcap")
+    first, last = span(path)
+    begin, end = _times(args, first, last)
+    with shown(f"cut {path.name}") as progress:
+        report = cut(path, out, begin, end, args.channels, force=args.force, progress=progress)
+    standing = f", {report.standing} of them state that stood at the begin" if report.standing else ""
+    print(
+        f"{out}: {clock(report.end - report.begin)} from {clock(report.begin - first)} to {clock(report.end - first)}, "
+        f"{report.messages + report.standing} records{standing}, {size(report.bytes)}"
+    )
+    return 0
+
+
+def _add_repair(actions: Any) -> None:
+    parser = actions.add_parser(
+        "repair",
+        help="make a log readable that was cut off or damaged",
+        description="Copy everything that is sound in an MCAP file into a new one with index and summary, and say what "
+        "is missing. A healthy file is left alone.",
+    )
+    _add_file(parser)
+    _add_out(parser, "the new log (default: FILE-repaired.mcap)", "OUT")
+    parser.add_argument("--in-place", action="store_true", help="replace FILE itself, once the new one is whole")
+
+
+def _repair(args: argparse.Namespace) -> int:
+    from app.commands.log_progress import shown
+    from app.commands.log_report import repair_lines
+    from app.recording.repair import repair
+
+    if args.in_place and args.out:
+        raise ConfigError("--in-place replaces FILE, so there is nothing for -o to name: give one of them")
+    path = find_log(args.file)
+    out = args.out or path.with_name(f"{path.stem}-repaired.mcap")
+    with shown(f"repair {path.name}") as progress:
+        report = repair(path, out, force=args.force, progress=progress, in_place=args.in_place)
+    print("\n".join(repair_lines(report)))
+    return 0
+
+
+# --- export ------------------------------------------------------------------------------------------------------
+
+
+def _add_export(actions: Any) -> None:
+    from app.recording.export.kinds import KINDS
+
+    parser = actions.add_parser(
+        "export",
+        help="pictures, video, tables, sound and point clouds of a log",
+        description="Write a log's messages as files for other programs, into a folder. "
+        + "; ".join(f"{name}: {text}" for name, text in KINDS.items())
+        + f". Times are {TIMES}.",
+    )
+    _add_file(parser)
+    parser.add_argument("kind", choices=list(KINDS), help="what to write")
+    _add_times(parser)
+    _add_channels(parser, "only these channels (default: all that can be written so)")
+    parser.add_argument("--every", type=_whole, default=1, metavar="N", help="png, pcd, csv: only one of N messages")
+    parser.add_argument("--remap", type=Path, metavar="FILE", help="which topics of a ROS bag are which channels")
+    _add_out(parser, "the folder (default: one named as the log, here)", "FOLDER")
+
+
+def _export(args: argparse.Namespace) -> int:
+    from app.commands.log_progress import shown
+    from app.recording.export.run import Wish, export
+    from app.recording.open import open_log
+
+    path = find_log(args.file)
+    log = open_log(path, _remap(args.remap))
+    try:
+        begin, end = _times(args, log.info.begin, log.info.end)
+        wish = Wish(args.kind, args.out or Path(path.stem), args.channels, begin, end, args.every, args.force)
+        with shown(f"export {path.name}") as progress:
+            result = export(log, wish, progress)
+    finally:
+        log.close()
+    for line in result.lines():
+        print(line)
+    return 0
+
+
+# --- Arguments ---------------------------------------------------------------------------------------------------
+
+
+def find_log(text: str) -> Path:
+    """The file people mean: a path, or the bare name of a recording. Raises ConfigError."""
+    from app.commands.replay import find_log as find
+
+    return find(text)
+
+
+def _add_file(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("file", metavar="FILE", help="a log, or the name of one of your recordings")
+
+
+def _add_times(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--from", dest="begin", type=moment, metavar="T", help="begin here (default: the log's begin)")
+    parser.add_argument("--to", dest="end", type=moment, metavar="T", help="end here (default: the log's end)")
+
+
+def _add_channels(parser: argparse.ArgumentParser, text: str) -> None:
+    parser.add_argument("--channels", type=_names, metavar="A,B", help=text)
+
+
+def _add_out(parser: argparse.ArgumentParser, text: str, metavar: str) -> None:
+    parser.add_argument("-o", "--out", type=Path, metavar=metavar, help=text)
+    parser.add_argument("--force", action="store_true", help="replace what is there")
+
+
+def _times(args: argparse.Namespace, first: float, last: float) -> tuple[float, float]:
+    """Begin and end asked for, within the log (robot's clock, s). Raises ConfigError."""
+    begin = first if args.begin is None else args.begin(first)
+    end = last if args.end is None else args.end(first)
+    if begin > last or end < first:
+        raise ConfigError(f"the log has {last - first:.3f} s, from {_date(first)} to {_date(last)}")
+    if end < begin:
+        raise ConfigError(f"--to must not be before --from ({end - first:.3f} s, {begin - first:.3f} s)")
+    return max(begin, first), min(end, last)
+
+
+def _date(seconds: float) -> str:
+    return datetime.fromtimestamp(seconds).astimezone().isoformat(sep=" ", timespec="milliseconds")
+
+
+def moment(text: str) -> Moment:
+    """A time as people write it: 90, 90.5, 1:30, 1:02:03.5, or ISO 8601 (local where it names no zone)."""
+    parts = [_number(part) for part in text.split(":")]
+    numbers = [part for part in parts if part is not None]
+    if len(numbers) == len(parts) <= 3 and all(part >= 0 for part in numbers):
+        seconds = 0.0
+        for part in numbers:
+            seconds = 60 * seconds + part
+        return lambda begin: begin + seconds
+    try:
+        at = datetime.fromisoformat(text).timestamp()
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"a time is {TIMES}, not {text!r}") from None
+    return lambda begin: at
+
+
+def _remap(path: Path | None) -> Any:
+    from app.recording.foreign.remap import load_remap
+
+    return None if path is None else load_remap(path)
+
+
+def _names(text: str) -> tuple[str, ...]:
+    names = tuple(name.strip() for name in text.split(","))
+    if not all(names):
+        raise argparse.ArgumentTypeError(f"channels are named as a,b,c, not {text!r}")
+    return names
+
+
+def _whole(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"must be a whole number from 1, not {text!r}")
+    return int(text)
+
+
+def _number(text: str) -> float | None:
+    try:
+        number = float(text)
+    except ValueError:
+        return None
+    return number if math.isfinite(number) else None
