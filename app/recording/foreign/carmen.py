@@ -32,6 +32,8 @@ _ON_S = 86400.0
 _NO_TIME_S = 1e-9
 #: Bytes between the places where reading may begin.
 _MARK_EVERY = 1 << 20
+#: A message is logged less than this (s) after its capture.
+_LATENCY_S = 1.0
 #: Lines that are looked at for telling when a log begins.
 _FIRST_LINES = 21
 #: From here on (m) a reading of SICK's LMS is one of its codes for "nothing seen", in centimetres or millimetres.
@@ -303,8 +305,10 @@ def _first_clock(path: Path) -> _Clock:
     if not first:
         return _Clock(0.0, 0.0)
     middle = statistics.median_low([times.captured for times in first])
-    shift = statistics.median_low([times.captured - times.logged for times in first])
-    return _Clock(middle, shift)
+    shifts = [times.captured - times.logged for times in first]
+    usual = statistics.median_low(shifts)
+    # What was logged soonest after its capture shows the two clocks' distance best.
+    return _Clock(middle, max(shift for shift in shifts if abs(shift - usual) < _LATENCY_S))
 
 
 def _lines(path: Path, offset: int) -> Iterator[tuple[int, str]]:

@@ -1,0 +1,182 @@
+"""CARMEN logs: small ones written here, and the public ones of Intel's lab and Freiburg's building 079."""
+
+from __future__ import annotations
+
+import gzip
+import math
+import os
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.geometry import Pose2
+from app.messages import LaserScan, Odometry
+from app.recording.foreign.carmen_lines import Beams, Odom, Param, parse
+from app.recording.log import LogError
+from app.recording.open import open_log
+
+DATA = Path(os.environ.get("HBBA_REFERENCE_DATA") or Path(__file__).parents[4] / "shared" / "data") / "slam"
+
+SMALL = """\
+# CARMEN Logfile
+# message formats defined : PARAM SYNC ODOM FLASER RLASER
+PARAM robot_frontlaser_offset 0.25 host 0.0
+PARAM robot_rearlaser_offset 0.15 host 0.0
+SYNC begin 1000.0 host 0.0
+ODOM 0 0 0 0.1 0.02 0 1000.0 host 0.0
+FLASER 3 1 2 81.91 1.25 0.5 0 1 0.5 0 1000.1 host 0.11
+RLASER 5 1 2 3 4 5 0 0 0.3 0 0 0.3 1000.15 host 0.16
+ODOM 1 2 0.5 0.2 0 0 1000.2 host 0.2
+ODOM 1 2 0.5 0.2 0 0 7.2 host 0.2
+ODOM 1 2 half 0.2 0 0 1000.3 host 0.3
+FLASER 3 1 2 1000.3 host 0.3
+FLASER 3 1 x 2 1.25 0.5 0 1 0.5 0 1000.3 host 0.31
+FLASER 3 4 5 6 0 0 0 0 0 0 1000.4 host 0.4
+"""
+
+
+def small(folder: Path, text: str = SMALL, *, packed: bool = False, name: str = "a") -> Path:
+    path = folder / name
+    path.write_bytes(gzip.compress(text.encode()) if packed else text.encode())
+    return path
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_each_line_becomes_its_message(tmp_path: Path, packed: bool) -> None:
+    log = open_log(small(tmp_path, packed=packed))
+    messages = list(log.messages())
+    assert [(m.channel, round(m.at, 3)) for m in messages] == [
+        ("odometry", 1000.0),
+        ("odometry", 1000.11),
+        ("scan", 1000.11),
+        ("odometry", 1000.16),
+        ("rear_scan", 1000.16),
+        ("odometry", 1000.2),
+        ("odometry", 1000.4),
+        ("scan", 1000.4),
+    ]
+    first, at_scan, scan, _, rear, *_ = (m.message for m in messages)
+    assert first == Odometry(1000.0, Pose2(), 0.1, 0.02)
+    assert at_scan == Odometry(1000.1, Pose2(1, 0.5, 0), 0.1, 0.02)
+    assert isinstance(scan, LaserScan)
+    assert scan.stamp == 1000.1
+    np.testing.assert_array_equal(scan.ranges, np.array([1, 2, math.inf], np.float32))
+    assert (scan.angle_min, scan.angle_increment) == pytest.approx((-math.pi / 2, math.pi / 2))
+    np.testing.assert_allclose(scan.X_BL.translation, [0.25, 0, 0])  # from the two poses of its line
+    np.testing.assert_allclose(rear.X_BL.translation, [-0.15, 0, 0], atol=1e-12)  # from the parameter
+    np.testing.assert_allclose(rear.X_BL.rotation @ [1, 0, 0], [-1, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(messages[-1].message.X_BL.translation, [0.25, 0, 0])
+    info = log.info
+    assert (info.format, info.begin, info.end) == ("CARMEN", 1000.0, pytest.approx(1000.4))
+    assert {name: channel.count for name, channel in info.channels.items()} == {
+        "odometry": 5, "scan": 2, "rear_scan": 1,
+    }  # fmt: skip
+    assert log.manifest.facts == {"stream.hokuyo": "scan", "stream.odometry": "odometry"}
+
+
+def test_damage_is_counted_and_does_not_stop_the_reading(tmp_path: Path) -> None:
+    ignored = open_log(small(tmp_path)).info.ignored
+    assert ignored["malformed lines"].startswith("3: line 11: ")
+    assert ignored["ODOM without a time"].startswith("1 lines")
+    assert ignored["SYNC"].startswith("1 lines")
+
+
+def test_a_log_cut_off_in_the_middle_is_read_to_there(tmp_path: Path) -> None:
+    lines = "".join(f"ODOM {i} 0 {math.sin(i)} 0 0 0 {1000 + i / 10} host {i / 10}\n" for i in range(20000))
+    path = small(tmp_path, lines, packed=True)
+    path.write_bytes(path.read_bytes()[:-40000])
+    log = open_log(path)
+    assert "end of the file" in log.info.ignored
+    read = list(log.messages())
+    assert 1000 < len(read) == log.info.channels["odometry"].count < 20000
+
+
+def test_reading_may_begin_anywhere(tmp_path: Path) -> None:
+    ray = " ".join(["1.5"] * 180)
+    lines = "".join(
+        f"FLASER 180 {ray} {i} 0 0 {i} 0 0 {1000 + i / 10} host {i / 10}\n"
+        f"ODOM {i} 0 0 0 0 0 {1000 + i / 10} host {i / 10}\n"
+        for i in range(4000)
+    )
+    log = open_log(small(tmp_path, lines))
+    for begin in (999.0, 1000.0, 1000.05, 1123.4, 1399.9, 1500.0):
+        wanted = [m.at for m in log.messages(channels={"scan"}) if m.at >= begin]
+        assert [m.at for m in log.messages(begin, {"scan"})] == wanted
+
+
+def test_the_new_messages_say_their_angles_themselves(tmp_path: Path) -> None:
+    text = (
+        "# CARMEN Logfile\n"
+        "ROBOTLASER1 0 -0.5 1.0 0.25 50.0 0.01 1 5 1 2 3 50 4 5 9 8 7 6 5 "
+        "1 2 0.5 1 2 0.5 0.3 0.1 0 0 0 1000.0 host 0.0\n"
+        "RAWLASER1 0 -0.5 1.0 0.25 50.0 0.01 0 5 1 2 3 50 4 0 1000.0 host 0.0\n"
+    )
+    log = open_log(small(tmp_path, text))
+    odometry, scan = (m.message for m in log.messages())
+    assert odometry == Odometry(1000.0, Pose2(1, 2, 0.5), 0.3, 0.1)
+    np.testing.assert_array_equal(scan.ranges, np.array([1, 2, 3, math.inf, 4], np.float32))
+    np.testing.assert_array_equal(scan.intensities, np.array([9, 8, 7, 6, 5], np.float32))
+    assert (scan.angle_min, scan.angle_increment, scan.range_max) == (-0.5, 0.25, 50.0)
+    assert "RAWLASER1" in log.info.ignored
+
+
+@pytest.mark.parametrize("name", ["intel-corrected.log.gz", "freiburg-079-corrected.log.gz"])
+def test_the_public_logs_say_what_their_text_says(name: str) -> None:
+    path = DATA / name
+    if not path.is_file():
+        pytest.skip(f"the public laser logs are not there: {DATA} (set HBBA_REFERENCE_DATA)")
+    with gzip.open(path, "rt") as file:
+        rows = [line.split() for line in file if line.startswith(("ODOM", "FLASER"))]
+    scans = [row for row in rows if row[0] == "FLASER"]
+    # GMapping wrote the corrected pose once more after each scan, with whatever stood in its memory as the time.
+    timed = [row for before, row in zip([[""], *rows], rows, strict=False) if before[0] != "FLASER"]
+    path_of = [(float(r[-6]), float(r[-5])) if r[0] == "FLASER" else (float(r[1]), float(r[2])) for r in timed]
+    length = sum(math.dist(a, b) for a, b in pairwise(path_of))
+
+    log = open_log(path)
+    messages = list(log.messages())
+    read = [m.message for m in messages if m.channel == "scan"]
+    assert len(read) == len(scans) == log.info.channels["scan"].count
+    assert (read[0].stamp, read[-1].stamp) == (float(scans[0][-1]), float(scans[-1][-1]))
+    rays = int(scans[0][1])
+    for message, row in zip(read[::97], scans[::97], strict=True):
+        raw = np.array(row[2 : 2 + rays], np.float32)
+        np.testing.assert_array_equal(message.ranges, np.where(raw < 80, raw, np.inf))
+        assert message.angle_min == pytest.approx(math.radians(-90))
+        assert message.angle_increment == pytest.approx(math.radians(180 / rays))
+    odometry = [m.message for m in messages if m.channel == "odometry"]
+    assert len(odometry) == len(timed) == log.info.channels["odometry"].count
+    driven = sum(math.dist((a.X_OB.x, a.X_OB.y), (b.X_OB.x, b.X_OB.y)) for a, b in pairwise(odometry))
+    assert driven == pytest.approx(length, rel=1e-9)
+    assert "malformed lines" not in log.info.ignored
+
+
+@pytest.mark.parametrize(
+    ("line", "complaint"),
+    [
+        ("ODOM 1 2 3 0 0 0", "cut off|numbers"),
+        ("ODOM 1 2 nan 0 0 0 1 host 1", "finite"),
+        ("FLASER two 1 2 0 0 0 0 0 0 1 host 1", "number of readings"),
+        ("FLASER 400 1 2 0 0 0 0 0 0 1 host 1", "ranges"),
+        ("ROBOTLASER1 0 -1 2 0.5 50 0 0 5 1 2 3", "could not|ranges|cut off"),
+        ("PARAM alone", "value"),
+    ],
+)
+def test_a_bad_line_says_what_is_wrong(line: str, complaint: str) -> None:
+    with pytest.raises(ValueError, match=complaint):
+        parse(line)
+
+
+def test_lines_are_told_by_their_names() -> None:
+    assert parse("NEFF 12.5") is None
+    assert parse("") is None
+    assert parse("PARAM a b host 0") == Param("a", "b")
+    assert isinstance(parse("ODOM 1 2 3 0 0 0 1 host 1"), Odom)
+    assert isinstance(parse("FLASER 1 2 0 0 0 0 0 0 1 host 1"), Beams)
+
+
+def test_a_log_without_a_message_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(LogError, match="no line of a laser or of odometry"):
+        open_log(small(tmp_path, "# CARMEN Logfile\nPARAM a b host 0\n"))
