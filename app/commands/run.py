@@ -15,6 +15,7 @@ from collections.abc import Callable, Coroutine
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
 
 from app import logs, paths
 
@@ -132,7 +133,7 @@ def announcer(what: str, host: str, port: int, token: str | None, *, open_browse
 
 def login_url(url: str, token: str | None) -> str:
     """What to open in a browser. The token goes behind the #, which no browser sends to a server or logs."""
-    return url if token is None else f"{url}/#token={token}"
+    return url if token is None else f"{url}/#token={quote(token, safe='')}"
 
 
 class Stopping:

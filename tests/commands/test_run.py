@@ -31,6 +31,7 @@ needs_gl = pytest.mark.skipif(check_gl() is not None, reason=check_gl() or "")
 def test_the_token_goes_behind_the_hash_where_no_server_sees_it() -> None:
     assert login_url("http://127.0.0.1:8080", None) == "http://127.0.0.1:8080"
     assert login_url("http://192.0.2.1:8080", "abcdefgh") == "http://192.0.2.1:8080/#token=abcdefgh"
+    assert login_url("http://192.0.2.1:8080", "a b&#é%") == "http://192.0.2.1:8080/#token=a%20b%26%23%C3%A9%25"
 
 
 def test_the_first_signal_asks_and_the_second_forces() -> None:

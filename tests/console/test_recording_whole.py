@@ -1,0 +1,95 @@
+"""The whole way over REST: the lab's program records with its own Recorder, and `hbba replay` lives that again."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+
+import httpx
+import pytest
+from fastapi import FastAPI
+
+from app import paths
+from app.config import load_configuration
+from app.console.app import create_app
+from app.geometry import Pose2
+from app.messages import Odometry
+from app.recording.library import RecordingLibrary
+from app.recording.mcap_log import McapLog
+from app.system import System
+from tests.console.program import Body, image
+
+TOKEN = "correct horse"
+
+
+@pytest.fixture
+def built(tmp_path: Path) -> tuple[System, Body]:
+    """The lab's program on a body that the test feeds."""
+    body = Body()
+    configuration = load_configuration(paths.config_dir() / "lab.yaml")
+    return System(configuration, link=body, recordings=RecordingLibrary(tmp_path / "recordings")), body
+
+
+@pytest.fixture
+def app(system: System, page: Path) -> FastAPI:
+    """Its console, behind a token."""
+    return create_app(system, static_dir=page, token=TOKEN, early_view=False)
+
+
+async def live(system: System, body: Body, seconds: float) -> None:
+    """The body senses for so long."""
+    end = system.clock.now() + seconds
+    while (now := system.clock.now()) < end:
+        body.emit("odometry", Odometry(now, Pose2(0.0, 0.0, 0.0), 0.1, 0.0))
+        body.emit("kinect", image(now))
+        body.emit_status(now)
+        await system.clock.sleep(0.05)
+
+
+async def until(client: httpx.AsyncClient, state: str) -> dict[str, Any]:
+    """The first recording, once it is in ``state``."""
+    while True:
+        recordings = (await client.get("/recordings")).json()["recordings"]
+        if recordings and recordings[0]["state"] == state:
+            found: dict[str, Any] = recordings[0]
+            return found
+        await asyncio.sleep(0.05)
+
+
+@pytest.mark.slow
+async def test_what_is_recorded_over_rest_is_replayed_over_rest(url: str, system: System, body: Body) -> None:
+    login = {"Authorization": f"Bearer {TOKEN}"}
+    async with (
+        asyncio.timeout(50),
+        httpx.AsyncClient(base_url=f"{url}/api/v1", headers=login, timeout=40) as client,
+    ):
+        assert (await client.post("/recordings", json={"name": "tour"})).status_code == 201
+        await live(system, body, 1.5)
+        await until(client, "recording")
+        await client.post("/recordings/stop")
+        told = await until(client, "complete")
+        assert told["name"] == "tour"
+        assert told["robot"] == "a test body"
+        assert 0.5 < told["duration_s"] < 10
+
+        download = await client.get("/recordings/tour")
+        copy = system.recordings.folder.parent / "copy.mcap"
+        await asyncio.to_thread(copy.write_bytes, download.content)
+        log = await asyncio.to_thread(McapLog, copy)
+        assert log.info.channels["odometry"].count >= 20
+        assert log.info.channels["kinect"].count >= 5
+        assert log.info.end - log.info.begin == pytest.approx(told["duration_s"], abs=1e-3)
+        await asyncio.to_thread(log.close)
+
+        started = await client.post("/recordings/tour/replay")
+        assert started.status_code == 201, started.text
+        address, _, token = started.json()["url"].partition("/#token=")
+        assert unquote(token) == TOKEN
+        playback = await client.get(f"{address}/api/v1/playback")
+        assert playback.json()["file"] == "tour.mcap"
+        assert (await client.get(f"{address}/api/v1/playback", headers={"Authorization": ""})).status_code == 401
+        assert (await client.delete("/recordings/tour/replay")).status_code == 204
+        with pytest.raises(httpx.TransportError):
+            await client.get(f"{address}/api/v1/health")
