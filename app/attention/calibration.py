@@ -26,9 +26,9 @@ class Point(_Model):
     """One φ as measured."""
 
     phi: int = Field(ge=1)
-    cpu: float = Field(ge=0, description="% of one core, in real time")
-    events: float = Field(ge=0, description="outputs a second")
-    runs: int = Field(1, ge=1, description="how many runs (starting offsets, repetitions) this is the mean of")
+    cpu: float = Field(ge=0, description="% of one core, in real time: the median of the runs")
+    events: float = Field(ge=0, description="percepts a second: the mean of the runs")
+    runs: int = Field(1, ge=1, description="how many runs were made: starting offsets, repetitions")
     cpu_spread: float = Field(0, ge=0, description="least to greatest of the runs, % of one core")
 
 

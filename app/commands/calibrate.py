@@ -40,6 +40,9 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument(
         "--offsets", action="store_true", help="from every starting offset of each φ, as the thesis did (φ runs each)"
     )
+    parser.add_argument(
+        "--repeat", type=_count, default=1, metavar="N", help="do all N times over, for a computer with other work"
+    )
     parser.add_argument("--fresh", action="store_true", help="measure anew what an interrupted run had measured")
     parser.add_argument(
         "--output", type=Path, metavar="FILE", help="write here (default: calibration/<host>.yaml of the program)"
@@ -76,7 +79,8 @@ def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log)
     seconds = min(args.seconds, info.duration_s - args.begin)
     if seconds < LEAST_S:
         raise ConfigError(f"has {max(0.0, seconds):.1f} s to measure on; record at least {LEAST_S:g} s", str(info.path))
-    runs = plan(_table(configuration), _inputs(configuration, log, args.only), every_offset=args.offsets)
+    inputs = _inputs(configuration, log, args.only)
+    runs = plan(_table(configuration), inputs, every_offset=args.offsets, repeats=args.repeat)
     if not runs:
         raise ConfigError(
             "no strategy filters an input that this recording could feed; "
@@ -214,6 +218,12 @@ def _table_of(calibration: Calibration) -> str:
         if not any(p.events for p in relation.points):
             lines.append("  (the recording holds nothing that this module finds)")
     return "\n".join(lines)
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= 100:
+        raise argparse.ArgumentTypeError(f"a number of times is from 1 to 100, not {text!r}")
+    return int(text)
 
 
 def _seconds(text: str) -> float:

@@ -13,6 +13,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import groupby
 from pathlib import Path
+from statistics import median
 
 from app.attention.calibration import Fit, Point, Relation
 from app.attention.strategies import CLOSED, StrategyTable
@@ -20,12 +21,14 @@ from app.attention.strategies import CLOSED, StrategyTable
 
 @dataclass(frozen=True, slots=True, order=True)
 class Run:
-    """One measurement to make: ``module`` alone, its input ``port`` at ``phi``, after ``offset`` messages."""
+    """One measurement to make: ``module`` alone, its input ``port`` at ``phi``, after ``offset`` messages; ``repeat``
+    numbers measurements of the same."""
 
     module: str
     port: str
     phi: int
     offset: int = 0
+    repeat: int = 0
 
     @property
     def filter(self) -> str:
@@ -52,11 +55,14 @@ class Measurement:
         return self.events / self.duration_s
 
 
-def plan(table: StrategyTable, inputs: Mapping[str, Collection[str]], *, every_offset: bool) -> list[Run]:
+def plan(
+    table: StrategyTable, inputs: Mapping[str, Collection[str]], *, every_offset: bool = False, repeats: int = 1
+) -> list[Run]:
     """The runs that the strategies of ``table`` ask for: each filtered input at each of its divisors, ascending.
 
     ``inputs`` maps each module to be measured to its input ports (outputs cost nothing to decimate). With
-    ``every_offset``, each φ is measured from each of its φ starting offsets, as the thesis did.
+    ``every_offset``, each φ is measured from each of its φ starting offsets, as the thesis did. All is done
+    ``repeats`` times over, so that a computer's busy minute does not fall on one φ alone.
     """
     wanted = {
         (module, port, int(divisor))
@@ -66,7 +72,8 @@ def plan(table: StrategyTable, inputs: Mapping[str, Collection[str]], *, every_o
         if divisor != CLOSED and port in inputs.get(module, ())
     }
     return [
-        Run(module, port, phi, offset)
+        Run(module, port, phi, offset, repeat)
+        for repeat in range(repeats)
         for module, port, phi in sorted(wanted)
         for offset in range(phi if every_offset else 1)
     ]
@@ -91,7 +98,7 @@ def _point(phi: int, measurements: Sequence[Measurement]) -> Point:
     cpu = [m.cpu for m in measurements]
     return Point(
         phi=phi,
-        cpu=round(math.fsum(cpu) / len(cpu), 4),
+        cpu=round(median(cpu), 4),
         events=round(math.fsum(m.rate for m in measurements) / len(cpu), 4),
         runs=len(cpu),
         cpu_spread=round(max(cpu) - min(cpu), 4),

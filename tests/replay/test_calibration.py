@@ -26,9 +26,11 @@ TABLE = StrategyTable(
 
 def test_each_filtered_input_is_measured_at_each_of_its_divisors() -> None:
     inputs = {"Eye": ["images", "odometry"], "Hand": ["operator"]}
-    assert plan(TABLE, inputs, every_offset=False) == [Run("Eye", "images", 1), Run("Eye", "images", 4)]
+    assert plan(TABLE, inputs) == [Run("Eye", "images", 1), Run("Eye", "images", 4)]
     every = plan(TABLE, inputs, every_offset=True)
     assert [(run.phi, run.offset) for run in every] == [(1, 0), (4, 0), (4, 1), (4, 2), (4, 3)]
+    twice = plan(TABLE, inputs, repeats=2)
+    assert [(run.phi, run.repeat) for run in twice] == [(1, 0), (4, 0), (1, 1), (4, 1)]
 
 
 @given(
@@ -46,17 +48,18 @@ def test_one_divisor_alone_is_taken_as_proportional() -> None:
     assert (fit([(2, 3.0)]).base, fit([(2, 3.0)]).slope) == (0, 6)
 
 
-def test_runs_of_one_divisor_are_averaged_and_their_spread_is_told() -> None:
+def test_one_busy_moment_does_not_move_a_point_but_its_spread_is_told() -> None:
     found = relations(
         {
             Run("Eye", "images", 1): Measurement(2.4, 600, 60),
             Run("Eye", "images", 4, 0): Measurement(0.9, 150, 60),
             Run("Eye", "images", 4, 1): Measurement(0.6, 120, 60),
+            Run("Eye", "images", 4, 1, 1): Measurement(6.0, 120, 60),
         }
     )["Eye.images"]
     assert [(p.phi, p.cpu, p.events, p.runs, p.cpu_spread) for p in found.points] == [
         (1, 4.0, 10.0, 1, 0.0),
-        (4, 1.25, 2.25, 2, 0.5),
+        (4, 1.5, 2.1667, 3, 9.0),
     ]
     assert found.cost(2) == pytest.approx(found.cpu.at(2))
 
