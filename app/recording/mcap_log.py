@@ -22,8 +22,8 @@ from app.recording.stamps import from_ns, to_ns
 FORMAT = "HBBA MCAP"
 MAGIC = b"\x89MCAP0\r\n"
 
-#: What the MCAP library raises where a file is not what it should be.
-_DAMAGE = (McapError, zstandard.ZstdError, ValueError, KeyError, struct.error, EOFError, MemoryError)
+#: What the MCAP library raises where a file is not what it should be; RuntimeError is lz4's.
+_DAMAGE = (McapError, zstandard.ZstdError, RuntimeError, ValueError, KeyError, struct.error, EOFError, MemoryError)
 
 
 class McapLog:

@@ -175,11 +175,24 @@ def _changed_fields(writer: Writer) -> None:
     writer.add_message(channel, mcap_log.to_ns(BEGIN), b"\0\1\0\0" + bytes(48), 0)
 
 
+def _other_type(writer: Writer) -> None:
+    schema = writer.register_schema("geometry_msgs/msg/Twist", "ros2msg", b"")
+    metadata = {mcap_layout.CHANNEL: "speed", mcap_layout.MESSAGE: "Odometry"}
+    writer.register_channel("/speed", "cdr", schema, metadata)
+
+
+def _other_part(writer: Writer) -> None:
+    metadata = {mcap_layout.CHANNEL: "eye", mcap_layout.MESSAGE: "Image", mcap_layout.PART: "infrared"}
+    writer.register_channel("/eye/infrared", "cdr", 0, metadata)
+
+
 @pytest.mark.parametrize(
     ("extra", "topic", "reason"),
     [
         (_foreign, "/chatter", "another program"),
         (_unknown_class, "/nose", "no message 'Smell'"),
+        (_other_type, "/speed", "keeps that part of Odometry as nav_msgs/msg/Odometry, not geometry_msgs/msg/Twist"),
+        (_other_part, "/eye/infrared", "Image has no part 'infrared'"),
         (_changed_fields, "/truth", "GroundTruth has changed since: GroundTruth no longer has mood"),
     ],
 )

@@ -146,7 +146,7 @@ def _channel(name: str, stored: list[StoredTopic]) -> DecodableChannel:
         if part not in parts:
             raise _Unreadable(f"this program's {class_name} has no part {part!r}")
         if topic.type != parts[part].type:
-            raise _Unreadable(f"this program keeps that of a {class_name} as {parts[part].type}, not {topic.type}")
+            raise _Unreadable(f"this program keeps that part of {class_name} as {parts[part].type}, not {topic.type}")
         if change := _change(topic):
             raise _Unreadable(f"{class_name} has changed since: {change}")
         by_part[part] = topic.name

@@ -10,12 +10,18 @@ from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-_adding = threading.Lock()
+#: Recordings are written in one thread and read in others; all share one store, since filling it costs.
+_guard = threading.RLock()
+
+
+def store() -> Typestore:
+    """The store: definitions of ROS 2 Humble, to which ours are added. It only grows."""
+    with _guard:
+        return _humble()
 
 
 @cache
-def store() -> Typestore:
-    """The store: definitions of ROS 2 Humble, to which ours are added. It only grows; its lock is ours."""
+def _humble() -> Typestore:
     return get_typestore(Stores.ROS2_HUMBLE)
 
 
@@ -24,7 +30,7 @@ def add(name: str, text: str) -> None:
 
     Raises rosbags' TypesysError if the name already stands for something else.
     """
-    with _adding:
+    with _guard:
         store().register(get_types_from_msg(text, name))
 
 
