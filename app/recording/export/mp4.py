@@ -22,6 +22,9 @@ from app.recording.export.png import rgb_of
 from app.recording.export.target import Target, Unsurveyed, Write
 from app.recording.log import LogError, LoggedChannel
 
+if TYPE_CHECKING:
+    from av import VideoStream
+
 SLOWEST_HZ, FASTEST_HZ = 1.0, 60.0
 #: Ticks a second of a video's own clock, the usual one.
 CLOCK_HZ = 90_000

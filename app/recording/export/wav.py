@@ -54,12 +54,14 @@ class Wav(Unsurveyed):
         """One file; rate and number of channels are those of the first message."""
         name = f"{channel.name}.wav"
         target.check(name)
+        sound: wave.Wave_write | None = None
         first, rate, shape, frames, silence = 0.0, 0, 0, 0, 0
 
         def write(message: AudioMessage) -> None:
-            nonlocal first, rate, shape, frames, silence
+            nonlocal sound, first, rate, shape, frames, silence
             samples = message.samples
-            if not rate:
+            if sound is None:
+                sound = wave.open(stream, "wb")  # noqa: SIM115  # without a message it has no header to close with
                 first, rate, shape = message.stamp, message.rate, samples.shape[1]
                 sound.setnchannels(shape)
                 sound.setsampwidth(2)
@@ -77,11 +79,13 @@ class Wav(Unsurveyed):
             frames += len(samples)
 
         with target.file(name) as part, part.open("wb") as stream:
-            sound = wave.open(stream, "wb")  # noqa: SIM115  # without a message it has no header to close with
-            yield write
-            if not rate:
+            try:
+                yield write
+            finally:
+                if sound is not None:
+                    sound.close()
+            if sound is None:
                 part.unlink()
                 return
-            sound.close()
         quiet = f", {silence / rate:.1f} s of it silence for what is missing" if silence else ""
         target.written.append(f"{target.folder / name}: {frames / rate:.1f} s, {shape} channels at {rate} Hz{quiet}")
