@@ -7,7 +7,7 @@ after it and later to arrive, the neck's and the base's transforms at 25 Hz betw
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import cv2
@@ -60,11 +60,20 @@ def depth_at(number: int) -> NDArray[np.uint16]:
     return depth
 
 
-def drive(*, odometry: bool = True, compressed: bool = False, metres: bool = False) -> list[Sent]:
+#: Colour and depth of picture ``number``, taken at ``stamp`` (s since the epoch).
+View = Callable[[int, float], tuple[NDArray[np.uint8], NDArray[np.uint16]]]
+
+
+def slope(number: int, stamp: float) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:
+    """What the camera sees unless something else hangs before it."""
+    return color_at(number), depth_at(number)
+
+
+def drive(*, odometry: bool = True, compressed: bool = False, metres: bool = False, view: View = slope) -> list[Sent]:
     """All messages in the order of their arrival."""
     sent = list(_static())
     sent += _moving()
-    sent += _pictures(compressed=compressed, metres=metres)
+    sent += _pictures(view, compressed=compressed, metres=metres)
     sent += _others(odometry=odometry)
     return sorted(sent, key=lambda message: message.at)
 
@@ -98,7 +107,7 @@ def _moving() -> Iterator[Sent]:
         yield Sent(stamp + 30_000_000, "/tf", "tf2_msgs/msg/TFMessage", {"transforms": transforms})
 
 
-def _pictures(*, compressed: bool, metres: bool) -> Iterator[Sent]:
+def _pictures(view: View, *, compressed: bool, metres: bool) -> Iterator[Sent]:
     for i in range(int(SECONDS * 10)):
         stamp = ns(0.1 * i + 0.05)
         at = stamp + 20_000_000
@@ -106,7 +115,7 @@ def _pictures(*, compressed: bool, metres: bool) -> Iterator[Sent]:
         yield Sent(
             at, "/camera/rgb/camera_info", "sensor_msgs/msg/CameraInfo", {"header": header(stamp, OPTICAL), **info}
         )
-        color = color_at(i)
+        color, depth = view(i, stamp / 1e9)
         if compressed:
             packed = cv2.imencode(".jpg", cv2.cvtColor(color, cv2.COLOR_RGB2BGR), (cv2.IMWRITE_JPEG_QUALITY, 95))[1]
             fields: dict[str, Any] = {"format": "rgb8; jpeg compressed bgr8", "data": packed}
@@ -119,7 +128,6 @@ def _pictures(*, compressed: bool, metres: bool) -> Iterator[Sent]:
                 at + 1, "/camera/rgb/image_raw", "sensor_msgs/msg/Image",
                 {"header": header(stamp, OPTICAL), **image("bgr8", color[..., ::-1])},
             )  # fmt: skip
-        depth = depth_at(i)
         pixels = (
             image("32FC1", np.where(depth > 0, depth / 1000, np.nan).astype("<f4")) if metres else image("16UC1", depth)
         )
