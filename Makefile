@@ -3,17 +3,18 @@ PYTHON ?= $(firstword $(foreach name,python3 python3.14 python3.13 python3.12 py
 ARGS ?=
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test lint bench clean
+.PHONY: help setup run test lint bench references clean
 
 help: ## show this
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-8s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 run: ## start the robot in its simulated lab and its console on http://127.0.0.1:8080
 test: ## everything the project is held to: lint, types, layers, the page's tests, pytest
 lint: ## ruff, mypy --strict and the import layers
 bench: ## every benchmark
+references: ## measure the modules' reference values anew, say what differs; ARGS=--record: on a new recording
 setup: ## only set up: .venv, packages, page
 clean: ## remove everything that can be made again
 
-run test lint bench setup clean:
+run test lint bench references setup clean:
 	@$(PYTHON) scripts/dev.py $@ $(ARGS)

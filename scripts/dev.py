@@ -49,7 +49,7 @@ class SetupFailed(Exception):
 def main() -> int:
     """Do what the Makefile's target asks for."""
     parser = argparse.ArgumentParser(prog="scripts/dev.py", description=__doc__)
-    parser.add_argument("task", choices=["setup", "run", "test", "lint", "bench", "clean"])
+    parser.add_argument("task", choices=["setup", "run", "test", "lint", "bench", "references", "clean"])
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help="handed on to hbba run, pytest or the benchmarks")
     args = parser.parse_args()
     os.chdir(ROOT)
@@ -65,6 +65,9 @@ def main() -> int:
         if args.task == "lint":
             set_up({"test"}, page_wanted=False)
             return lint()
+        if args.task == "references":
+            set_up({"test"}, page_wanted=False)
+            return run([PYTHON, ROOT / "scripts" / "references.py", *args.arguments])
         if args.task == "bench":
             set_up({"test", "bench"})
             install_debian_packages()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import logging
 import math
 import socket
 import sys
@@ -147,6 +148,8 @@ def _headless(args: argparse.Namespace, log: Log, options: ReplayOptions) -> int
 
     cv2.setNumThreads(1)
     logs.configure("warning" if args.log_level == "info" else args.log_level, as_json=args.log_json)
+    # In hours that pass in seconds, the recording's pauses are no news.
+    logging.getLogger("hbba.freshness").setLevel(logging.ERROR)
     begin = log.info.begin if options.begin is None else options.begin
     end = log.info.end if options.end is None else options.end
     errors = Console(stderr=True)

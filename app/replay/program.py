@@ -77,7 +77,7 @@ def prepare(log: Log, options: ReplayOptions, folder: Path) -> ReplayProgram:
     fed = tuple(
         name for name in configuration.channels if name not in produced and _feeds(log.info, configuration, name)
     )
-    channels = _opened(configuration.channels, produced, fed, modules.values())
+    channels = _as_recorded(log.info, configuration.channels, modules.values(), fed)
     silent = {
         f"{module}.{port}": channel
         for module, spec in modules.items()
@@ -102,15 +102,16 @@ def prepare(log: Log, options: ReplayOptions, folder: Path) -> ReplayProgram:
 
 
 def _configuration(log: Log, options: ReplayOptions, folder: Path) -> Configuration:
+    # Costs as they were where it was recorded, or other intentions would follow.
+    host = log.manifest.facts.get("host") or None
     if options.config is not None:
-        return load_configuration(options.config)
+        return load_configuration(options.config, host=host)
     program = log.manifest.facts.get("program")
     if not program:
         # Recorded by another program: ours runs on it, as far as the log has something for it.
         return load_configuration(paths.config_dir() / "lab.yaml")
     home = extract(log.manifest, folder)
-    # Costs as they were where it was recorded, or other intentions would follow.
-    return load_configuration(home / program, host=log.manifest.facts.get("host") or None)
+    return load_configuration(home / program, host=host)
 
 
 def _streams(log: Log, configuration: Configuration) -> dict[str, str]:
@@ -174,20 +175,40 @@ def _message_type(spec: ChannelSpec) -> type[Any] | None:
         return None  # the graph says so, with the line
 
 
-def _opened(
-    channels: Mapping[str, ChannelSpec],
-    produced: Collection[str],
-    fed: Collection[str],
-    modules: Collection[ModuleSpec],
+def _as_recorded(
+    log: LogInfo, channels: Mapping[str, ChannelSpec], modules: Collection[ModuleSpec], fed: Collection[str]
 ) -> dict[str, ChannelSpec]:
-    """The table of channels, where those that are read but not produced are fed from outside."""
-    read = {channel for spec in modules for channel in spec.inputs.values()}
-    return {
-        name: spec.model_copy(update={"external": True})
-        if name not in produced and (name in fed or name in read)
-        else spec
-        for name, spec in channels.items()
+    """The table of channels as it is on this log.
+
+    Channels that are read but not produced come from outside. Those that come from the log come as often as there, or
+    they would count as stale all the time; on those where nothing can come, nothing is missed.
+    """
+    produced = {channel for spec in modules for channel in spec.outputs.values()}
+    relayed = {
+        channel
+        for spec in modules
+        if (module_class := load_class(spec.class_path)) is not None
+        for port, channel in spec.outputs.items()
+        if port in module_class.streams
     }
+    read = {channel for spec in modules for channel in spec.inputs.values()}
+    table: dict[str, ChannelSpec] = {}
+    for name, spec in channels.items():
+        changes: dict[str, Any] = {}
+        if name not in produced and (name in fed or name in read):
+            changes["external"] = True
+        if spec.rate_hz is not None and (name in fed or name in relayed) and name in log.channels:
+            changes["rate_hz"] = min(spec.rate_hz, _mean_rate(log, name) or spec.rate_hz)
+        elif name not in produced:
+            changes["rate_hz"] = None
+        table[name] = spec.model_copy(update=changes)
+    return table
+
+
+def _mean_rate(log: LogInfo, channel: str) -> float | None:
+    """Messages a second over the whole log; None where there are too few to tell."""
+    count = log.channels[channel].count
+    return (count - 1) / log.duration_s if count > 1 and log.duration_s > 0 else None
 
 
 def silent_streams(robot: RobotConfig) -> dict[str, StreamDescription]:
@@ -205,5 +226,5 @@ def _describe(info: LogInfo, configuration: Configuration, stream: str, channel:
     spec = configuration.channels.get(channel)
     rate_hz = logged.rate_hz or (spec.rate_hz if spec is not None else None)
     if rate_hz is None:
-        rate_hz = (logged.count - 1) / info.duration_s if logged.count > 1 and info.duration_s > 0 else 1.0
+        rate_hz = _mean_rate(info, channel) or 1.0
     return StreamDescription(stream, logged.message_type, rate_hz)

@@ -1,0 +1,166 @@
+"""``hbba replay``: what it understands, what it refuses, and what it prints and writes."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import re
+import signal
+import subprocess
+import sys
+import urllib.request
+from pathlib import Path
+
+import pytest
+
+from app.cli import main
+from app.commands.replay import _number, _phi, _speed, _time, find_log
+from app.errors import ConfigError
+from tests.replay.logs import lab_manifest, lab_messages, write_log
+
+pytestmark = pytest.mark.blocking(reason="the virtual loop waits for threads by design")
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_log(tmp_path_factory.mktemp("recordings") / "morning.mcap", lab_messages(3.0), lab_manifest())
+
+
+def test_headless_prints_tables_and_writes_json(
+    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    told = tmp_path / "told.json"
+    assert main(["replay", str(recording), "--headless", "--json", str(told)]) == 0
+    printed = capsys.readouterr().out
+    assert re.search(r"qr_codes +│ +\d+ │ [0-9a-f]{32}", printed)
+    assert re.search(r"QRCodeDetector +│ +\d+\.\d{3} │ images \d+, odometry 150", printed)
+    assert "find-qr-codes-1" in printed
+    assert "times real time" in printed
+    values = json.loads(told.read_text())
+    assert values["channels"]["odometry"]["messages"] == 150
+    assert (
+        values["modules"]["QRCodeDetector"]["inputs"]["images"]["taken"] == values["channels"]["qr_codes"]["messages"]
+    )
+    assert set(values["cost"]["modules"]) == set(values["modules"])
+    assert values["intentions"][0]["strategies"] == ["drive-by-hand"]
+
+
+def test_two_runs_write_the_same(recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    told = []
+    for number in range(2):
+        file = tmp_path / f"{number}.json"
+        options = ["--phi", "QRCodeDetector.images=3", "--offset", "2", "--from", "0.5", "--to", "0:02.5"]
+        assert main(["replay", str(recording), "--headless", "--json", str(file), *options]) == 0
+        values = json.loads(file.read_text())
+        del values["cost"]
+        told.append(values)
+    assert told[0] == told[1]
+    assert told[0]["end"] - told[0]["begin"] == pytest.approx(2.0)
+
+
+def test_a_replay_can_be_recorded_and_replayed_by_its_name(
+    recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("HBBA_RECORDINGS", str(tmp_path))
+    assert main(["replay", str(recording), "--headless", "--record", "again"]) == 0
+    assert (tmp_path / "again.mcap").is_file()
+    told = tmp_path / "told.json"
+    assert main(["replay", "again", "--headless", "--json", str(told)]) == 0
+    assert json.loads(told.read_text())["channels"]["odometry"]["messages"] == 150
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nowhere.mcap", "--headless"], "no file nowhere.mcap, and no recording of that name"),
+        (["../../etc/x", "--headless"], "no file ../../etc/x"),
+        (["{log}", "--headless", "--only", "QRCodeDetecter"], "did you mean 'QRCodeDetector'"),
+        (["{log}", "--headless", "--phi", "QRCodeDetector.image=2"], "no filter 'QRCodeDetector.image'"),
+        (["{log}", "--headless", "--from", "9"], "the log has"),
+        (["{log}", "--headless", "--from", "2", "--to", "1"], "must be later"),
+        (["{log}", "--json", "x.json"], "add --headless"),
+        (["{log}", "--headless", "--record", "../out"], "params.name"),
+        (["{here}", "--headless"], "is no log this program can read"),
+    ],
+)
+def test_a_mistake_is_one_sentence(
+    recording: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], words: str
+) -> None:
+    places = {"log": str(recording), "here": __file__}
+    assert main(["replay", *(argument.format(**places) for argument in arguments)]) == 2
+    errors = capsys.readouterr().err
+    assert words in errors
+    assert errors.startswith("hbba replay: ")
+    assert "Traceback" not in errors
+
+
+def test_an_unfinished_recording_says_what_helps(
+    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(recording.read_bytes()[:-500])
+    assert main(["replay", str(cut), "--headless"]) == 2
+    assert "hbba log repair" in capsys.readouterr().err
+
+
+def test_times_speeds_and_divisors_as_people_write_them() -> None:
+    assert [_time(text) for text in ("90", "1:30", "0:02.5")] == [90.0, 90.0, 2.5]
+    assert (_speed("max"), _speed("0.5")) == (math.inf, 0.5)
+    assert _phi("M.port=4") == ("M.port", 4.0)
+    assert _phi("M.port=off") == ("M.port", math.inf)
+    assert _number("inf") is None
+    for function, wrong in (
+        (_time, "-3"), (_time, "1:x"), (_speed, "0"), (_speed, "nan"),
+        (_phi, "M=4"), (_phi, "M.p=0"), (_phi, "M.p=1.5"),
+    ):  # fmt: skip
+        with pytest.raises(argparse.ArgumentTypeError, match=re.escape(repr(wrong))):
+            function(wrong)
+
+
+def test_a_path_wins_over_a_recordings_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HBBA_RECORDINGS", str(tmp_path / "library"))
+    (tmp_path / "library").mkdir()
+    kept = tmp_path / "library" / "walk.mcap"
+    kept.touch()
+    monkeypatch.chdir(tmp_path)
+    assert find_log("walk") == kept
+    assert find_log("walk.mcap") == kept
+    (tmp_path / "walk").touch()
+    assert find_log("walk") == Path("walk")
+    with pytest.raises(ConfigError, match="no recording of that name"):
+        find_log("talk")
+
+
+@pytest.mark.slow
+def test_the_console_serves_a_replay_and_ends_with_a_signal(recording: Path) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-m", "app.cli", "replay", str(recording), "--port", "0"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONASYNCIODEBUG": "0"},
+        cwd=Path(__file__).parents[2],
+    )  # fmt: skip
+    try:
+        assert process.stdout is not None
+        line = next(line for line in process.stdout if "http" in line)
+        assert line.startswith("HBBA replays morning.mcap: http://127.0.0.1:")
+        url = re.search(r"http://[^\s#]+", line)
+        assert url is not None
+        with urllib.request.urlopen(f"{url[0]}/api/v1/playback", timeout=10) as answer:
+            assert json.load(answer)["file"] == "morning.mcap"
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(10) == 0
+    finally:
+        process.kill()
+        process.communicate()
+
+
+@pytest.mark.slow
+def test_a_replay_that_nobody_watches_ends(recording: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "app.cli", "replay", str(recording), "--port", "0", "--exit-when-unwatched", "1"],
+        capture_output=True, text=True, timeout=40, check=False, cwd=Path(__file__).parents[2],
+        env={**os.environ, "PYTHONASYNCIODEBUG": "0"},
+    )  # fmt: skip
+    assert done.returncode == 0
+    assert "HBBA replays" in done.stdout
