@@ -412,7 +412,8 @@ class Playback:
         except LogError as failure:
             log.error("cannot show what stands here: %s", failure)
             return
-        if not self._changed.is_set():
+        # Once it moves, more comes by itself.
+        if not self._playing and not self._steps and self._target is None:
             for logged in scene:
                 self._body.show(logged.channel, logged.message)
 

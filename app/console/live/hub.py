@@ -61,7 +61,6 @@ class Hub:
         self._sampling: asyncio.Task[None] | None = None
         self._camera: Tap[EncodedImage] | None = None
         self._pictures = 0
-        self._last_picture: bytes | None = None
         self._stale: set[str] = set()
         self._new_events: list[str] = []
         self.link_status: LinkStatus | None = None
@@ -100,7 +99,6 @@ class Hub:
         self.link_status = None
         self._sampler.forget()
         self._new_events.clear()
-        self._last_picture = None
         jump = encode_text({"type": "jump", "stamp": position})
         frames = {kind: frame for kind, frame in self._standing_frames().items() if kind != "load"}
         for viewer in self._viewers.values():
@@ -126,8 +124,7 @@ class Hub:
         viewer.outbox.put_urgent(self._hello(viewer))
         for kind, frame in self._standing_frames().items():
             viewer.outbox.put(kind, frame)
-        if self._last_picture is not None:
-            viewer.outbox.put_picture(self._last_picture)
+        self._show_standing_picture(viewer)
         self._want_camera()
         return viewer
 
@@ -144,9 +141,16 @@ class Hub:
         viewer.camera = shown
         if shown:
             viewer.outbox.picture_drawn()
+            self._show_standing_picture(viewer)
         else:
             viewer.outbox.drop_picture()
         self._want_camera()
+
+    def _show_standing_picture(self, viewer: Viewer) -> None:
+        """Where time may stand, no picture may follow: whoever comes is given the last."""
+        image = None if self._playback is None else reports.latest(self._system.graph, "camera_jpeg")
+        if image is not None:
+            viewer.outbox.put_picture(picture_frame(image, self._pictures))
 
     def notify(self, session: str, level: Level, text: str) -> None:
         """Tell one viewer something."""
@@ -189,6 +193,9 @@ class Hub:
         for channel, handler in self._sampler.channels().items():
             if channel in system.graph.channels:
                 keep(Tap(system.graph.channel(channel), f"console.{channel}", handler).close)
+                latest = reports.latest(system.graph, channel)
+                if self._playback is not None and latest is not None:
+                    handler(latest)  # where time may stand, no newer one may follow
         self._sampling = asyncio.create_task(self._sampler.run(), name="console sampler")
         if self._playback is not None:
             keep(asyncio.create_task(self._follow(self._playback), name="console playback").cancel)
@@ -218,8 +225,6 @@ class Hub:
     def _on_picture(self, image: EncodedImage) -> None:
         self._pictures += 1
         frame = picture_frame(image, self._pictures)
-        # Where time may stand, none may follow for whoever comes later.
-        self._last_picture = frame if self._playback is not None else None
         for viewer in self._viewers.values():
             if viewer.camera:
                 viewer.outbox.put_picture(frame)

@@ -1,0 +1,272 @@
+"""The console on a recording, really served: its transport, what follows it, what goes on while time stands."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import time
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from app.console.app import create_app
+from app.system import System
+from tests.console.live_client import Page, page
+from tests.console.program import build, served, write_page
+from tests.replay.logs import BEGIN, lab_log
+from tests.replay.playing import Played, played, prepare
+
+DOCS = Path(__file__).parents[2] / "docs"
+END = BEGIN + 5.98
+
+
+@pytest.fixture
+def prepared() -> Any:
+    """Six seconds of the lab."""
+    return prepare(lab_log(6.0))
+
+
+@pytest.fixture
+async def play(prepared: Any) -> AsyncIterator[Played]:
+    """... standing at the beginning."""
+    async with played(prepared) as play:
+        yield play
+
+
+@pytest.fixture
+async def url(play: Played, tmp_path: Path) -> AsyncIterator[str]:
+    """Its console."""
+    static = await asyncio.to_thread(write_page, tmp_path)
+    app = create_app(play.replay.system, static_dir=static, early_view=False, playback=play.playback)
+    async with served(app) as url:
+        yield url
+
+
+@pytest.fixture
+async def rest(url: str) -> AsyncIterator[httpx.AsyncClient]:
+    """REST."""
+    async with httpx.AsyncClient(base_url=f"{url}/api/v1", timeout=10) as client:
+        yield client
+
+
+async def patch(rest: httpx.AsyncClient, **change: Any) -> dict[str, Any]:
+    answer = await rest.patch("/playback", json=change)
+    assert answer.status_code == 200, answer.text
+    told: dict[str, Any] = answer.json()
+    return told
+
+
+async def test_a_page_is_told_what_it_sees(url: str, rest: httpx.AsyncClient) -> None:
+    async with page(url) as ann:
+        hello = await ann.until("hello")
+        told = (await rest.get("/playback")).json()
+        assert told == {
+            "file": "memory.mcap", "begin": BEGIN, "end": END, "position": BEGIN,
+            "speed": 1.0, "playing": False, "phase": "paused",
+        }  # fmt: skip
+        assert hello["playback"] == told
+        assert hello["robot"]["replayed"]
+        assert hello["stamp"] == BEGIN
+        assert await ann.until("playback") == {"type": "playback", **told}
+
+
+async def test_it_plays_and_stands_and_the_page_lives_on(url: str, rest: httpx.AsyncClient) -> None:
+    async with page(url) as ann:
+        await patch(rest, playing=True)
+        first = await ann.until("playback", lambda m: m["playing"])
+        later = [await ann.until("playback") for _ in range(5)]
+        assert later[-1]["position"] > first["position"] + 0.2
+        told = await patch(rest, playing=False)
+        assert told["phase"] == "paused"
+        await ann.until("playback", lambda m: m["phase"] == "paused")
+        began, statuses = time.monotonic(), []
+        while len(statuses) < 20:
+            frame = await ann.until("status")
+            if frame["stamp"] == told["position"]:
+                statuses.append(frame)
+        # As many a second as ever, all of one moment, and the guard has not fallen silent.
+        assert time.monotonic() - began < 3.0
+        assert statuses[-1]["guard"]["state"] == "driving"
+        assert {source["channel"]: source["state"] for source in statuses[-1]["sources"]}["odometry"] == "live"
+        await ann.send("ping", t=7, rtt_ms=None)
+        assert (await ann.until("pong"))["stamp"] == told["position"]
+        assert (await ann.until("lanes"))["stamp"] == told["position"]
+        assert (await rest.get("/playback")).json()["position"] == told["position"]
+
+
+async def test_speed_and_end(url: str, rest: httpx.AsyncClient) -> None:
+    async with page(url) as ann:
+        began = time.monotonic()
+        await patch(rest, playing=True, speed=20)
+        ended = await ann.until("playback", lambda m: m["phase"] == "ended")
+        assert time.monotonic() - began < 3.0
+        assert (ended["position"], ended["playing"], ended["speed"]) == (END, False, 20)
+        assert (await patch(rest, speed=None))["speed"] is None
+        told = await patch(rest, playing=True)
+        assert told["playing"]
+        assert (await ann.until("jump"))["stamp"] == BEGIN
+        await ann.until("playback", lambda m: m["phase"] == "ended")
+
+
+async def after_jump(ann: Page, stamp: float) -> dict[str, list[dict[str, Any]]]:
+    """What came from the jump to ``stamp`` on, by type, until there are lanes, landmarks and a status of it."""
+    await ann.until("jump", lambda m: m["stamp"] == stamp)
+    found: dict[str, list[dict[str, Any]]] = {}
+    async with asyncio.timeout(10):
+        while not (
+            {"lanes", "lanes_history", "desires", "intention"} <= found.keys()
+            and any(m["landmarks"] for m in found.get("landmarks", []))
+            and any(m["odometry"] for m in found.get("status", []))
+        ):
+            frame = await ann.receive()
+            if isinstance(frame, dict):
+                found.setdefault(frame["type"], []).append(frame)
+    return found
+
+
+async def test_lanes_landmarks_and_pose_follow_a_seek_forth_and_back(url: str, rest: httpx.AsyncClient) -> None:
+    async with page(url) as ann:
+        await patch(rest, playing=True, speed=20)
+        await ann.until("playback", lambda m: m["position"] > BEGIN + 3)
+        for position, classes in ((BEGIN + 2.5, {"script", "ada"}), (BEGIN + 0.4, set()), (BEGIN + 4.0, {"script"})):
+            began = time.monotonic()
+            told, found = await asyncio.gather(patch(rest, playing=False, position=position), after_jump(ann, position))
+            assert time.monotonic() - began < 2.0
+            assert (told["position"], told["phase"]) == (position, "paused")
+            # Nothing of another time came after the jump.
+            for kind in ("lanes", "status"):
+                assert {frame["stamp"] for frame in found[kind]} == {position}, kind
+            assert all(stamp <= position for frame in found["lanes_history"] for stamp in frame["stamps"])
+            assert all(event["stamp"] == position for frame in found.get("events", []) for event in frame["events"])
+            pose = found["status"][-1]["odometry"]
+            assert pose["x"] == pytest.approx(0.1 * (position - BEGIN), abs=0.01)
+            (landmark,) = found["landmarks"][-1]["landmarks"]
+            assert position - 0.2 < landmark["last_seen"] <= position
+            sources = {desire["source"]["name"] for desire in found["desires"][-1]["desires"]}
+            assert sources - {"ScenarioCoordinator", "console"} == classes
+            rows = {row["class"]: row for row in found["lanes"][-1]["rows"]}
+            assert rows["FindQRCodes"]["utility"] == (8.0 if "script" in classes else 1.0)
+
+
+async def test_a_page_that_comes_while_time_stands_sees_the_scene(url: str, rest: httpx.AsyncClient) -> None:
+    await patch(rest, position=BEGIN + 1.5)
+    async with page(url) as ann:
+        assert len(await ann.picture()) > 500
+        status = await ann.until("status", lambda m: m["odometry"] is not None)
+        assert status["stamp"] == BEGIN + 1.5
+    async with page(url, "Bob") as bob:
+        assert len(await bob.picture()) > 500, "and so does the next"
+
+
+async def test_steps(url: str, rest: httpx.AsyncClient) -> None:
+    async with page(url) as ann:
+        await patch(rest, position=BEGIN + 4.0)
+        positions = [(await rest.post("/playback/step")).json()["position"] for _ in range(3)]
+        assert positions == pytest.approx([BEGIN + 4.027, BEGIN + 4.127, BEGIN + 4.227], abs=1e-5)
+        told = await ann.until("playback", lambda m: m["position"] == positions[-1])
+        assert told["phase"] == "paused"
+        assert (await ann.until("status", lambda m: m["stamp"] == positions[-1]))["odometry"]["x"] > 0.42
+
+
+async def test_dragging_is_answered_once_it_is_there(url: str, rest: httpx.AsyncClient) -> None:
+    async with page(url) as ann:
+        answers = await asyncio.gather(*(patch(rest, position=BEGIN + i / 10) for i in range(1, 40)))
+        assert {answer["position"] for answer in answers} == {BEGIN + 3.9}
+        assert (await rest.get("/playback")).json()["position"] == BEGIN + 3.9
+        await ann.until("jump", lambda m: m["stamp"] == BEGIN + 3.9)
+
+
+async def test_nobody_drives_or_stops_a_recording(url: str, rest: httpx.AsyncClient, play: Played) -> None:
+    hands = play.replay.system.graph.channels["operator_drive"]
+    before = hands.published
+    async with page(url) as ann:
+        for kind, content in (
+            ("drive", {"seq": 1, "held": True, "linear": 0.5, "angular": 0.0}),
+            ("take_control", {}),
+            ("e_stop", {}),
+            ("clear_e_stop", {}),
+        ):
+            await ann.send(kind, **content)
+        notice = await ann.until("notice")
+        assert (notice["level"], notice["text"]) == (
+            "warning",
+            "This is a recording: there is no robot to drive or to stop.",
+        )
+        await ann.send("ping", t=1, rtt_ms=None)
+        while (frame := await ann.receive()) and not (isinstance(frame, dict) and frame["type"] == "pong"):
+            assert not isinstance(frame, dict) or frame["type"] != "notice", "said once"
+        assert (await ann.until("status"))["driver"] is None
+    for answer in (await rest.post("/robot/e-stop"), await rest.delete("/robot/e-stop")):
+        assert answer.status_code == 409
+        assert answer.json()["type"] == "urn:hbba:problem:a-recording"
+    assert hands.published == before
+    assert (await rest.get("/robot")).json()["robot"]["replayed"]
+    assert (await rest.get("/health")).json()["status"] == "ok"
+
+
+@pytest.mark.parametrize(
+    "change", [{"speed": 0}, {"speed": 21}, {"speed": "fast"}, {"position": "here"}, {"pace": 1}, {"playing": "yes"}]
+)
+async def test_what_cannot_be_is_refused(rest: httpx.AsyncClient, change: dict[str, Any]) -> None:
+    answer = await rest.patch("/playback", json=change)
+    assert answer.status_code == 422
+    assert answer.json()["errors"][0]["field"] == next(iter(change))
+    assert (await rest.get("/playback")).json()["speed"] == 1.0
+
+
+async def test_what_is_damaged_is_said(rest: httpx.AsyncClient, prepared: Any) -> None:
+    prepared[0]._damaged_at = BEGIN + 2.0
+    answer = await rest.patch("/playback", json={"position": BEGIN + 3.0})
+    assert answer.status_code == 409
+    assert answer.json()["type"] == "urn:hbba:problem:unreadable-recording"
+    assert "hbba log repair" in answer.json()["detail"]
+
+
+async def test_every_example_of_the_document_works(url: str) -> None:
+    text = await asyncio.to_thread((DOCS / "rest.md").read_text, "utf-8")
+    script = "\n".join(re.findall(r"```bash\n(.*?)```", text, re.DOTALL))
+    assert script.count("/playback") >= 5
+    process = await asyncio.create_subprocess_exec(
+        "sh", "-euc", f"HBBA={url}/api/v1\n{script}", stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.PIPE
+    )
+    out, err = await process.communicate()
+    assert process.returncode == 0, err.decode()
+    assert b'"phase":"paused"' in out
+
+
+async def test_every_field_is_described(url: str, rest: httpx.AsyncClient) -> None:
+    text = await asyncio.to_thread((DOCS / "live-stream.md").read_text, "utf-8")
+    section = text.split("## On a recording\n")[1].split("\n## ")[0]
+    rows = dict(re.findall(r"^\| `(\w+)` \| (.*) \|$", section, flags=re.MULTILINE))
+    async with page(url) as ann:
+        _, playback, jump = await asyncio.gather(
+            patch(rest, position=BEGIN + 1), ann.until("playback"), ann.until("jump")
+        )
+    for frame in (playback, jump):
+        assert set(frame) - {"type"} <= set(re.findall(r"\w+", rows[frame["type"]]))
+    assert rows.keys() == {"playback", "jump"}
+
+
+@pytest.fixture
+def robot(tmp_path: Path) -> System:
+    """A program that lives now."""
+    return build(tmp_path)[0]
+
+
+async def test_a_robot_has_no_transport(robot: System, tmp_path: Path) -> None:
+    static = await asyncio.to_thread(write_page, tmp_path / "page")
+    async with robot, served(create_app(robot, static_dir=static, early_view=False)) as url, page(url) as ann:
+        hello = await ann.until("hello")
+        assert hello["playback"] is None
+        assert not hello["robot"]["replayed"]
+        async with httpx.AsyncClient(base_url=f"{url}/api/v1") as client:
+            for answer in (
+                await client.get("/playback"),
+                await client.patch("/playback", json={"playing": True}),
+                await client.post("/playback/step"),
+            ):
+                assert answer.status_code == 404
+                assert answer.json()["type"] == "urn:hbba:problem:not-a-replay"
