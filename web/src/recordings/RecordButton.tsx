@@ -27,7 +27,7 @@ export function RecordButton() {
         disabled={!live}
         aria-label={`Stop recording. ${length} recorded, ${size(recorder.bytes)}`}
         title="Stop recording"
-        onClick={() => void recordings.stop()}
+        onClick={(event) => (leave(event), void recordings.stop())}
       >
         <SquareIcon />
         <span data-testid="record-time">{length}</span>
@@ -43,7 +43,7 @@ export function RecordButton() {
         disabled={!live || pending === "save"}
         aria-label={`Save the last ${length}`}
         title="Save what the ring holds as a recording"
-        onClick={() => void recordings.save()}
+        onClick={(event) => (leave(event), void recordings.save())}
       >
         <RingIcon />
         <span class="record-word">{pending === "save" ? "Saving…" : "Save last"}</span>
@@ -56,7 +56,7 @@ export function RecordButton() {
         {...common}
         class="record stopped"
         title={sentence(recorder.reason)}
-        onClick={() => (store.tab.value = "recordings")}
+        onClick={(event) => (leave(event), (store.tab.value = "recordings"))}
       >
         <WarnIcon /> <span class="record-word">Not recording</span>
         <span class="only-narrow">Stopped</span>
@@ -69,9 +69,14 @@ export function RecordButton() {
       disabled={!live}
       aria-label="Record"
       title="Record what the robot perceives and does"
-      onClick={() => void recordings.record({})}
+      onClick={(event) => (leave(event), void recordings.record({}))}
     >
       <RecordIcon /> Record
     </button>
   );
+}
+
+/** Pressed with the mouse it does not keep the focus: Space stops driving, and must not record as well. */
+function leave(event: MouseEvent & { currentTarget: HTMLElement }): void {
+  if (event.detail > 0) event.currentTarget.blur();
 }

@@ -12,7 +12,7 @@ import { recordedFor } from "./words";
 const STATES = {
   complete: null,
   recording: { word: "being recorded", hint: "" },
-  unfinished: { word: "cut off", hint: "The program ended while it was written. “hbba log repair” completes it." },
+  unfinished: { word: "cut off", hint: "The program ended while it was written. To make it whole: hbba log repair" },
 } as const;
 
 export function RecordingRow({ recording, onGone }: { recording: Recording; onGone: () => void }) {
@@ -49,7 +49,7 @@ export function RecordingRow({ recording, onGone }: { recording: Recording; onGo
         </span>
         <span data-testid="recording-size">{size(bytes)}</span>
       </p>
-      {state === "unfinished" && <p class="muted small">{told!.hint}</p>}
+      {state === "unfinished" && <p class="muted small">{`${told!.hint} ${name}`}</p>}
       {state !== "recording" &&
         (asking.value ? (
           <Confirm name={name} onGone={onGone} onKeep={() => (asking.value = false)} />

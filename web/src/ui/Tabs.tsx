@@ -40,6 +40,7 @@ export function Tabs({ items }: { items: TabItem[] }) {
             tabIndex={item === chosen ? 0 : -1}
             aria-label={item.short && item.title}
             data-testid={`tab-${item.id}`}
+            onFocus={(event) => event.currentTarget.scrollIntoView({ inline: "nearest", block: "nearest" })}
             onClick={(event) => {
               store.tab.value = item.id;
               // Chosen with the mouse, the tab does not keep the arrow keys from driving.

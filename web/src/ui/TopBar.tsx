@@ -40,50 +40,52 @@ export function TopBar({ narrow }: { narrow: boolean }) {
   const slow = live && !replay && rate < 0.99;
   return (
     <header class={`top-bar ${stopped ? "stopped" : ""} ${phase}`}>
-      <div class="brand">
-        <h1>HBBA</h1>
-        <span class="robot-name" data-testid="robot-name">
-          {replay ? "Replay" : hello ? hello.robot.name : "No robot yet"}
-          {!replay && hello?.robot.simulated && <i class="tag">simulated</i>}
-        </span>
-      </div>
-      <p class={`chip link-${phase}`} role="status" data-testid="connection" data-phase={phase}>
-        {phase === "stale" || phase === "lost" ? <WarnIcon /> : <LinkIcon />}
-        {PHASES[phase]}
-      </p>
-      {replay ? (
-        <Marker />
-      ) : (
-        <p
-          class={`chip guard-${known?.state ?? "none"}`}
-          data-testid="guard-state"
-          data-state={known?.state ?? ""}
-          title={known?.reason}
-        >
-          {known ? (GUARDS[known.state] ?? known.state) : "State unknown"}
-        </p>
-      )}
-      <dl class="metrics">
-        <Metric
-          id="rtt"
-          label="Link"
-          unit="ms"
-          tone={tone(store.rttMs.value, 150, 400)}
-          hint={replay ? "Round trip between this page and the replay" : "Round trip between this page and the robot"}
-        >
-          {millis(store.rttMs.value)}
-        </Metric>
-        {!replay && <LiveMetrics />}
-      </dl>
-      {slow && (
-        <p class="chip warn world-rate" data-testid="world-rate" title="The simulated world runs slower than real time">
-          <WarnIcon />
-          <span>
-            <span class="roomy">World runs at </span>
-            {rate.toFixed(2)}×<span class="roomy"> real time</span>
+      <div class="bar-info">
+        <div class="brand">
+          <h1>HBBA</h1>
+          <span class="robot-name" data-testid="robot-name">
+            {replay ? "Replay" : hello ? hello.robot.name : "No robot yet"}
+            {!replay && hello?.robot.simulated && <i class="tag">simulated</i>}
           </span>
+        </div>
+        <p class={`chip link-${phase}`} role="status" data-testid="connection" data-phase={phase}>
+          {phase === "stale" || phase === "lost" ? <WarnIcon /> : <LinkIcon />}
+          {PHASES[phase]}
         </p>
-      )}
+        {replay ? (
+          <Marker />
+        ) : (
+          <p
+            class={`chip guard-${known?.state ?? "none"}`}
+            data-testid="guard-state"
+            data-state={known?.state ?? ""}
+            title={known?.reason}
+          >
+            {known ? (GUARDS[known.state] ?? known.state) : "State unknown"}
+          </p>
+        )}
+        {slow && (
+          <p class="chip warn world-rate" data-testid="world-rate" title="The simulated world runs slower than real time">
+            <WarnIcon />
+            <span>
+              <span class="roomy">World runs at </span>
+              {rate.toFixed(2)}×<span class="roomy"> real time</span>
+            </span>
+          </p>
+        )}
+        <dl class="metrics">
+          <Metric
+            id="rtt"
+            label="Link"
+            unit="ms"
+            tone={tone(store.rttMs.value, 150, 400)}
+            hint={replay ? "Round trip between this page and the replay" : "Round trip between this page and the robot"}
+          >
+            {millis(store.rttMs.value)}
+          </Metric>
+          {!replay && <LiveMetrics />}
+        </dl>
+      </div>
       <div class="bar-end">
         <RecordButton />
         <Operator />
