@@ -39,7 +39,7 @@ class FileSink:
         return self._file.messages
 
     def write(self, at: float, channel: str, message: Any) -> None:
-        """Take a message that arrived ``at``. Raises OSError."""
+        """Take a message that arrived ``at``. Raises UnrecordableMessage, OSError."""
         self._file.write(at, channel, message)
 
     def flush(self) -> None:

@@ -61,6 +61,10 @@ def is_being_written(path: Path) -> bool:
     return False
 
 
+class UnrecordableMessage(Exception):
+    """A message that is not what its channel says, or one that no file could hold; the message says which and why."""
+
+
 class RecordEncoder(Protocol):
     """What makes records of messages for one file; ``app.recording.ros.encoder.Encoder`` is one."""
 
@@ -157,9 +161,16 @@ class McapFile:
         return self._output.position
 
     def write(self, at: float, channel: str, message: Any) -> None:
-        """Take a message that arrived ``at`` (robot's clock, s). Raises OSError; then only :meth:`abandon` is left."""
+        """Take a message that arrived ``at`` (robot's clock, s).
+
+        Raises UnrecordableMessage, having written nothing of it, or OSError; then only :meth:`abandon` is left.
+        """
         log_time = to_ns(at)
-        for record in self._encoder.encode(channel, message):
+        try:
+            records = self._encoder.encode(channel, message)
+        except Exception as error:
+            raise UnrecordableMessage(f"{channel}: {type(error).__name__}: {error}") from error
+        for record in records:
             channel_id = self._ids.get(record.topic)
             if channel_id is None:
                 channel_id = self._meet(record)

@@ -105,7 +105,7 @@ class Ring:
         return sum(segment.messages for segment in self._segments) + self._file.messages
 
     def write(self, at: float, channel: str, message: Any) -> None:
-        """Take a message that arrived ``at``. Raises OSError."""
+        """Take a message that arrived ``at``. Raises UnrecordableMessage, OSError."""
         if at - self._begin >= self._segment_s:
             self._rotate(at)
         self._file.write(at, channel, message)

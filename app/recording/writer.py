@@ -22,6 +22,8 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
+from app.recording.mcap_file import UnrecordableMessage
+
 T = TypeVar("T")
 
 log = logging.getLogger("hbba.recording")
@@ -59,7 +61,7 @@ class Sink(Protocol):
         ...
 
     def write(self, at: float, channel: str, message: Any) -> None:
-        """Take a message that arrived ``at``. Raises OSError."""
+        """Take a message that arrived ``at``. Raises UnrecordableMessage, OSError."""
         ...
 
     def flush(self) -> None:
@@ -135,8 +137,9 @@ class RecordingWriter:
         self._charge = charge
         self._free_bytes = free_bytes
         self.began = self._newest = now()
-        #: Messages that could not be queued.
-        self.dropped = 0
+        self._dropped = 0
+        self._refused = 0
+        self._refusing: set[str] = set()
         self._queue: deque[tuple[float, str, Any, int]] = deque()
         # Each is written by one thread only: the difference needs no lock.
         self._bytes_in = self._bytes_out = 0
@@ -163,6 +166,11 @@ class RecordingWriter:
         return self._reason
 
     @property
+    def dropped(self) -> int:
+        """Messages that found no room in the queue, or could not be written as what they are."""
+        return self._dropped + self._refused
+
+    @property
     def queued_bytes(self) -> int:
         """About how many bytes of memory wait for the disk."""
         return self._bytes_in - self._bytes_out
@@ -184,13 +192,13 @@ class RecordingWriter:
         size = weight(message)
         held = self._bytes_in - self._bytes_out
         if held + size > self._limits.queue_bytes or len(self._queue) >= self._limits.queue_messages:
-            self.dropped += 1
+            self._dropped += 1
             if self._dropping_since is None:
                 self._dropping_since = at
             elif at - self._dropping_since > self._limits.too_slow_after_s:
                 self._end(
-                    f"the disk is too slow: {self.dropped} messages found no room in {at - self._dropping_since:.1f} s;"
-                    " record to a faster disk, or with less intensity"
+                    f"the disk is too slow: {self._dropped} messages found no room within "
+                    f"{at - self._dropping_since:.1f} s; record to a faster disk ($HBBA_RECORDINGS)"
                 )
             return
         if self._dropping_since is not None and 2 * held < self._limits.queue_bytes:
@@ -283,7 +291,13 @@ class RecordingWriter:
         # As many as there are now: what comes meanwhile is for the next beat, after a look at the clock.
         for _ in range(len(self._queue)):
             at, channel, message, size = self._queue.popleft()
-            sink.write(at, channel, message)
+            try:
+                sink.write(at, channel, message)
+            except UnrecordableMessage as error:  # one message that is wrong is no reason to lose the others
+                self._refused += 1
+                if channel not in self._refusing:
+                    self._refusing.add(channel)
+                    log.warning("left out of the recording (said once for each channel): %s", error, exc_info=error)
             self._bytes_out += size
 
     def _flush(self) -> None:

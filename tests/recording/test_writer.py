@@ -236,13 +236,33 @@ def test_a_file_that_is_deleted_meanwhile_is_noticed(tmp_path: Path) -> None:
     assert "gone" in writer.reason
 
 
-def test_a_mistake_of_ours_ends_it_with_a_reason(tmp_path: Path) -> None:
+def test_a_message_that_is_wrong_is_left_out_and_counted(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     writer = file_writer(tmp_path)
     writer.put(BEGIN, "odometry", odometry(BEGIN))
-    writer.put(BEGIN, "no such channel", odometry(BEGIN))
+    for _ in range(3):
+        writer.put(BEGIN, "no such channel", odometry(BEGIN))
+        writer.put(BEGIN, "odometry", odometry(float("nan")))
+    writer.put(BEGIN, "odometry", odometry(BEGIN))
+    writer.finish()
     ended(writer)
-    assert "KeyError" in writer.reason
-    assert counts(tmp_path / "log.mcap")["/odometry"] == 1
+    assert not writer.reason
+    assert writer.dropped == 6
+    assert writer.sink is not None
+    assert writer.sink.messages == 2
+    assert counts(tmp_path / "log.mcap")["/odometry"] == 2
+    assert len([record for record in caplog.records if "left out" in record.message]) == 2
+
+
+def test_a_mistake_of_ours_ends_it_with_a_reason(tmp_path: Path) -> None:
+    class Broken(FileSink):
+        def flush(self) -> None:
+            raise ZeroDivisionError("a mistake")
+
+    paths = [tmp_path / "log.mcap"]
+    writer = RecordingWriter(lambda: Broken(paths, encoder(), MANIFEST, BEGIN), Limits(0), lambda: BEGIN)
+    writer.put(BEGIN, "odometry", odometry(BEGIN))
+    ended(writer)
+    assert "ZeroDivisionError" in writer.reason
 
 
 def test_a_call_is_answered_in_between_and_refused_once_it_is_over(tmp_path: Path) -> None:

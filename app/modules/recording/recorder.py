@@ -20,6 +20,7 @@ from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from app.attention.timeline import EventKind
 from app.messages import EventRecord, Message, ModuleRecord, RecorderStatus
 from app.recording.control import RecorderControl, RecorderUnavailable
 from app.recording.file_sink import FileSink
@@ -43,7 +44,7 @@ class EventPattern(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    kind: str
+    kind: EventKind
     subject: str | None = None
 
     def matches(self, event: EventRecord) -> bool:
