@@ -110,6 +110,12 @@ def _strategies(path: Path) -> None:
         _program(program)
 
 
+def _remap(path: Path) -> None:
+    from app.recording.foreign.remap import load_remap
+
+    load_remap(path)
+
+
 def _channels(path: Path) -> None:
     """Check a table by itself, then every program beside it that uses it."""
     from app.config import ChannelTable
@@ -152,4 +158,5 @@ _KINDS: tuple[tuple[str, frozenset[str], Callable[[Path], None]], ...] = (
     ("problem", frozenset({"desires"}), _problem),
     ("world", frozenset({"walls", "materials", "wall_height"}), _world),
     ("strategies", frozenset({"strategies", "resources"}), _strategies),
+    ("remap", frozenset({"channels", "frames"}), _remap),
 )

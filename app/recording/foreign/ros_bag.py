@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import struct
+import sys
 import tempfile
 import zlib
 from collections.abc import Collection, Iterator, Mapping
@@ -16,6 +17,11 @@ from rosbags.rosbag1 import ReaderError as Bag1Error
 from rosbags.rosbag2 import ReaderError as Bag2Error
 from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, TypesysError, get_typestore
+
+if sys.version_info >= (3, 14):
+    from compression.zstd import ZstdError
+else:
+    from backports.zstd import ZstdError
 
 from app.geometry import Pose3
 from app.messages import Image, JointState, LaserScan, Odometry
@@ -49,9 +55,21 @@ from app.recording.stamps import SECOND, from_ns, to_ns
 
 #: What damaged bags make rosbags raise.
 _DAMAGE = (
-    AnyReaderError, Bag1Error, Bag2Error, SerdeError, TypesysError, OSError, EOFError, ValueError, KeyError,
-    IndexError, AssertionError, struct.error, zlib.error,
-)  # fmt: skip
+    AnyReaderError,
+    Bag1Error,
+    Bag2Error,
+    SerdeError,
+    TypesysError,
+    OSError,
+    EOFError,
+    ValueError,
+    LookupError,
+    AssertionError,
+    RuntimeError,  # of the lz4 library
+    ZstdError,
+    struct.error,
+    zlib.error,
+)
 #: Before the time that is asked for, so much (s) is read for transforms and depths.
 _BEFORE_S = 2.0
 #: So much of the moving transforms (s, messages) is read for knowing which frames there are.
