@@ -57,6 +57,9 @@ class ReplayBody(RobotLink, Protocol):
         """
         ...
 
+    #: Called with True when it must wait for the file, with False when it goes on: time waits with it.
+    on_waiting: Callable[[bool], None]
+
     @property
     def listened(self) -> Set[str]:
         """The channels of the log that somebody wants now."""
@@ -112,6 +115,9 @@ class Playback:
         self._playing = playing
         self._ended = False
         self._target: float | None = None
+        #: At what rate time passes, but while the body waits for the file.
+        self._rate = 0.0
+        self._body_waits = False
         self._jumping = False
         self._moving = False
         self._waiting: list[asyncio.Future[None]] = []
@@ -133,6 +139,8 @@ class Playback:
         self._reader = ThreadPoolExecutor(1, thread_name_prefix="playback reader")
         if self._clock.now() > self._info.begin:
             self._target = self._clock.now()
+        self._body.on_waiting = self._on_waiting
+        self._body_waits = self._body.reading
         for name in self._info.channels.keys() & self.system.graph.channels.keys():
             wanted = partial(self._want_one, name)
             self._watching.callback(self.system.graph.channels[name].on_wanted(wanted))
@@ -144,6 +152,7 @@ class Playback:
 
     async def __aexit__(self, *_: object) -> None:
         """Stand still; the log may be closed then."""
+        self._body.on_waiting = lambda _: None
         self._clock.run(0)
         self._watching.close()
         if self._driver is not None:
@@ -245,15 +254,23 @@ class Playback:
     def _tell(self) -> None:
         """Something changed: have time pass as it should from now on, and say so."""
         free = self._target is None and not self._jumping and not self._steps and not self._ended
-        rate = self._speed if free and self._playing and self._speed is not None else 0.0
-        if rate != self._clock.rate:
-            self._clock.run(rate)
+        self._rate = self._speed if free and self._playing and self._speed is not None else 0.0
+        self._run()
         if free and self._playing:
             self._unseen.clear()
         self._changed.set()
         state = self.state
         for observer in tuple(self._observers):
             observer(state)
+
+    def _run(self) -> None:
+        rate = 0.0 if self._body_waits else self._rate
+        if rate != self._clock.rate:
+            self._clock.run(rate)
+
+    def _on_waiting(self, waits: bool) -> None:
+        self._body_waits = waits
+        self._run()
 
     async def _drive(self) -> None:
         self._tell()

@@ -73,6 +73,9 @@ class ReplayedBody:
         self.finished = asyncio.Event()
         #: Called with the time (s) of the first message of each piece of the log when it is about to be delivered.
         self.on_piece: Callable[[float], None] = lambda _: None
+        #: Called with True when what comes next must be waited for, with False when it is there: whoever moves a clock
+        #: that runs by itself can hold it meanwhile, so that time does not outrun the reading.
+        self.on_waiting: Callable[[bool], None] = lambda _: None
         #: Called by :meth:`seek`, before anything of the new place is delivered.
         self.on_seek: Callable[[], None] = lambda: None
         #: Messages delivered so far, whoever took them.
@@ -269,12 +272,11 @@ class ReplayedBody:
         return LogSource(self.log, self._open, Place(self._at, dict(self._passed), dict(self._open)), self.end)
 
     async def _deliver_all(self, source: LogSource) -> None:
-        loop = asyncio.get_running_loop()
         assert self._reader is not None
         ahead: Future[list[Logged]] = self._reader.submit(source.piece)
         try:
             # The next piece is read while this one is delivered; it is waited for alike, however long it takes.
-            while piece := await loop.run_in_executor(None, ahead.result):
+            while piece := await self._read(ahead):
                 ahead = self._reader.submit(source.piece)
                 self.on_piece(piece[0].at)
                 for logged in piece:
@@ -285,6 +287,13 @@ class ReplayedBody:
         finally:
             ahead.cancel()
             self._reader.submit(source.close)
+
+    async def _read(self, ahead: Future[list[Logged]]) -> list[Logged]:
+        self.on_waiting(True)
+        try:
+            return await asyncio.get_running_loop().run_in_executor(None, ahead.result)
+        finally:
+            self.on_waiting(False)
 
     async def _sleep_until(self, at: float) -> None:
         await self._clock.sleep_until(at)
