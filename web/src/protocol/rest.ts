@@ -1,5 +1,6 @@
 /** REST under `api/v1`: JSON in and out, errors as problem details (RFC 9457). */
 
+import { sentence } from "../ui/format";
 import type { Desire, Playback, Recordings, RobotEvent } from "./types";
 
 export interface FieldError {
@@ -129,11 +130,12 @@ async function readProblem(response: Response): Promise<Problem> {
   return new Problem(response.status, title, detail, errors);
 }
 
-/** A refusal in one line: what is wrong, why, and which field. */
+/** A refusal in one line: why, and what is wrong with each field that the reason does not name. */
 export function inWords(error: unknown): string {
   if (!(error instanceof Problem)) return String(error);
-  const parts = [error.title, error.detail, ...error.errors.map((each) => each.message)].filter(Boolean);
-  return parts.map((part) => part.replace(/[.\s]+$/, "")).join(". ") + ".";
+  const why = error.detail || error.title;
+  const fields = error.errors.map((each) => each.message).filter((message) => !why.includes(message));
+  return [why, ...fields].map(sentence).join(" ");
 }
 
 /** Header values are Latin-1; a name in another script is sent percent-encoded. */
