@@ -35,7 +35,7 @@ PROGRAM = Source("rest", "scenario")
 LENGTH_S = 60.0
 PERIOD_S = 0.05
 #: So that it may lie in a repository: one in so many pictures and scans, small pictures, slow odometry.
-IMAGES_DIVISOR, SCANS_DIVISOR = 12, 80
+IMAGES_DIVISOR, SCANS_DIVISOR = 14, 80
 WIDTH, HEIGHT, ODOMETRY_HZ = 424, 318, 50
 
 #: In odom (m; the robot begins at its origin, looking along x): places to go to, and points to look at for so long (s).

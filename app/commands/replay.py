@@ -172,9 +172,12 @@ def _with_console(
 ) -> int:
     from app.console.security import check_token, is_loopback, new_token
     from app.console.server import listen
+    from app.replay.playback import FASTEST
     from app.replay.replay import Replay
     from app.runtime.replay_clock import ReplayClock
 
+    if args.speed is not None and FASTEST < args.speed < math.inf:
+        raise ConfigError(f"--speed {args.speed:g}: with the console at most {FASTEST:g}, or max")
     past = opened()  # read beside the body, in a thread of its own
     stack.callback(past.close)
     begin = log.info.begin if options.begin is None else options.begin

@@ -42,6 +42,7 @@ TOLERANCES: Mapping[str, float | str] = {
     "channels.landmarks": 2,
     "qr_codes": 2,
     "landmarks": 0.02,
+    "landmarks.sigma": 0.005,
     "landmarks.sightings": 2,
     "clouds.points": "1 %",
     "clouds.mean": 0.01,

@@ -373,3 +373,12 @@ def test_cache_answers_equal_problems() -> None:
     statistics = solver.statistics()
     assert (statistics.hits, statistics.misses, statistics.size) == (1, 2, 2)
     assert solver.solve(problem([later], (SLAM, GOTO, *FACES), CPU)).strategies == ("slam", "go-to"), "another table"
+
+
+def test_an_untimed_cache_tells_no_times() -> None:
+    solver = CachedSolver(timed=False)
+    p = problem([desire("GoTo", 8)], (SLAM, GOTO), CPU)
+    first = solver.solve(p)
+    assert first.solve_time_s == 0.0
+    assert solver.recall(p) is first
+    assert first.strategies == solve(p).strategies

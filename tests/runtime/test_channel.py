@@ -378,3 +378,18 @@ async def test_adopting_an_inbox_ends_the_former_owners_wait(make: Make) -> None
     assert (await inbox.receive()).linear_mps == 1
     with pytest.raises(asyncio.CancelledError):
         await former
+
+
+@in_virtual_time
+async def test_an_observer_sees_everything_and_wants_nothing(make: Make) -> None:
+    numbers = channel()
+    seen: list[Twist] = []
+    end = numbers.observe(seen.append)
+    assert not numbers.wanted
+    messages = [make(value) for value in range(3)]
+    for message in messages:
+        numbers.publish(message)
+    end()
+    end()
+    numbers.publish(make(4))
+    assert seen == messages

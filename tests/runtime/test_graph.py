@@ -315,3 +315,30 @@ def test_decimation_begins_at_the_offset(divisor: int, offset: int, messages: in
     assert [rate_filter.offer() for _ in range(messages)] == [
         number >= offset and (number - offset) % divisor == 0 for number in range(messages)
     ]
+
+
+@given(st.integers(1, 5), st.integers(0, 6), st.integers(1, 5))
+def test_a_delay_counts_from_the_first_opening_and_only_once(divisor: int, offset: int, later: int) -> None:
+    bank, rate_filter = FilterBank(), RateFilter(CLOSED)
+    bank.add("M.p", rate_filter)
+    bank.delay(offset)
+    assert not any(rate_filter.offer() for _ in range(10))
+    bank.apply({"M.p": divisor})
+    passed = [number for number in range(40) if rate_filter.offer()]
+    assert passed == list(range(offset, 40, divisor))
+    bank.apply({"M.p": CLOSED})
+    bank.apply({"M.p": later})
+    assert rate_filter.offer()
+
+
+def test_a_delay_leaves_open_and_pinned_filters_alone() -> None:
+    bank = FilterBank()
+    opened, pinned = RateFilter(1), RateFilter(CLOSED)
+    bank.add("M.open", opened)
+    bank.add("M.pinned", pinned)
+    bank.pin("M.pinned", Pin(2, offset=1))
+    bank.delay(5)
+    assert opened.offer()
+    assert [pinned.offer() for _ in range(4)] == [False, True, False, True]
+    with pytest.raises(ValueError, match="a number of messages from 0, not -1"):
+        bank.delay(-1)

@@ -6,10 +6,12 @@ from collections.abc import Collection, Generator, Mapping
 from dataclasses import dataclass, field
 
 from app.recording.log import Log, Logged
+from app.recording.writer import weight
 
-#: One piece spans no more than this (s of the log), nor more messages: two of them are all that is held of a log.
+#: One piece spans no more than this (s of the log), nor more messages or memory: two are all that is held of a log.
 PIECE_S = 0.25
 PIECE_MESSAGES = 256
+PIECE_BYTES = 32_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,15 +43,18 @@ class LogSource:
         if self._messages is None:
             self._messages = self._read()
         piece: list[Logged] = []
+        held = 0
         if self._next is not None:
             piece.append(self._next)
+            held = weight(self._next.message)
             self._next = None
         for logged in self._messages:
             if piece and logged.at - piece[0].at > PIECE_S:
                 self._next = logged
                 break
             piece.append(logged)
-            if len(piece) >= PIECE_MESSAGES:
+            held += weight(logged.message)
+            if len(piece) >= PIECE_MESSAGES or held >= PIECE_BYTES:
                 break
         return piece
 
