@@ -102,8 +102,9 @@ async def _live(
     host, port = address_of(listener)
     announce = announcer("HBBA is up", host, port, token, open_browser=open_browser)
     log.info("starting", extra={"configuration": configuration.program_document.file})
-    async with System(configuration) as system:
-        app = create_app(system, token=token, host=host)
+    system = System(configuration)
+    app = create_app(system, token=token, host=host)  # takes long enough to be felt by who drives
+    async with system:
         console = asyncio.create_task(serve(app, host, port, listener=listener, started=announce), name="console")
         failure = asyncio.create_task(system.wait_failed(), name="body's failure")
         try:

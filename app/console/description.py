@@ -32,7 +32,11 @@ _TAGS = [
 
 
 def describe(app: FastAPI, prefix: str) -> None:
-    """Serve ``openapi.json`` and ``docs`` under ``prefix``; must come after the routes it describes."""
+    """Serve ``openapi.json`` and ``docs`` under ``prefix``; must come after the routes it describes.
+
+    ``app.openapi()`` takes a tenth of a second the first time, long enough to be felt by who drives: call it before
+    anybody does, off the event loop.
+    """
 
     def document() -> dict[str, Any]:
         if app.openapi_schema is None:
@@ -41,9 +45,6 @@ def describe(app: FastAPI, prefix: str) -> None:
 
     # mypy takes a method for something that cannot be replaced.
     app.openapi = document  # type: ignore[method-assign]
-
-    # Now: it takes long enough to be felt by who drives.
-    document()
 
     @app.get(f"{prefix}/openapi.json", include_in_schema=False)
     async def openapi() -> Response:
