@@ -35,15 +35,16 @@ def add_parser(subparsers: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Do it. Exit code 2 for a person's mistake or a log that cannot be read, 1 where what was asked for failed."""
+    """Do it. Exit code 2 for a person's mistake or a log that cannot be read, 1 where the disk does not take it."""
     from app.recording.log import LogError
+    from app.recording.output import DiskTrouble
 
     doing = {"info": _info, "cut": _cut, "repair": _repair, "export": _export, None: _list, "list": _list}[args.action]
     try:
         return doing(args)
     except LogError as failure:
         print(f"hbba log: {failure}", file=sys.stderr)
-        return 2
+        return 1 if isinstance(failure, DiskTrouble) else 2
 
 
 # --- list and info -----------------------------------------------------------------------------------------------
@@ -74,9 +75,12 @@ def _add_info(actions: Any) -> None:
 
 
 def _info(args: argparse.Namespace) -> int:
+    from app.commands.log_progress import shown
     from app.commands.log_report import look_into, print_contents
 
-    contents = look_into(find_log(args.file), _remap(args.remap))
+    path = find_log(args.file)
+    with shown(f"look through {path.name}") as progress:
+        contents = look_into(path, _remap(args.remap), progress)
     print_contents(contents, as_json=args.json)
     return 0 if contents.state == "complete" else 1
 
@@ -162,7 +166,7 @@ def _add_export(actions: Any) -> None:
     _add_channels(parser, "only these channels (default: all that can be written so)")
     parser.add_argument("--every", type=_whole, default=1, metavar="N", help="png, pcd, csv: only one of N messages")
     parser.add_argument("--remap", type=Path, metavar="FILE", help="which topics of a ROS bag are which channels")
-    _add_out(parser, "the folder (default: one named as the log, here)", "FOLDER")
+    _add_out(parser, "the folder (default: FILE-export, here)", "FOLDER")
 
 
 def _export(args: argparse.Namespace) -> int:
@@ -174,7 +178,7 @@ def _export(args: argparse.Namespace) -> int:
     log = open_log(path, _remap(args.remap))
     try:
         begin, end = _times(args, log.info.begin, log.info.end)
-        wish = Wish(args.kind, args.out or Path(path.stem), args.channels, begin, end, args.every, args.force)
+        wish = Wish(args.kind, args.out or Path(f"{path.stem}-export"), args.channels, begin, end, args.every, args.force)
         with shown(f"export {path.name}") as progress:
             result = export(log, wish, progress)
     finally:

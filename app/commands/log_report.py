@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import datetime
 from pathlib import Path
 from typing import Any, Literal
 
-from rich.console import Console
-from rich.table import Table
-
 from app.recording.catalog import Recording
+from app.recording.foreign.remap import Remap
 from app.recording.library import RecordingLibrary
 from app.recording.log import LogError
 from app.recording.mcap_file import is_being_written
 from app.recording.open import open_log
+from app.recording.output import Progress, unwatched
 from app.recording.repair import RepairReport, examine
 from app.recording.salvage import MAGIC
 from app.recording.sizes import channel_bytes
@@ -63,18 +62,21 @@ class Contents:
     ignored: Mapping[str, str]
 
 
-def look_into(path: Path, remap: Any = None) -> Contents:
-    """Everything there is to say. Raises LogError where it is no log at all, ConfigError for a bad ``remap``."""
+def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwatched) -> Contents:
+    """Everything there is to say. Raises LogError where it is no log at all, or a bag that ``remap`` does not fit.
+
+    Reads what stands at a file's end; all of it only where that is missing (``progress`` counts the bytes).
+    """
     try:
         log = open_log(path, remap)
+        try:
+            info, manifest = log.info, log.manifest
+        finally:
+            log.close()
     except LogError as failure:
         if not _is_mcap(path):
             raise
-        return _unreadable(path, failure)
-    try:
-        info, manifest = log.info, log.manifest
-    finally:
-        log.close()
+        return _unreadable(path, failure, progress)
     sizes = channel_bytes(path) if _is_mcap(path) else {}
     channels = tuple(
         ChannelContents(
@@ -114,9 +116,9 @@ def _is_mcap(path: Path) -> bool:
         return False
 
 
-def _unreadable(path: Path, failure: LogError) -> Contents:
+def _unreadable(path: Path, failure: LogError, progress: Progress) -> Contents:
     """What can be told of an MCAP file that does not open. Raises ``failure`` where it is well, but not for us."""
-    found = examine(path)
+    found = examine(path, progress)
     if found.healthy:
         raise failure
     state: State = "damaged" if found.finished else "unfinished"
@@ -160,9 +162,8 @@ def print_contents(contents: Contents, *, as_json: bool) -> None:
     if contents.problem:
         print(f"\nThis log {contents.problem}.")
         return
-    console = Console(soft_wrap=True)
-    print()
-    console.print(_channel_table(contents.channels))
+    head = ("channel", "type", "messages", "Hz", "nominal", "bytes")
+    print("", *table(head, _channel_rows(contents.channels), {2, 3, 4, 5}), sep="\n")
     if contents.files:
         print("\nAttached")
         for attached in contents.files:
@@ -173,22 +174,30 @@ def print_contents(contents: Contents, *, as_json: bool) -> None:
             print(f"  {topic}: {reason}")
 
 
-def _channel_table(channels: Iterable[ChannelContents]) -> Table:
-    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
-    table.add_column("channel")
-    table.add_column("type")
-    for name in ("messages", "Hz", "nominal", "bytes"):
-        table.add_column(name, justify="right")
-    for channel in channels:
-        table.add_row(
+def _channel_rows(channels: Iterable[ChannelContents]) -> list[tuple[str, ...]]:
+    return [
+        (
             channel.name,
             channel.type,
             str(channel.messages),
             "–" if channel.rate_hz is None else f"{channel.rate_hz:.4g}",
-            "–" if channel.nominal_hz is None else f"{channel.nominal_hz:g}",
+            "–" if channel.nominal_hz is None else f"{channel.nominal_hz:.4g}",
             "–" if channel.bytes is None else size(channel.bytes),
         )
-    return table
+        for channel in channels
+    ]
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]], right: Collection[int]) -> list[str]:
+    """Lines of aligned columns, those of ``right`` to the right; never wrapped, so that others can read them."""
+    widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
+    return [
+        "  ".join(
+            cell.rjust(width) if index in right else cell.ljust(width)
+            for index, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in (head, *rows)
+    ]
 
 
 def print_recordings(recordings: Iterable[Recording], library: RecordingLibrary) -> None:
@@ -197,13 +206,8 @@ def print_recordings(recordings: Iterable[Recording], library: RecordingLibrary)
     if not found:
         print(f"There are no recordings in {library.folder} yet.")
         return
-    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
-    for name, justify in (("name", "left"), ("began", "left"), ("length", "right"), ("size", "right")):
-        table.add_column(name, justify="right" if justify == "right" else "left")
-    table.add_column("robot")
-    table.add_column("state")
-    for each in found:
-        table.add_row(
+    rows = [
+        (
             each.name,
             date(each.modified if each.begin is None else each.begin),
             "–" if each.duration_s is None else clock(each.duration_s),
@@ -211,7 +215,9 @@ def print_recordings(recordings: Iterable[Recording], library: RecordingLibrary)
             each.robot or "–",
             _state(each, library),
         )
-    Console(soft_wrap=True).print(table)
+        for each in found
+    ]
+    print(*table(("name", "began", "length", "size", "robot", "state"), rows, {2, 3}), sep="\n")
     print(f"\n{len(found)} in {library.folder}, {size(library.free_bytes())} free")
 
 
@@ -239,14 +245,16 @@ def repair_lines(report: RepairReport) -> list[str]:
     ]
     if lost:
         share = 100 * report.unreadable_bytes / report.bytes
-        lines.append(f"Missing in all: {size(report.unreadable_bytes)} ({share:.2g} % of the file)")
+        lines.append(f"Missing in all: at most {size(report.unreadable_bytes)} ({share:.2g} % of the file)")
     if report.orphans:
         lines.append(f"{report.orphans} records were left out: nothing tells any more what they are.")
     return lines
 
 
 def _missing(seconds: float | None) -> str:
-    return "how much time is missing is not known" if seconds is None else f"at most {seconds:.3f} s are missing"
+    if seconds is None:
+        return "how much time is missing is not known"
+    return "less than 1 ms is missing" if seconds < 0.001 else f"at most {seconds:.3f} s are missing"
 
 
 def date(seconds: float) -> str:

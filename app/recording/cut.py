@@ -180,7 +180,11 @@ def _wanted(path: Path, summary: Summary, channels: Collection[str] | None) -> d
     }
     known = set().union(*names.values()) if names else set()
     if unknown := sorted(set(channels) - known):
-        ours = {channel.metadata.get(layout.CHANNEL, channel.topic) for channel in summary.channels.values()}
+        ours = {
+            channel.metadata.get(layout.CHANNEL, channel.topic)
+            for channel in summary.channels.values()
+            if layout.DERIVED not in channel.metadata
+        }
         raise no_such_channel(path, unknown, ours)
     return {number: summary.channels[number] for number, mine in names.items() if mine & set(channels)}
 

@@ -15,6 +15,11 @@ from mcap.writer import CompressionType, Writer
 from app.recording.log import LogError
 from app.recording.mcap_layout import CHUNK_SIZE
 
+
+class DiskTrouble(LogError):
+    """The disk is full or refuses; nobody asked for anything wrong."""
+
+
 #: Told how far a long work is: done, of how much (bytes, or nanoseconds of the log; only their ratio matters).
 Progress = Callable[[int, int], None]
 
@@ -36,7 +41,7 @@ def replacing(path: Path, force: bool = False) -> Iterator[Path]:
     """A name beside ``path`` to write to; renamed to ``path`` when all went well, deleted on any exception.
 
     Where nothing was written there, or it was deleted again, ``path`` does not come to be.
-    Raises LogError where ``path`` exists and ``force`` is not given, or where the disk is full or refuses.
+    Raises LogError where ``path`` exists and ``force`` is not given, DiskTrouble where the disk is full or refuses.
     """
     check_new(path, force)
     # The suffix stays the last part: writers of video choose the container by it.
@@ -54,11 +59,11 @@ def replacing(path: Path, force: bool = False) -> Iterator[Path]:
         part.unlink(missing_ok=True)
 
 
-def disk_trouble(failure: OSError, path: Path) -> LogError:
+def disk_trouble(failure: OSError, path: Path) -> DiskTrouble:
     """What an error of the disk under ``path`` means to people."""
     if failure.errno in (errno.ENOSPC, errno.EDQUOT):
-        return LogError(f"the disk under {path.parent} is full: {path.name} was not written")
-    return LogError(f"{path} cannot be written: {failure.strerror or failure}")
+        return DiskTrouble(f"the disk under {path.parent} is full: {path.name} was not written")
+    return DiskTrouble(f"{path} cannot be written: {failure.strerror or failure}")
 
 
 def durable(stream: IO[bytes]) -> None:

@@ -110,7 +110,13 @@ def scan(data: Buffer) -> Iterator[Sound | Broken]:
         if end == size and broken.remains and broken.end > size:
             # Cut off rather than damaged: what was written of the chunk is as it was meant.
             yield Sound(Opcode.CHUNK, position, end, _whole_records(broken.remains), whole=False)
-            yield Broken(position, end, "the file ends within a chunk", broken.begin_ns, broken.end_ns)
+            yield Broken(
+                position,
+                end,
+                "the file ends within a chunk, whose readable begin was kept",
+                broken.begin_ns,
+                broken.end_ns,
+            )
             return
         what = "the file ends within a record" if end == size and broken.end > size else broken.what
         yield Broken(position, end, what, broken.begin_ns, broken.end_ns, broken.remains)

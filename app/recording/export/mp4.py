@@ -21,6 +21,7 @@ from app.messages import EncodedImage, Image
 from app.recording.export.png import rgb_of
 from app.recording.export.target import Target, Unsurveyed, Write
 from app.recording.log import LogError, LoggedChannel
+from app.recording.output import DiskTrouble, disk_trouble
 
 if TYPE_CHECKING:
     from av import VideoStream
@@ -38,7 +39,7 @@ class Video(Protocol):
         ...
 
     def close(self) -> str:
-        """End the file; returns what it is, for people. Raises LogError where it could not be written."""
+        """End the file; returns what it is, for people. Raises DiskTrouble where it could not be written."""
         ...
 
 
@@ -99,6 +100,7 @@ class ExactVideo:
     def __init__(self, path: Path, size: tuple[int, int], rate_hz: float) -> None:
         import av
 
+        self._path = path
         self._frame = av.VideoFrame
         self._failure = av.error.FFmpegError
         self._file = av.open(str(path), "w", format="mp4", options={"movflags": "faststart"})
@@ -122,7 +124,7 @@ class ExactVideo:
         try:
             self._file.mux(self._stream.encode(frame))
         except self._failure as failure:
-            raise LogError(f"the video cannot be written: {failure}") from failure
+            raise disk_trouble(OSError(failure.errno, failure.strerror), self._path) from failure
 
     def close(self) -> str:
         """End the file."""
@@ -130,7 +132,7 @@ class ExactVideo:
             self._file.mux(self._stream.encode(None))
             self._file.close()
         except self._failure as failure:
-            raise LogError(f"the video cannot be written: {failure}") from failure
+            raise disk_trouble(OSError(failure.errno, failure.strerror), self._path) from failure
         return self._what
 
 
@@ -155,14 +157,14 @@ class ConstantRateVideo:
         self._shown = np.ascontiguousarray(image[..., ::-1])
 
     def close(self) -> str:
-        """End the file. Raises LogError where frames are missing: OpenCV does not say that a disk is full."""
+        """End the file. Raises DiskTrouble where frames are missing: OpenCV does not say that a disk is full."""
         self._fill(self._slot + 1)
         self._writer.release()
         check = cv2.VideoCapture(str(self._path), cv2.CAP_FFMPEG)
         found = int(check.get(cv2.CAP_PROP_FRAME_COUNT)) if check.isOpened() else 0
         check.release()
         if found != self._frames:
-            raise LogError(f"{found} of {self._frames} frames were written; is the disk full?")
+            raise DiskTrouble(f"{self._path}: {found} of {self._frames} frames were written; is the disk full?")
         return f"VP9 at {self._rate:g} frames a second; the extra hbba[video] makes H.264, and much faster"
 
     def _fill(self, until: int) -> None:

@@ -21,7 +21,7 @@ Points = NDArray[np.float32]
 
 
 class Pcd(Unsurveyed):
-    """``<channel>/<stamp>.pcd``."""
+    """``<channel>-points/<stamp>.pcd``."""
 
     def accepts(self, message_type: type[Any]) -> bool:
         """Point clouds, scans, and images, which may have depth."""
@@ -37,7 +37,7 @@ class Pcd(Unsurveyed):
             nonlocal folder, count
             if isinstance(message, Image) and message.depth is None:
                 return
-            folder = folder or target.subfolder(channel.name)
+            folder = folder or target.subfolder(f"{channel.name}-points")
             folder.put(f"{stamp_name(message.stamp)}.pcd", pcd(*cloud_of(message)))
             count += 1
 

@@ -31,8 +31,8 @@ def read_pcd(path: Path) -> tuple[dict[str, str], NDArray[np.void]]:
 
 
 def only(message: PointCloud | LaserScan | Image, folder: Path) -> NDArray[np.void]:
-    export(MemoryLog([Logged(BEGIN, "points", message)]), Wish("pcd", folder))
-    (file,) = (folder / "points").iterdir()
+    export(MemoryLog([Logged(BEGIN, "seen", message)]), Wish("pcd", folder))
+    (file,) = (folder / "seen-points").iterdir()
     assert file.name == "1790000000.500000.pcd"
     header, points = read_pcd(file)
     assert header["VERSION"] == "0.7"

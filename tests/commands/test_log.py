@@ -1,0 +1,309 @@
+"""``hbba log``: what it prints, writes, refuses, and leaves behind when it is interrupted."""
+
+from __future__ import annotations
+
+import csv
+import errno
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from datetime import datetime
+from pathlib import Path
+
+import pytest
+
+from app import cli
+from app.commands.log import moment
+from app.commands.log_report import clock, size
+from app.recording import output
+from app.recording.manifest import YAML, AttachedFile, Manifest
+from app.recording.mcap_file import create
+from app.recording.mcap_log import McapLog
+from tests.recording.mcap_files import BEGIN, drive, write_log
+
+MANIFEST = Manifest(
+    (AttachedFile("lab.yaml", YAML, b"robot: robot.yaml\n"),),
+    {"program": "lab.yaml", "robot": "IRL-1/TR", "version": "0.1.0", "commit": "abcdef123456"},
+)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_log(tmp_path_factory.mktemp("made") / "tour.mcap", drive(2.0), manifest=MANIFEST)
+
+
+@pytest.fixture
+def library(made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder of recordings with one in it, `tour`; the current folder is another, empty one."""
+    folder, here = tmp_path / "recordings", tmp_path / "here"
+    folder.mkdir()
+    here.mkdir()
+    shutil.copy(made, folder / "tour.mcap")
+    monkeypatch.setenv("HBBA_RECORDINGS", str(folder))
+    monkeypatch.chdir(here)
+    return folder
+
+
+def hbba(*arguments: str) -> int:
+    return cli.main(["log", *arguments])
+
+
+def damage(path: Path) -> None:
+    """Flip a byte in the middle of the file, which is in a chunk."""
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 0xFF
+    path.write_bytes(data)
+
+
+def cut_off(path: Path, share: float = 0.7) -> None:
+    os.truncate(path, int(share * path.stat().st_size))
+
+
+# --- list and info -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("arguments", [(), ("list",)])
+def test_the_list_says_size_length_and_state(
+    arguments: tuple[str, ...], library: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shutil.copy(library / "tour.mcap", library / "killed.mcap")
+    cut_off(library / "killed.mcap")
+    assert hbba(*arguments) == 0
+    out = capsys.readouterr().out
+    rows = {line.split()[0]: line for line in out.splitlines() if line}
+    assert "2.0 s" in rows["tour"]
+    assert rows["tour"].endswith("IRL-1/TR  complete")
+    assert rows["killed"].endswith("unfinished")
+    assert f"2 in {library}" in out
+
+
+def test_an_empty_library_is_said_to_be_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("HBBA_RECORDINGS", str(tmp_path / "none"))
+    assert hbba() == 0
+    assert capsys.readouterr().out == f"There are no recordings in {tmp_path / 'none'} yet.\n"
+
+
+def test_info_finds_a_recording_by_its_name(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert hbba("info", "tour") == 0
+    out = capsys.readouterr().out
+    rows = {line.split()[0]: line.split() for line in out.splitlines() if line}
+    assert rows["robot"][1:] == ["IRL-1/TR"]
+    assert rows["commit"][1:] == ["abcdef123456"]
+    assert rows["begin"][1] == datetime.fromtimestamp(BEGIN).strftime("%Y-%m-%d")
+    assert rows["scan"][1:3] == ["LaserScan", "80"]
+    assert float(rows["scan"][3]) == pytest.approx(40, abs=0.5)
+    assert rows["lab.yaml"][1:] == ["18", "B"]
+
+
+def test_info_as_json_counts_what_each_channel_takes(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert hbba("info", "tour", "--json") == 0
+    told = json.loads(capsys.readouterr().out)
+    assert (told["state"], told["format"], told["facts"]["robot"]) == ("complete", "HBBA MCAP", "IRL-1/TR")
+    assert told["bytes"] == (library / "tour.mcap").stat().st_size
+    channels = {channel["name"]: channel for channel in told["channels"]}
+    assert channels["kinect"]["messages"] == 30
+    assert channels["kinect"]["nominal_hz"] == 15
+    # Depth is kept raw, 48 x 64 of two bytes, and ranges and intensities four bytes a ray.
+    assert 30 * 48 * 64 * 2 < channels["kinect"]["bytes"] < 30 * (48 * 64 * 2 + 6000)
+    assert 80 * 720 * 8 < channels["scan"]["bytes"] < 80 * (720 * 8 + 700)
+
+
+def test_info_of_an_unfinished_log_says_what_can_be_read_and_what_to_do(
+    library: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cut_off(library / "tour.mcap")
+    assert hbba("info", "tour") == 1
+    out = capsys.readouterr().out
+    assert "unfinished; readable are" in out
+    assert "`hbba log repair` makes it readable" in out
+    assert hbba("info", "tour", "--json") == 1
+    told = json.loads(capsys.readouterr().out)
+    assert told["state"] == "unfinished"
+    assert told["messages"] > 100
+
+
+def test_a_recording_in_the_making_is_told_from_an_abandoned_one(
+    library: Path, made: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = create(library / "now.mcap")
+    try:
+        file.write(memoryview(made.read_bytes()[:30_000]))
+        assert hbba("info", "now") == 1
+        assert "is being recorded now" in capsys.readouterr().out
+        assert hbba("repair", "now", "--in-place") == 2
+        assert "is being recorded now" in capsys.readouterr().err
+    finally:
+        file.close()
+
+
+@pytest.mark.parametrize("content", [b"", b"no log", b"\x89MCAP0\r\nwhat is this"])
+def test_what_is_no_log_is_one_sentence(
+    content: bytes, library: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "thing.mcap"
+    file.write_bytes(content)
+    for action in (["repair"], ["cut"], ["export"]):
+        assert hbba(*action, str(file), *(["png"] if action == ["export"] else [])) == 2
+        error = capsys.readouterr().err
+        assert error.startswith("hbba log: ")
+        assert str(file) in error
+        assert error.count("\n") == 1
+
+
+def test_a_name_that_is_not_there_is_said(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert hbba("info", "tuor") == 2
+    assert f"no recording of that name in {library}" in capsys.readouterr().err
+
+
+# --- cut and repair ----------------------------------------------------------------------------------------------
+
+
+def test_cut_from_the_library_into_a_file_beside_it(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert hbba("cut", "tour", "--from", "0.5", "--to", "0:01.5") == 0
+    assert capsys.readouterr().out.startswith(f"{library / 'tour-cut.mcap'}: 1.0 s from 0.5 s to 1.5 s, ")
+    log = McapLog(library / "tour-cut.mcap")
+    assert log.info.begin == pytest.approx(BEGIN + 0.5, abs=0.02)
+    assert log.info.end == pytest.approx(BEGIN + 1.5, abs=0.02)
+    log.close()
+    assert hbba("cut", "tour") == 2
+    assert "exists already; --force replaces it" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--from", "5"], "the log has 1.99"),
+        (["--from", "1", "--to", "0.5"], "--to must not be before --from"),
+        (["--to", "2001-01-01T12:00"], "the log has 1.99"),
+        (["--channels", "laser"], "there is no channel laser; there are joints, kinect, link_status, odometry, scan"),
+    ],
+)
+def test_a_cut_that_makes_no_sense_is_refused(
+    arguments: list[str], sentence: str, library: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert hbba("cut", "tour", *arguments) == 2
+    assert sentence in capsys.readouterr().err
+    assert [each.name for each in library.iterdir()] == ["tour.mcap"]
+
+
+def test_repair_says_what_was_recovered_and_what_is_missing(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    damage(library / "tour.mcap")
+    assert hbba("cut", "tour") == 2
+    assert "hbba log repair" in capsys.readouterr().err
+    assert hbba("repair", "tour") == 0
+    out = capsys.readouterr().out
+    assert f"{library / 'tour-repaired.mcap'}: recovered " in out
+    assert "a chunk: " in out
+    assert " s are missing" in out
+    assert "% of the file)" in out
+    assert hbba("info", "tour-repaired") == 0
+    capsys.readouterr()
+    assert hbba("repair", "tour-repaired") == 0
+    assert "there is nothing to repair" in capsys.readouterr().out
+
+
+def test_repair_in_place_replaces_the_file(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    cut_off(library / "tour.mcap")
+    assert hbba("repair", "tour", "--in-place") == 0
+    assert hbba("info", "tour") == 0
+    assert [each.name for each in library.iterdir()] == ["tour.mcap"]
+
+
+def test_a_full_disk_is_said_and_leaves_nothing(
+    library: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def full(_: int) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(output.os, "fsync", full)
+    assert hbba("cut", "tour") == 1
+    assert f"the disk under {library} is full: tour-cut.mcap was not written" in capsys.readouterr().err
+    assert [each.name for each in library.iterdir()] == ["tour.mcap"]
+
+
+@pytest.mark.slow
+@pytest.mark.blocking(reason="waits for another process")
+def test_ctrl_c_leaves_no_half_file(made: Path, tmp_path: Path) -> None:
+    # Long enough to be met in the middle: thousands of small files.
+    command = [sys.executable, "-c", "import sys; from app.cli import main; sys.exit(main())"]
+    arguments = ["log", "export", str(made), "pcd", "-o", str(tmp_path / "out")]
+    child = subprocess.Popen([*command, *arguments], cwd=Path(__file__).parents[2], stderr=subprocess.PIPE, text=True)
+    with child:
+        while child.poll() is None and not list(tmp_path.glob("out/*/*.pcd")):
+            os.sched_yield()
+        child.send_signal(signal.SIGINT)
+        _, errors = child.communicate(timeout=30)
+    assert child.returncode in (0, 130)  # 0: it was quicker than us
+    assert errors == ""
+    assert list(tmp_path.rglob("*.part*")) == []
+    for file in tmp_path.rglob("*.pcd"):
+        assert file.stat().st_size > 200
+
+
+# --- export ------------------------------------------------------------------------------------------------------
+
+
+def test_export_into_a_folder_named_after_the_log(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert hbba("export", "tour", "csv", "--channels", "odometry,joints", "--from", "1") == 0
+    folder = Path("tour-export")
+    assert sorted(each.name for each in folder.iterdir()) == ["joints.csv", "odometry.csv"]
+    with (folder / "odometry.csv").open(newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert len(rows) == 100
+    assert float(rows[0]["stamp_s"]) == pytest.approx(BEGIN + 1)
+    assert f"tour-export/odometry.csv: {len(rows)} rows" in capsys.readouterr().out
+
+
+def test_every_kind_of_file_comes_out_of_a_recording(library: Path) -> None:
+    for kind in ("png", "mp4", "csv", "pcd"):
+        assert hbba("export", "tour", kind, "--to", "0.4") == 0
+    assert sorted(each.name for each in Path("tour-export").iterdir()) == [
+        "joints.csv", "kinect", "kinect-depth", "kinect-points", "kinect.mp4", "link_status.csv", "odometry.csv",
+        "scan-points", "scan.csv",
+    ]  # fmt: skip
+
+
+def test_a_log_without_sound_says_so(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert hbba("export", "tour", "wav") == 2
+    assert "the log has no sound" in capsys.readouterr().err
+    assert list(Path().iterdir()) == []
+
+
+def test_a_channel_of_another_kind_is_refused(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert hbba("export", "tour", "mp4", "--channels", "scan") == 2
+    assert "scan holds LaserScan, which mp4 does not; it could hold kinect" in capsys.readouterr().err
+
+
+# --- Times and sizes ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "seconds"), [("0", 0), ("90.5", 90.5), ("1:30", 90), ("1:02:03.5", 3723.5), ("00:07", 7)]
+)
+def test_times_count_from_the_begin(text: str, seconds: float) -> None:
+    assert moment(text)(BEGIN) == BEGIN + seconds
+
+
+def test_a_date_is_that_moment_whatever_the_begin() -> None:
+    assert moment("2026-03-14T15:09:26+01:00")(BEGIN) == 1_773_497_366
+    assert moment("2026-03-14 15:09:26")(BEGIN) == datetime(2026, 3, 14, 15, 9, 26).timestamp()
+
+
+@pytest.mark.parametrize("text", ["x", "1:x", "-5", "1:2:3:4", "", "nan", "2026-13-01"])
+def test_what_is_no_time_is_refused(text: str, library: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        hbba("cut", "tour", f"--from={text}")
+    assert left.value.code == 2
+    assert "a time is seconds from the log's begin" in capsys.readouterr().err
+
+
+def test_lengths_and_sizes_for_people() -> None:
+    assert [clock(seconds) for seconds in (0.04, 59.94, 61.26, 3723.5)] == ["0.0 s", "59.9 s", "1:01.3", "1:02:03"]
+    assert [size(count) for count in (12, 999, 1500, 999_900, 12_340_000_000)] == [
+        "12 B", "999 B", "1.5 kB", "1 MB", "12.3 GB",
+    ]  # fmt: skip
