@@ -65,8 +65,7 @@ def create_app(
             yield
         finally:
             hub.close()
-            await replays.close()
-            await view.close()
+            await asyncio.gather(replays.close(), view.close())
 
     # FastAPI's own documentation pages load scripts from elsewhere; ours need nothing but this server.
     app = FastAPI(lifespan=lifespan, openapi_url=None, docs_url=None, redoc_url=None)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import httpx
+import psutil
 import pytest
 from fastapi import FastAPI
 
@@ -380,6 +381,15 @@ async def test_a_replay_is_reached_as_this_console_is(client: httpx.AsyncClient,
     assert (await client.delete("/recordings/tour/replay")).status_code == 204
     assert (await listed(client))["replay"] is None
     is_problem(await client.delete("/recordings/tour/replay"), 404, "no-such-replay")
+
+
+async def test_a_replay_ends_with_its_console(app: FastAPI, tour: bytes) -> None:
+    app.state.replays.command = ("sh", "-c", 'echo "HBBA is up: http://127.0.0.1:4711/#$$ "; exec sleep 60')
+    async with app.router.lifespan_context(app):
+        transport = httpx.ASGITransport(app)
+        async with httpx.AsyncClient(transport=transport, base_url="http://127.0.0.1:8080/api/v1") as client:
+            url = (await client.post("/recordings/tour/replay")).json()["url"]
+    assert not psutil.pid_exists(int(url.partition("#")[2]))
 
 
 async def test_a_replay_that_fails_says_why(client: httpx.AsyncClient, app: FastAPI, tour: bytes) -> None:
