@@ -1,5 +1,6 @@
 /** The transport of a recording: play, step, speed, and the timeline to be dragged. */
 
+import type { ComponentChildren } from "preact";
 import { useApp } from "../state/context";
 import { clockSpan, clockTime, number } from "../ui/format";
 import { BackIcon, PauseIcon, PlayIcon, ReplayIcon, StepIcon } from "../ui/icons";
@@ -115,7 +116,7 @@ function Button(props: {
   keys: string;
   main?: boolean;
   onPress: () => void;
-  children: preact.ComponentChildren;
+  children: ComponentChildren;
 }) {
   return (
     <button

@@ -41,7 +41,7 @@ export class RecordingControl {
     effect(() => {
       if (this.shown.value) void this.refresh();
     });
-    window.setInterval(() => this.shown.peek() && !document.hidden && void this.refresh(), REFRESH_MS);
+    setInterval(() => this.shown.peek() && !document.hidden && void this.refresh(), REFRESH_MS);
   }
 
   async record(options: { name?: string; keep_minutes?: number }): Promise<boolean> {
@@ -132,7 +132,7 @@ export class RecordingControl {
   private wait(what: Pending): void {
     this.pending.value = what;
     clearTimeout(this.timer);
-    if (what) this.timer = window.setTimeout(() => this.lostPatience(), PATIENCE_MS);
+    if (what) this.timer = setTimeout(() => this.lostPatience(), PATIENCE_MS);
   }
 
   private lostPatience(): void {
