@@ -85,6 +85,9 @@ class Ring:
         self._standing: dict[str, tuple[str, Any]] = {}
         self._number = 0
         self._segments: deque[Segment] = deque()
+        # Counted along: other threads read them while segments come and go.
+        self._closed_bytes = self._closed_messages = 0
+        self._discarded = False
         # The loop's threads hold segments while they copy them; the writer's thread deletes.
         self._held: dict[Path, int] = {}
         self._guard = threading.Lock()
@@ -97,12 +100,12 @@ class Ring:
     @property
     def bytes(self) -> int:
         """Bytes on disk."""
-        return sum(segment.bytes for segment in self._segments) + self._file.bytes
+        return self._closed_bytes + self._file.bytes
 
     @property
     def messages(self) -> int:
         """Messages kept."""
-        return sum(segment.messages for segment in self._segments) + self._file.messages
+        return self._closed_messages + self._file.messages
 
     def write(self, at: float, channel: str, message: Any) -> None:
         """Take a message that arrived ``at``. Raises UnrecordableMessage, OSError."""
@@ -154,6 +157,8 @@ class Ring:
                     del self._held[segment.path]
                     if segment not in self._segments:
                         _delete(segment)
+            if self._discarded and not self._held:
+                shutil.rmtree(self._home, ignore_errors=True)
 
     def _begin_segment(self, at: float) -> None:
         self._number += 1
@@ -174,15 +179,18 @@ class Ring:
         return McapFile(path, self._new_encoder(), manifest, at, self._topics, self._open_file)
 
     def _rotate(self, at: float) -> None:
-        self._file.close()
-        self._segments.append(
-            Segment(self._state_path, self._file.path, self._begin, self._end, self._file.bytes, self._file.messages)
-        )
+        file = self._file
+        file.close()
+        self._segments.append(Segment(self._state_path, file.path, self._begin, self._end, file.bytes, file.messages))
         self._begin_segment(at)
+        self._closed_bytes += file.bytes
+        self._closed_messages += file.messages
 
     def _forget(self, before: float) -> None:
         while self._segments and self._segments[0].end < before:
             old = self._segments.popleft()
+            self._closed_bytes -= old.bytes
+            self._closed_messages -= old.messages
             with self._guard:
                 if old.path not in self._held:
                     _delete(old)
@@ -194,6 +202,7 @@ class Ring:
                 if segment.path not in held:
                     _delete(segment)
             self._segments.clear()
+            self._discarded = True
             if not held:
                 shutil.rmtree(self._home, ignore_errors=True)
 
@@ -252,6 +261,11 @@ def rescue(
         saved = _save(state, whole, targets, progress)
     shutil.rmtree(home)
     return saved
+
+
+def size_of(home: Path) -> int:
+    """Bytes of the ring in ``home``."""
+    return sum(path.stat().st_size for path in home.glob(f"*{_SEGMENT}"))
 
 
 def begin_of(home: Path) -> float:

@@ -18,7 +18,7 @@ from app.messages import Message
 from app.runtime.activity import Activity
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import Clock
-from app.runtime.errors import ModuleFailed
+from app.runtime.errors import InboxOverflow, ModuleFailed
 from app.runtime.load import CpuMeter, MeteredCoroutine
 from app.runtime.ports import Input, Output
 from app.runtime.worker import ModuleWorker
@@ -151,6 +151,10 @@ class Module:
         """The message to publish once when attention closes output ``port``, or None."""
         return None
 
+    def overflowed(self, port: str, loss: InboxOverflow) -> None:
+        """Called once after the lossless input ``port`` lost messages; by default that is the module's failure."""
+        raise loss
+
     # --- for the runtime ---
 
     @property
@@ -219,7 +223,14 @@ class Module:
         return MeteredCoroutine(coroutine, self._context.meter)
 
     async def _serve(self, port: Input[M], handler: Callable[[M], Awaitable[None]]) -> None:
-        async for message in port.subscription:
+        while True:
+            try:
+                message = await anext(port.subscription)
+            except StopAsyncIteration:
+                return
+            except InboxOverflow as loss:
+                self.overflowed(port.name, loss)
+                continue
             await handler(message)
             if self._superseded:
                 # It outlived its cancellation; what comes now is for its successor.

@@ -46,12 +46,13 @@ def landmarks(at: float, text: str) -> Landmarks:
     return Landmarks(at, (Landmark(text, (1.0, 2.0, 0.5), 0.1, 3, at, at),))
 
 
-def image(at: float, seed: int = 0) -> Image:
-    """Noise: what no compression makes smaller."""
+def image(at: float, seed: int = 0, scale: int = 1) -> Image:
+    """Noise, which no compression makes smaller, 64 x 48 px times ``scale``."""
     rng = np.random.default_rng(seed)
-    color = read_only(rng.integers(0, 256, (48, 64, 3), dtype=np.uint8))
-    depth = read_only(rng.integers(0, 2**16, (48, 64), dtype=np.uint16))
-    camera = CameraModel(64, 48, 60.0, 60.0, 31.5, 23.5)
+    width, height = 64 * scale, 48 * scale
+    color = read_only(rng.integers(0, 256, (height, width, 3), dtype=np.uint8))
+    depth = read_only(rng.integers(0, 2**16, (height, width), dtype=np.uint16))
+    camera = CameraModel(width, height, 60.0 * scale, 60.0 * scale, 0.5 * (width - 1), 0.5 * (height - 1))
     return Image(at, "kinect_optical_frame", color, depth, camera, Pose3(np.eye(3), np.zeros(3)))
 
 

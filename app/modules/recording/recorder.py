@@ -13,6 +13,7 @@ it does not record it takes and forgets. Disk and encoding are the writer's thre
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Awaitable, Callable, Coroutine, Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -21,22 +22,30 @@ from typing import Any, ClassVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from app.attention.timeline import EventKind
-from app.messages import EventRecord, Message, ModuleRecord, RecorderStatus
+from app.messages import EventRecord, Image, Message, ModuleRecord, PointCloud, RecorderStatus
 from app.recording.control import RecorderControl, RecorderUnavailable
 from app.recording.file_sink import FileSink
 from app.recording.library import RecordingLibrary, default_name
 from app.recording.log import LogError
 from app.recording.manifest import Manifest
 from app.recording.mcap_file import OpenFile, create
-from app.recording.ring import SEGMENT_S, Hold, Ring, begin_of, leftovers, rescue
+from app.recording.ring import SEGMENT_S, Hold, Ring, begin_of, leftovers, rescue, size_of
 from app.recording.ros.encoder import Encoder
 from app.recording.writer import MEGABYTE, Limits, RecordingWriter, Sink, in_words
 from app.runtime.channel_table import ChannelSpec, ChannelTable
+from app.runtime.errors import InboxOverflow
 from app.runtime.module import Module, ModuleContext, Settings
 from app.runtime.ports import Input
 
 #: Closing a file takes less than this (s); a disk that needs longer is left to finish in its own thread.
 CLOSING_S = 0.4
+
+
+#: Room (messages) for what comes in one go after the loop stood still; what finds none is counted as dropped.
+INBOX = 1024
+#: ... of messages of a megabyte and more.
+LARGE_INBOX = 32
+LARGE = (Image, PointCloud)
 
 
 class EventPattern(BaseModel):
@@ -78,6 +87,7 @@ class Recorder(Module):
         super().__init__(context)
         self.status = self.output("status", RecorderStatus)
         self._meter = context.meter
+        self._lost_before = 0
         self._inputs = context.inputs
         for port in context.inputs.values():
             self.on(port, self._taker(port))
@@ -100,8 +110,9 @@ class Recorder(Module):
         return {name: name for name, spec in channels.items() if spec.log != "never"}
 
     def accept(self, name: str, message_type: type[Message]) -> None:
-        """Take any channel, losing nothing."""
-        port = self.input(name, message_type, capacity=256, lossless=True)
+        """Take any channel, losing nothing while the loop comes round every second or two."""
+        capacity = LARGE_INBOX if message_type in LARGE else INBOX
+        port = self.input(name, message_type, capacity=capacity, lossless=True)
         self.on(port, self._taker(port))
 
     async def start(self) -> None:
@@ -136,7 +147,12 @@ class Recorder(Module):
             self._end(discard=True)
             if self._wanted:
                 self._begin()
+                self._keep(self._rescue(), "rescue")
         self._publish()
+
+    def overflowed(self, port: str, loss: InboxOverflow) -> None:
+        """Say it, and go on: what was lost is counted in the status."""
+        self.log.warning("%s", loss)
 
     async def save_ring(self, minutes: float | None, name: str | None) -> str:
         """See ``RecorderControl.save_ring``; also raises ValueError for a name that may not be."""
@@ -152,7 +168,7 @@ class Recorder(Module):
         try:
             hold = await asyncio.wrap_future(writer.call(lambda sink: _hold(sink, now, seconds)))
             with hold:
-                await self._in_thread(self._check_room, hold)
+                await self._in_thread(self._check_room, hold.bytes)
                 path: Path = await self._in_thread(hold.save, candidates, self._progress("saving the ring"))
         except OSError as error:
             raise LogError(in_words(error)) from error
@@ -187,6 +203,7 @@ class Recorder(Module):
             too_slow_after_s=settings.too_slow_after_s,
         )
         self._turns = self._keep_s > 0
+        self._lost_before = self._lost()
         at, keep_s, name = self.clock.now(), self._keep_s, str(self._wanted.get("name", ""))
         self._writer = RecordingWriter(
             lambda: self._open(at, keep_s, name),
@@ -230,7 +247,7 @@ class Recorder(Module):
         writer = self._writer
         if writer is not None:
             writer.put(self.clock.now(), channel, message)
-            if writer.reason:
+            if writer.reason and writer not in self._told:
                 self._publish()
         if isinstance(message, EventRecord):
             self._save_on(message)
@@ -283,10 +300,14 @@ class Recorder(Module):
             duration_s=writer.duration_s,
             bytes=0 if sink is None else sink.bytes,
             messages=0 if sink is None else sink.messages,
-            dropped=writer.dropped,
+            dropped=writer.dropped + self._lost() - self._lost_before,
             queued_bytes=writer.queued_bytes,
             reason=writer.reason,
         )
+
+    def _lost(self) -> int:
+        """Messages that found no room in an inbox, ever."""
+        return sum(port.subscription.statistics().dropped for port in self._inputs.values() if port.connected)
 
     # --- saving ---
 
@@ -311,6 +332,7 @@ class Recorder(Module):
         for home in await self._in_thread(leftovers, self._library.ring_folder):
             try:
                 begin = await self._in_thread(begin_of, home)
+                await self._in_thread(lambda home: self._check_room(size_of(home)), home)
                 candidates = self._library.candidates(f"{default_name(begin)}-ring", begin)
                 saved = await self._in_thread(rescue, home, candidates, self._progress("saving an earlier ring"))
             except (LogError, OSError) as error:
@@ -320,11 +342,11 @@ class Recorder(Module):
                 if saved is not None:
                     self.log.warning("the ring that an earlier run left is saved as %s", saved.stem)
 
-    def _check_room(self, hold: Hold) -> None:
+    def _check_room(self, size: int) -> None:
         free = self._library.free_bytes()
-        if free - hold.bytes < self.settings.least_free_mb * MEGABYTE:
+        if free - size < self.settings.least_free_mb * MEGABYTE:
             raise LogError(
-                f"no room to save the ring: it takes {hold.bytes / MEGABYTE:.0f} MB, {free / MEGABYTE:.0f} MB are free "
+                f"no room to save the ring: it takes {size / MEGABYTE:.0f} MB, {free / MEGABYTE:.0f} MB are free "
                 f"and {self.settings.least_free_mb:.0f} MB are kept free; save fewer minutes, or delete recordings"
             )
 
@@ -347,12 +369,19 @@ class Recorder(Module):
     def _keep(self, work: Coroutine[Any, Any, None], name: str) -> None:
         task = asyncio.create_task(self._metered(work), name=f"{self.name}.{name}")
         self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
+        task.add_done_callback(self._kept)
+
+    def _kept(self, task: asyncio.Task[None]) -> None:
+        self._tasks.discard(task)
+        if not task.cancelled() and (error := task.exception()) is not None:
+            # A mistake of ours, beside what is being recorded, which goes on.
+            self.log.error("%s failed", task.get_name(), exc_info=error)
 
 
 def _join(writers: list[RecordingWriter], timeout_s: float) -> None:
+    give_up_at = time.monotonic() + timeout_s
     for writer in writers:
-        writer.join(timeout_s)
+        writer.join(max(0.0, give_up_at - time.monotonic()))
 
 
 def _keep_for(sink: Sink, seconds: float) -> None:
