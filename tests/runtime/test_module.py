@@ -9,7 +9,7 @@ import pytest
 
 from app.messages import Twist
 from app.runtime.clock import in_virtual_time
-from app.runtime.errors import ModuleFailed
+from app.runtime.errors import InboxOverflow, ModuleFailed
 from app.runtime.filter import CLOSED
 from app.runtime.graph import Graph
 from app.runtime.module import Module, ModuleContext
@@ -116,6 +116,50 @@ async def test_messages_are_handled_in_order_and_one_at_a_time(build: Build, mak
 
     await run_for(slot.module, 1, publish)
     assert [e for e in events if isinstance(e, float)] == [0, 1, 2, 3, 4]
+
+
+class Strict(Recorder):
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.on(self.input("events", Twist, capacity=2, lossless=True), self.take)
+
+
+class Forgiving(Strict):
+    def overflowed(self, port: str, loss: InboxOverflow) -> None:
+        self.events.append(f"{port}: {loss}")
+
+
+def burst(build: Build, make: Make, module_class: type[Module]) -> tuple[Any, list[Any], Callable[[], None]]:
+    """A module with a lossless inbox of 2, and what publishes 5 messages in one go."""
+    noted: list[Any] = []
+    graph = build({"R": (module_class, {"events": "n"}, {})}, {"n": {"external": True}}, services={list: noted})
+
+    def publish() -> None:
+        for value in range(5):
+            graph.channels["n"].publish(make(value))
+
+    return graph.modules["R"], noted, publish
+
+
+@in_virtual_time
+async def test_a_lossless_input_that_lost_messages_is_a_failure(build: Build, make: Make) -> None:
+    slot, _, publish = burst(build, make, Strict)
+    task = asyncio.create_task(slot.module.run())
+    await asyncio.sleep(0.5)
+    publish()
+    await asyncio.wait({task})
+    assert isinstance(task.exception(), ExceptionGroup)
+    assert task.exception().subgroup(InboxOverflow) is not None  # type: ignore[union-attr]
+
+
+@in_virtual_time
+async def test_a_module_may_live_with_what_its_inbox_lost(build: Build, make: Make) -> None:
+    slot, noted, publish = burst(build, make, Forgiving)
+    await run_for(slot.module, 1, publish)
+    assert [event for event in noted if isinstance(event, float)] == [0, 1]
+    assert [event for event in noted if "lost" in str(event)] == [
+        "events: R.events: 3 messages lost, the inbox holds 2"
+    ]
 
 
 @in_virtual_time
