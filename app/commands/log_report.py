@@ -60,6 +60,7 @@ class Contents:
     channels: tuple[ChannelContents, ...]
     files: tuple[Mapping[str, Any], ...]
     ignored: Mapping[str, str]
+    notes: tuple[str, ...] = ()
 
 
 def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwatched) -> Contents:
@@ -103,6 +104,7 @@ def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwat
         channels=channels,
         files=tuple({"name": f.name, "media_type": f.media_type, "bytes": len(f.data)} for f in manifest.files),
         ignored=dict(info.ignored),
+        notes=info.notes,
     )
 
 
@@ -168,6 +170,10 @@ def print_contents(contents: Contents, *, as_json: bool) -> None:
         print("\nAttached")
         for attached in contents.files:
             print(f"  {attached['name']}  {size(attached['bytes'])}")
+    if contents.notes:
+        print("\nAssumed")
+        for note in contents.notes:
+            print(f"  {note}")
     if contents.ignored:
         print("\nNot read")
         for topic, reason in contents.ignored.items():

@@ -34,7 +34,7 @@ def open_log(path: Path, remap: Remap | None = None) -> Log:
     """
     if path.is_dir():
         if not (path / "metadata.yaml").is_file():
-            raise LogError(f"{path}: is a folder without metadata.yaml, so no ROS 2 bag; {ACCEPTED}")
+            raise LogError(f"{path}: is a folder without metadata.yaml, so no ROS 2 bag; {_instead(path)}{ACCEPTED}")
         return _ros(path, remap)
     head = _head(path)
     if head.startswith(_MCAP):
@@ -50,6 +50,12 @@ def open_log(path: Path, remap: Remap | None = None) -> Log:
             raise LogError(f"{path}: is a CARMEN log, which has no topics to remap; leave the remap file away")
         return CarmenLog(path)
     raise LogError(f"{path}: is no log this program can read; {ACCEPTED}")
+
+
+def _instead(folder: Path) -> str:
+    """Of a ROS 2 bag whose recording was cut short, the file itself may be readable."""
+    files = [file.name for file in sorted(folder.iterdir()) if file.suffix in (".mcap", ".db3")]
+    return f"name {' or '.join(files)} in it instead; " if files else ""
 
 
 def _head(path: Path) -> bytes:

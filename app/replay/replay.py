@@ -84,7 +84,8 @@ class Replay:
     def notes(self) -> list[str]:
         """What is not as it was, in sentences for people."""
         program = self.program
-        lines = [f"{name} does not run: {why}" for name, why in program.left_out.items() if why != NOT_ASKED]
+        lines = list(self.log.info.notes)
+        lines += [f"{name} does not run: {why}" for name, why in program.left_out.items() if why != NOT_ASKED]
         lines += [f"{port} gets nothing: the log has no {channel}" for port, channel in program.silent.items()]
         return lines
 

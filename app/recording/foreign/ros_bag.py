@@ -145,7 +145,10 @@ class RosBag:
         """Messages in order of arrival; a picture comes with its depth. What cannot be placed or read is left out, and
         the program's log says so. Raises LogError where the bag is damaged."""
         wanted = {name: s for name, s in self._channels.items() if channels is None or name in channels}
-        topics = {name for source in wanted.values() for name in used_by(source)}
+        # CameraInfo was read when the bag was opened.
+        topics = {
+            name for s in wanted.values() for name in used_by(s) if not isinstance(s, FromCamera) or name != s.info
+        }
         if any(self._needs_tf(name, source) for name, source in wanted.items()):
             topics.update(name for name in self._tf if not is_static(name))
         connections = [connection for name in topics for connection in self._connections.get(name, ())]

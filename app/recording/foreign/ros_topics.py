@@ -172,6 +172,7 @@ def _plain(channel: str, source: Source, topic: Topic, remap: Remap) -> FromTopi
 def ignored(topics: Iterable[Topic], channels: Mapping[str, ChannelSource], chosen: bool) -> dict[str, str]:
     """Topic -> why it is read by no channel; ``chosen``: a remap file says which are."""
     used = {name for source in channels.values() for name in used_by(source)}
+    cameras = [source for source in channels.values() if isinstance(source, FromCamera)]
     reasons = {}
     for topic in topics:
         if topic.name in used or topic.type in TF_TYPES:
@@ -189,7 +190,9 @@ def ignored(topics: Iterable[Topic], channels: Mapping[str, ChannelSource], chos
     return reasons
 
 
-def _unused(topic: Topic) -> str:
+def _unused(topic: Topic, has_camera: bool) -> str:
+    if topic.type in COLOR_TYPES | {INFO_TYPE} and not has_camera:
+        return f"{topic.type}: there is no colour picture that it goes with"
     if PLAIN.get(topic.type) is Twist:
         return f"{topic.type}: a command is no sensor; a remap file may make it a channel"
     return f"{topic.type}: another topic serves; a remap file may make it a channel"

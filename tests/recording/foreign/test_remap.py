@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from app.commands.check import check_file
+from app.commands.log_report import look_into
 from app.errors import ConfigError
 from app.messages import Image, LaserScan, Odometry, Twist
 from app.recording.foreign.remap import load_remap
@@ -120,6 +121,7 @@ def test_without_tf_sensors_are_where_the_remap_file_says_or_else_a_note(tmp_pat
     log = opened(tmp_path, sent)
     assert len(log.info.notes) == 2
     assert "X_BL in a remap file" in " ".join(log.info.notes)
+    assert look_into(tmp_path / "run.mcap").notes == log.info.notes
     image: Image = next(log.messages(channels={"kinect"})).message
     np.testing.assert_allclose(image.X_BC.rotation @ [0, 0, 1], [1, 0, 0], atol=1e-9)  # it looks ahead
     np.testing.assert_allclose(image.X_BC.rotation @ [0, -1, 0], [0, 0, 1], atol=1e-9)  # and stands upright
@@ -137,6 +139,13 @@ def test_without_tf_sensors_are_where_the_remap_file_says_or_else_a_note(tmp_pat
     np.testing.assert_allclose(image.X_BC.transform(np.array([0.0, 0.0, 1.0])), [1.1, 0, 1.2], atol=1e-9)
     scan = next(log.messages(channels={"scan"})).message
     np.testing.assert_allclose(scan.X_BL.translation, [0.3, 0, 0.4])
+    log.close()
+
+
+def test_a_depth_without_a_colour_is_no_camera(tmp_path: Path) -> None:
+    log = opened(tmp_path, without(short(), "/camera/rgb/image_raw"))
+    assert "kinect" not in log.info.channels
+    assert "no colour picture" in log.info.ignored["/camera/depth_registered/image_raw"]
     log.close()
 
 
