@@ -57,6 +57,14 @@ class Past:
         names = [name for name, channel in self._channels.items() if channel.message_type in types]
         return [last for name in names if (last := self.last(name, position)) is not None]
 
+    def since(self, begin: float, end: float, types: Collection[type[Any]]) -> list[Logged]:
+        """Messages of the channels of ``types`` after ``begin`` and up to ``end`` (s), before them those that stood at
+        ``begin``; in order of arrival. Raises LogError.
+        """
+        names = [name for name, channel in self._channels.items() if channel.message_type in types]
+        stood = sorted(self.of_types(types, begin), key=lambda logged: logged.at)
+        return [*stood, *(logged for logged in self._between(begin, end, names) if logged.at > begin)]
+
     def last(self, channel: str, position: float) -> Logged | None:
         """The last message of ``channel`` at or before ``position`` (s), None where there is none.
 

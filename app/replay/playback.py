@@ -14,7 +14,17 @@ from typing import Any, Literal, Protocol, TypeVar
 
 from app.attention.intention import Intention
 from app.link import RobotLink
-from app.messages import DesiresRecord, EventRecord, Image, LaserScan, LogLine, OperatorDrive, Twist
+from app.messages import (
+    DesiresRecord,
+    Divisors,
+    EventRecord,
+    Image,
+    IntentionRecord,
+    LaserScan,
+    LogLine,
+    OperatorDrive,
+    Twist,
+)
 from app.recording.log import Log, LogError, Logged, LogInfo
 from app.replay.past import ACCUMULATED, Past
 from app.runtime.filter import CLOSED
@@ -29,6 +39,9 @@ SLOWEST = 0.1
 FASTEST = 20.0
 #: These were meant for their moment: what was commanded or noted long ago is not said again at a jump.
 OF_THE_MOMENT = (OperatorDrive, Twist, EventRecord, LogLine)
+#: What a recording tells of its attention; and for how long (s) before a jump it is told again.
+OF_ATTENTION = (DesiresRecord, IntentionRecord, Divisors)
+ATTENTION_S = 60.0
 #: A step where the recording has neither images nor scans.
 STEP_S = 0.1
 #: After a jump, modules get this long (real s) to start, and then to work on what they are shown.
@@ -117,6 +130,9 @@ class Playback:
         self._target: float | None = None
         #: At what rate time passes, but while the body waits for the file.
         self._rate = 0.0
+        #: What the recording tells of its attention in the minute before the last jump: the messages of
+        #: ``OF_ATTENTION``, in order, from those that stood when that minute began.
+        self.attention: list[Any] = []
         self._body_waits = False
         self._jumping = False
         self._moving = False
@@ -387,7 +403,7 @@ class Playback:
     async def _go(self, position: float) -> None:
         system, body = self.system, self._body
         # Read before anything is ended: where the recording cannot be read, all stays as it is.
-        known, wishes = await self._read(self._standing, position)
+        known, wishes, attention = await self._read(self._standing, position)
         self._moving = True
         try:
             await system.begin_anew(lambda: self._jump(position, known))
@@ -397,6 +413,7 @@ class Playback:
             # What is wanted there decides what is shown there; how attention came to it is no event of the recording.
             await _patiently(system.translator.settled(), START_WITHIN_S)
             system.timeline.clear()
+            self.attention = attention
         finally:
             self._moving = False
         for observer in tuple(self._jump_observers):
@@ -444,9 +461,11 @@ class Playback:
             if channel is not None and channel.message_type is type(logged.message):
                 channel.publish(logged.message)
 
-    def _standing(self, position: float) -> tuple[list[Logged], list[Logged]]:
-        """What modules that begin at ``position`` must know at once, and what was desired there."""
-        return self._past.of_types(ACCUMULATED, position), self._past.of_types((DesiresRecord,), position)
+    def _standing(self, position: float) -> tuple[list[Logged], list[Logged], list[Any]]:
+        """What modules that begin at ``position`` must know at once, what was desired there, and attention before."""
+        past = self._past
+        attention = [logged.message for logged in past.since(position - ATTENTION_S, position, OF_ATTENTION)]
+        return past.of_types(ACCUMULATED, position), past.of_types((DesiresRecord,), position), attention
 
     def _scene(self, position: float, channels: Set[str]) -> list[Logged]:
         shown = {c.name for c in self._info.channels.values() if c.message_type not in (DesiresRecord, *OF_THE_MOMENT)}

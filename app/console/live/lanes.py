@@ -5,16 +5,32 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import Any, Protocol
 
 from app.attention.chronicle import divisor_json
-from app.attention.desires import Desire
-from app.attention.problem import Reason
 from app.attention.strategies import Strategy
 from app.runtime.graph import Graph
 
 #: Relative rates are measured over this long.
 WINDOW_S = 1.0
+
+
+class Wanted(Protocol):
+    """A desire, or the record of one."""
+
+    @property
+    def intensity(self) -> float: ...
+    @property
+    def utility(self) -> float: ...
+
+
+class Why(Protocol):
+    """A reason, or the record of one."""
+
+    @property
+    def state(self) -> str: ...
+    @property
+    def text(self) -> str: ...
 
 
 class RatioWindow:
@@ -81,35 +97,52 @@ class LaneSampler:
     def sample(
         self,
         now: float,
-        strongest: Mapping[str, Desire],
+        strongest: Mapping[str, Wanted],
         selected: Iterable[str],
-        reasons: Mapping[str, Reason],
+        reasons: Mapping[str, Why],
     ) -> list[dict[str, Any]]:
         """The rows now. ``selected`` are the strategies at work, ``reasons`` say why, by desired class."""
         for name, window in self._windows.items():
             window.add(now, *filter_counts(self._graph, name))
-        divisors = self._graph.filters.divisors()
+        ratios = {name: window.ratio() for name, window in self._windows.items()}
+        return self.rows(strongest, selected, reasons, self._graph.filters.divisors(), ratios)
+
+    @property
+    def filters(self) -> Iterable[str]:
+        """The filters (``Module.port``) that the lanes tell of."""
+        return self._windows.keys()
+
+    def rows(
+        self,
+        strongest: Mapping[str, Wanted],
+        selected: Iterable[str],
+        reasons: Mapping[str, Why],
+        divisors: Mapping[str, float],
+        ratios: Mapping[str, float | None],
+    ) -> list[dict[str, Any]]:
+        """The rows at any moment of which this is known: φ by filter, and what it let through of what was offered."""
         at_work: dict[str, list[str]] = {}
         for strategy in selected:
             if strategy in self._class_of:
                 at_work.setdefault(self._class_of[strategy], []).append(strategy)
         return [
-            self._row(cls, strongest.get(cls), at_work.get(cls, []), reasons.get(cls), divisors)
+            self._row(cls, strongest.get(cls), at_work.get(cls, []), reasons.get(cls), divisors, ratios)
             for cls in self._classes
         ]
 
     def _row(
         self,
         cls: str,
-        desire: Desire | None,
+        desire: Wanted | None,
         strategies: list[str],
-        reason: Reason | None,
+        reason: Why | None,
         divisors: Mapping[str, float],
+        passing: Mapping[str, float | None],
     ) -> dict[str, Any]:
         names = tuple(dict.fromkeys(n for s in strategies for n in self._of_strategy[s])) or self._filters[cls]
         # What gets through the whole way is what the tightest filter lets through.
         divisor = max((divisors[name] for name in names), default=1.0)
-        ratios = [ratio for name in names if (ratio := self._windows[name].ratio()) is not None]
+        ratios = [ratio for name in names if (ratio := passing[name]) is not None]
         rate = 0.0 if divisor == math.inf else min(ratios, default=None)
         state, text = _state(desire, strategies, reason)
         return {
@@ -123,7 +156,7 @@ class LaneSampler:
         }
 
 
-def _state(desire: Desire | None, strategies: list[str], reason: Reason | None) -> tuple[str, str]:
+def _state(desire: Wanted | None, strategies: list[str], reason: Why | None) -> tuple[str, str]:
     if desire is None:
         if strategies:
             return "needed", f"Nobody desires it, but another strategy at work needs it: {', '.join(strategies)}."

@@ -3,12 +3,13 @@ the lanes were, for who comes later."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 from app.console import reports
 from app.console.live import lane_history
 from app.console.live.lanes import LaneSampler
+from app.console.live.recorded_lanes import recorded_lanes
 from app.console.playback import rate
 from app.console.wire import encode_text
 from app.messages import Exploitation, Landmarks, LinkStatus, Odometry
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from app.system import System
 
 PERIOD_S = 0.05
+#: So much of a recording's attention is looked back on after a jump (s).
+RECORDED_S = 60.0
 
 
 class Audience(Protocol):
@@ -90,10 +93,13 @@ class Sampler:
             due = min(max(due, now - lane_history.PERIOD_S), now) + lane_history.PERIOD_S
             await clock.sleep_until(due)
 
-    def forget(self) -> None:
-        """Begin with no past: time has jumped."""
+    def begin_anew(self, stamp: float, attention: Sequence[Any]) -> None:
+        """Time has jumped to ``stamp``: the past is now what the recording tells of its ``attention`` before."""
         self._lanes.forget()
         self._history.forget()
+        begin = stamp - RECORDED_S
+        for at, rows in recorded_lanes(self._lanes, attention, begin, stamp, lane_history.PERIOD_S):
+            self._history.add(at, rows)
         self._exploitation = None
         self._odometry = None
 

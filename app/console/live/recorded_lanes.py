@@ -1,0 +1,46 @@
+"""What the lanes were, out of what a recording tells of its attention: desires, intentions, divisors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from app.console.live.lanes import LaneSampler
+from app.messages import DesireRecord, DesiresRecord, Divisors, IntentionRecord, ReasonRecord
+
+
+def recorded_lanes(
+    lanes: LaneSampler, records: Iterable[Any], begin: float, end: float, period_s: float
+) -> Iterator[tuple[float, list[dict[str, Any]]]]:
+    """``(stamp, rows)`` every ``period_s`` from ``begin`` to before ``end`` (s), from the first record on.
+
+    ``records`` in the order of their stamps; those before ``begin`` say what stood there. What was offered to the
+    filters is not recorded: what each let through is 1/φ.
+    """
+    strongest: dict[str, DesireRecord] = {}
+    reasons: dict[str, ReasonRecord] = {}
+    selected: tuple[str, ...] = ()
+    divisors = dict.fromkeys(lanes.filters, math.inf)
+    waiting, known = list(records), False
+    for number in range(max(0, math.ceil((end - begin) / period_s))):
+        stamp = begin + number * period_s
+        while waiting and waiting[0].stamp <= stamp:
+            record, known = waiting.pop(0), True
+            match record:
+                case DesiresRecord():
+                    strongest = _strongest(record.desires)
+                case IntentionRecord():
+                    selected = record.strategies
+                    reasons = {reason.cls: reason for reason in record.reasons}
+                case Divisors():
+                    divisors |= dict(zip(record.filters, record.divisors, strict=True))
+        if known:
+            ratios = {name: 1.0 / divisor for name, divisor in divisors.items()}
+            yield stamp, lanes.rows(strongest, selected, reasons, divisors, ratios)
+
+
+def _strongest(desires: Iterable[DesireRecord]) -> dict[str, DesireRecord]:
+    """By class, as the Intention Workspace chooses: the most intense, security before others, then the newest."""
+    rising = sorted(desires, key=lambda d: (d.intensity, d.security, d.created))
+    return {desire.cls: desire for desire in rising}
