@@ -80,6 +80,8 @@ def run(args: argparse.Namespace) -> int:
 
     if args.json is not None and not args.headless:
         raise ConfigError("--json says what came of a replay without the console: add --headless")
+    if args.json is not None and not args.json.absolute().parent.is_dir():
+        raise ConfigError("there is no such folder", str(args.json.parent))
     path = find_log(args.file)
     try:
         remap = load_remap(args.remap) if args.remap is not None else None
@@ -96,7 +98,7 @@ def run(args: argparse.Namespace) -> int:
             return _with_console(args, log, options, opened, stack)
     except (LinkFailed, LogError) as failure:
         print(f"hbba replay: {failure}", file=sys.stderr)
-        return 2
+        return 1 if isinstance(failure, LinkFailed) else 2
 
 
 def find_log(text: str) -> Path:
@@ -210,8 +212,9 @@ async def _live(
     host, port = address_of(listener)
     announce = announcer(f"HBBA replays {past.info.path.name}", host, port, token, open_browser=args.open)
     speed = 1.0 if args.speed is None else _finite(args.speed)
-    async with replay, Playback(replay.system, replay.body, clock, past, speed=speed) as playback:
-        app = create_app(replay.system, token=token, host=host, playback=playback)
+    playback = Playback(replay.system, replay.body, clock, past, speed=speed)
+    app = create_app(replay.system, token=token, host=host, playback=playback)  # takes long: before anything plays
+    async with replay, playback:
         serving = serve(app, host, port, listener=listener, started=announce)
         tasks = [asyncio.create_task(serving, name="console")]
         tasks.append(asyncio.create_task(_failed(replay), name="replay's failure"))

@@ -20,12 +20,16 @@ from app.attention.solver import CachedSolver
 from app.link import LinkFailed
 from app.messages import Exploitation, QRCodes, Twist
 from app.recording.library import RecordingLibrary
+from app.recording.mcap_log import McapLog
+from app.recording.open import open_log
 from app.replay.headless import Watch, run_headless
 from app.replay.options import ReplayOptions
 from app.replay.report import ReplayReport
 from app.robots.replayed.source import LogSource
 from app.runtime.load import CpuMeter
-from tests.replay.logs import BEGIN, MemoryLog, lab_log, lab_manifest, lab_messages, numbered
+from tests.replay.logs import BEGIN, MemoryLog, lab_log, lab_manifest, lab_messages, numbered, write_log
+
+DATA = Path(os.environ.get("HBBA_REFERENCE_DATA") or Path(__file__).parents[3] / "shared" / "data") / "slam"
 
 # Nothing runs on a loop that others wait for: the replay's own loop is virtual.
 pytestmark = pytest.mark.blocking(reason="the virtual loop waits for threads by design")
@@ -201,6 +205,47 @@ def test_two_replays_are_equal_also_on_a_busy_computer(options: ReplayOptions, m
         second = run_headless(lab_log(), options, speed=4.0)
     assert first.outcome() == second.outcome()
     assert any(channel.messages for channel in first.channels.values())
+
+
+def test_a_recording_on_disk_is_relived_the_same_on_a_busy_computer(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, report: ReplayReport
+) -> None:
+    """Read by the real reader, pictures and all; and what is lossless on disk gives what it gave in memory."""
+    path = write_log(tmp_path / "lab.mcap", lab_messages(4.0), lab_manifest())
+
+    def once() -> ReplayReport:
+        log = McapLog(path)
+        try:
+            return run_headless(log)
+        finally:
+            log.close()
+
+    first = once()
+    with a_busy_computer(monkeypatch):
+        second = once()
+    assert first.outcome() == second.outcome()
+    assert first.intentions == report.intentions
+    for name in ("joints", "link_status", "teleop_twist", "exploitation", "workspace", "intention", "divisors"):
+        assert first.channels[name] == report.channels[name], name
+    assert first.channels["kinect"].messages == report.channels["kinect"].messages
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("file", ["intel-corrected.log.gz", "freiburg-079-corrected.log.gz"])
+def test_a_public_laser_log_runs_through_our_modules(file: str) -> None:
+    if not (DATA / file).is_file():
+        pytest.skip(f"the public laser logs are not there: {DATA} (set HBBA_REFERENCE_DATA)")
+    log = open_log(DATA / file)
+    try:
+        report = run_headless(log, ReplayOptions(end=log.info.begin + 120), digests=False)
+        expected = sum(1 for logged in log.messages(channels={"odometry"}) if logged.at <= report.end)
+    finally:
+        log.close()
+    assert "Kinect does not run: the log has no kinect" in report.notes
+    taken = report.modules["QRCodeDetector"].inputs["odometry"]
+    assert taken.taken == expected > 100
+    assert taken.dropped == 0
+    assert all(module.restarts == 0 for module in report.modules.values())
 
 
 @pytest.mark.slow
