@@ -172,7 +172,7 @@ def _plain(channel: str, source: Source, topic: Topic, remap: Remap) -> FromTopi
 def ignored(topics: Iterable[Topic], channels: Mapping[str, ChannelSource], chosen: bool) -> dict[str, str]:
     """Topic -> why it is read by no channel; ``chosen``: a remap file says which are."""
     used = {name for source in channels.values() for name in used_by(source)}
-    cameras = [source for source in channels.values() if isinstance(source, FromCamera)]
+    has_camera = any(isinstance(source, FromCamera) for source in channels.values())
     reasons = {}
     for topic in topics:
         if topic.name in used or topic.type in TF_TYPES:
@@ -182,20 +182,20 @@ def ignored(topics: Iterable[Topic], channels: Mapping[str, ChannelSource], chos
         elif topic.type in COLOR_TYPES and not topic.holds:
             reasons[topic.name] = f"{topic.type} in an encoding that is not read"
         elif topic.type in COLOR_TYPES | {INFO_TYPE} or topic.type in PLAIN:
-            reasons[topic.name] = (
-                f"{topic.type}, which no channel of the remap file names" if chosen else _unused(topic)
-            )
+            reasons[topic.name] = f"{topic.type}{_unused(topic, chosen, has_camera)}"
         else:
             reasons[topic.name] = f"{topic.type}: no message of this program says this"
     return reasons
 
 
-def _unused(topic: Topic, has_camera: bool) -> str:
+def _unused(topic: Topic, chosen: bool, has_camera: bool) -> str:
+    if chosen:
+        return ", which no channel of the remap file names"
     if topic.type in COLOR_TYPES | {INFO_TYPE} and not has_camera:
-        return f"{topic.type}: there is no colour picture that it goes with"
+        return ": there is no colour picture that it goes with"
     if PLAIN.get(topic.type) is Twist:
-        return f"{topic.type}: a command is no sensor; a remap file may make it a channel"
-    return f"{topic.type}: another topic serves; a remap file may make it a channel"
+        return ": a command is no sensor; a remap file may make it a channel"
+    return ": another topic serves; a remap file may make it a channel"
 
 
 def used_by(source: ChannelSource) -> tuple[str, ...]:
