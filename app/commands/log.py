@@ -178,7 +178,8 @@ def _export(args: argparse.Namespace) -> int:
     log = open_log(path, _remap(args.remap))
     try:
         begin, end = _times(args, log.info.begin, log.info.end)
-        wish = Wish(args.kind, args.out or Path(f"{path.stem}-export"), args.channels, begin, end, args.every, args.force)
+        folder = args.out or Path(f"{path.stem}-export")
+        wish = Wish(args.kind, folder, args.channels, begin, end, args.every, args.force)
         with shown(f"export {path.name}") as progress:
             result = export(log, wish, progress)
     finally:

@@ -174,6 +174,8 @@ def print_contents(contents: Contents, *, as_json: bool) -> None:
         print("\nAssumed")
         for note in contents.notes:
             print(f"  {note}")
+    if contents.notes:
+        print("\nAssumed", *(f"  {note}" for note in contents.notes), sep="\n")
     if contents.ignored:
         print("\nNot read")
         for topic, reason in contents.ignored.items():

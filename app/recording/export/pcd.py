@@ -31,11 +31,12 @@ class Pcd(Unsurveyed):
     def writer(self, channel: LoggedChannel, target: Target) -> Iterator[Write]:
         """Each cloud by itself; an image without depth gives none."""
         folder: Target | None = None
-        count = 0
+        count, flat = 0, 0
 
         def write(message: Any) -> None:
-            nonlocal folder, count
+            nonlocal folder, count, flat
             if isinstance(message, Image) and message.depth is None:
+                flat += 1
                 return
             folder = folder or target.subfolder(f"{channel.name}-points")
             folder.put(f"{stamp_name(message.stamp)}.pcd", pcd(*cloud_of(message)))
@@ -44,8 +45,8 @@ class Pcd(Unsurveyed):
         yield write
         if folder is not None:
             target.written.append(f"{folder.folder}: {count} point clouds in base_link")
-        else:
-            target.written.append(f"{channel.name}: its images have no depth, so there are no points")
+        elif flat:
+            target.written.append(f"{channel.name}: its {flat} images have no depth, so there are no points")
 
 
 def cloud_of(message: PointCloud | LaserScan | Image) -> tuple[Points, Mapping[str, Points]]:
