@@ -92,8 +92,6 @@ def test_a_recording_is_replayed_in_a_tab_of_its_own(robot: Robot, page: Page) -
         row.get_by_test_id("recording-replay").click()
     row.locator("[data-testid=replay-state][data-state=running]").wait_for(timeout=60_000)
     replay = opened.value
-    address = row.get_by_test_id("replay-link").get_attribute("href") or ""
-    replay.goto(f"{address}?scene=off")
     transport = replay.get_by_test_id("transport")
     transport.wait_for()
     replay.locator("[data-testid=connection][data-phase=live]").wait_for()

@@ -129,7 +129,7 @@ function ReplayNote({ name }: { name: string }) {
   return (
     <p class="replay-note" data-testid="replay-state" data-state="running">
       <span>The replay runs.</span>
-      <a href={running.url} target="_blank" rel="noopener" data-testid="replay-link">
+      <a href={recordings.address(running.url)} target="_blank" rel="noopener" data-testid="replay-link">
         Open it
       </a>
       <button type="button" class="link" data-testid="replay-end" onClick={() => void recordings.endReplay(name)}>

@@ -6,6 +6,7 @@ import type { Recorder } from "../protocol/types";
 import type { Store } from "../state/store";
 import { sentence } from "../ui/format";
 import { starting } from "./placeholder";
+import { replayAddress } from "./words";
 
 /** A desire must be weighed and the file opened; longer than this is no matter of waiting. */
 const PATIENCE_MS = 6000;
@@ -76,14 +77,19 @@ export class RecordingControl {
     const tab = starting(name);
     this.say(name, { state: "starting" });
     try {
-      const url = new URL(await this.rest.replay(name), location.href).href;
-      tab?.go(url);
+      const url = await this.rest.replay(name);
+      tab?.go(this.address(url));
       await this.refresh();
       this.say(name, null);
     } catch (error) {
       this.say(name, { state: "failed", text: inWords(error) });
       tab?.close();
     }
+  }
+
+  /** Where the replay at `url` opens. */
+  address(url: string): string {
+    return replayAddress(url, location.href, this.store.scene.value);
   }
 
   async endReplay(name: string): Promise<void> {

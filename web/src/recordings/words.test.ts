@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Recorder, Recording } from "../protocol/types";
-import { nameProblem, newestFirst, recordedFor, ringMinutes } from "./words";
+import { nameProblem, newestFirst, recordedFor, replayAddress, ringMinutes } from "./words";
 
 const recorder = (change: Partial<Recorder>): Recorder => ({
   type: "recorder",
@@ -44,4 +44,10 @@ test("names and minutes are checked as they are typed", () => {
   expect(["-a", "../x", "a b", "a".repeat(101)].every((name) => nameProblem(name) !== "")).toBe(true);
   expect(["", " 5 ", "0,5"].map(ringMinutes)).toEqual([null, 5, 0.5]);
   expect(["0", "-1", "x", "121"].every((text) => typeof ringMinutes(text) === "string")).toBe(true);
+});
+
+test("a replay opens as its page is: with the 3D view or without, and with its token", () => {
+  const from = "http://robot:8080/?scene=off";
+  expect(replayAddress("http://robot:9/#token=x", from, true)).toBe("http://robot:9/#token=x");
+  expect(replayAddress("http://robot:9/#token=x", from, false)).toBe("http://robot:9/?scene=off#token=x");
 });

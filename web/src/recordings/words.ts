@@ -16,6 +16,13 @@ export function newestFirst(recordings: readonly Recording[]): Recording[] {
   );
 }
 
+/** Where a replay opens: without the 3D view, if this page shows none. `from` is this page's own address. */
+export function replayAddress(url: string, from: string, scene: boolean): string {
+  const address = new URL(url, from);
+  if (!scene) address.searchParams.set("scene", "off");
+  return address.href;
+}
+
 const LONGEST_RING = 120;
 const NAME = /^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$/;
 
