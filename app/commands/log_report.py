@@ -64,7 +64,7 @@ class Contents:
 
 
 def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwatched) -> Contents:
-    """Everything there is to say. Raises LogError where it is no log at all, or a bag that ``remap`` does not fit.
+    """Everything there is to say. Raises LogError where it is no log at all, ConfigError where ``remap`` does not fit.
 
     Reads what stands at a file's end; all of it only where that is missing (``progress`` counts the bytes).
     """
@@ -174,8 +174,6 @@ def print_contents(contents: Contents, *, as_json: bool) -> None:
         print("\nAssumed")
         for note in contents.notes:
             print(f"  {note}")
-    if contents.notes:
-        print("\nAssumed", *(f"  {note}" for note in contents.notes), sep="\n")
     if contents.ignored:
         print("\nNot read")
         for topic, reason in contents.ignored.items():

@@ -1,0 +1,58 @@
+"""Progress: a bar on a terminal, now and then a line elsewhere."""
+
+from __future__ import annotations
+
+import io
+
+import pytest
+
+from app.commands import log_progress
+from app.commands.log_progress import shown
+
+
+class Clock:
+    """Stands until it is told."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def monotonic(self) -> float:
+        return self.now
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    made = Clock()
+    monkeypatch.setattr(log_progress.time, "monotonic", made.monotonic)
+    return made
+
+
+def test_without_a_terminal_a_line_now_and_then(clock: Clock, capsys: pytest.CaptureFixture[str]) -> None:
+    with shown("cut tour.mcap") as progress:
+        for done in range(101):
+            progress(done, 100)
+            clock.now += 0.11
+    assert capsys.readouterr().err.splitlines() == ["cut tour.mcap: 46 %", "cut tour.mcap: 92 %"]
+
+
+def test_what_is_quick_says_nothing(clock: Clock, capsys: pytest.CaptureFixture[str]) -> None:
+    with shown("cut tour.mcap") as progress:
+        progress(1, 1)
+    assert capsys.readouterr().err == ""
+
+
+def test_on_a_terminal_a_bar_that_goes_away(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    terminal = Terminal()
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr("sys.stderr", terminal)
+    with shown("cut tour.mcap") as progress:
+        progress(30, 100)
+        progress(100, 100)
+    text = terminal.getvalue()
+    assert "cut tour.mcap" in text
+    assert "100%" in text
+    assert text.endswith("\x1b[2K")  # the line is cleared
