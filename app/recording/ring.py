@@ -15,8 +15,8 @@ import shutil
 import tempfile
 import threading
 from collections import deque
-from collections.abc import Callable, Iterable
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
@@ -243,24 +243,27 @@ def leftovers(folder: Path) -> list[Path]:
         return []
     _sweep(folder)
     homes = (home for home in sorted(folder.iterdir()) if home.is_dir() and not home.name.startswith(_NEW))
-    return [home for home in homes if not _is_alive(home)]
+    return [home for home in homes if _is_left(home)]
 
 
 def rescue(
     home: Path, targets: Iterable[Path], progress: Callable[[int, int], None] = lambda done, total: None
 ) -> Path | None:
-    """Make a recording of the ring left in ``home`` and delete it; None if it holds no message.
+    """Make a recording of the ring left in ``home`` and delete it; None if it holds no message or another does it.
 
     Raises LogError, OSError; then nothing is deleted.
     """
-    paths = sorted(path for path in home.glob(f"*{_SEGMENT}") if not path.name.endswith(_STATE))
-    whole = [path for path in paths if _messages(path)]
-    saved = None
-    if whole:
-        state = whole[0].with_name(whole[0].name.removesuffix(_SEGMENT) + _STATE)
-        saved = _save(state, whole, targets, progress)
-    shutil.rmtree(home)
-    return saved
+    with _claimed(home) as mine:
+        if not mine:
+            return None
+        paths = sorted(path for path in home.glob(f"*{_SEGMENT}") if not path.name.endswith(_STATE))
+        whole = [path for path in paths if _messages(path)]
+        saved = None
+        if whole:
+            state = whole[0].with_name(whole[0].name.removesuffix(_SEGMENT) + _STATE)
+            saved = _save(state, whole, targets, progress)
+        shutil.rmtree(home)
+        return saved
 
 
 def size_of(home: Path) -> int:
@@ -327,15 +330,28 @@ def _make_home(folder: Path, at: float) -> tuple[Path, IO[bytes]]:
     return home, lock
 
 
-def _is_alive(home: Path) -> bool:
+def _is_left(home: Path) -> bool:
+    with _claimed(home) as mine:
+        return mine
+
+
+@contextmanager
+def _claimed(home: Path) -> Iterator[bool]:
+    """Hold the lock of the ring in ``home`` meanwhile; False if a program that lives holds it, or the ring is gone."""
     try:
-        with open(home / _LOCK, "rb") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
+        lock = open(home / _LOCK, "rb")  # noqa: SIM115  # closed below
     except OSError:
-        return False
-    return False
+        yield home.is_dir()  # its lock was deleted, which nothing of ours does
+        return
+    with lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            yield False
+        except OSError:  # a file system without locks
+            yield True
+        else:
+            yield home.is_dir()  # whoever held it until now may have deleted it all
 
 
 def _messages(path: Path) -> int:

@@ -180,6 +180,24 @@ def test_a_ring_that_turns_is_nobodys_leftover_and_a_stopped_one_is(tmp_path: Pa
     assert leftovers(tmp_path / ".ring") == []
 
 
+def test_what_was_left_becomes_one_recording_whoever_finds_it(tmp_path: Path) -> None:
+    turning = ring(tmp_path)
+    turn(turning, 0, 33)
+    turning.close(discard=False)
+    (home,) = leftovers(tmp_path / ".ring")
+    others: list[Path | None] = []
+
+    def meanwhile(done: int, total: int) -> None:
+        assert leftovers(tmp_path / ".ring") == []
+        others.append(rescue(home, names(tmp_path)))
+
+    assert rescue(home, names(tmp_path), meanwhile) == tmp_path / "saved.mcap"
+    assert rescue(home, names(tmp_path)) is None
+    assert others
+    assert not any(others)
+    assert [path.name for path in tmp_path.glob("*.mcap")] == ["saved.mcap"]
+
+
 def test_a_full_disk_ends_a_ring_whose_segments_stay(tmp_path: Path) -> None:
     disk = Disk()
     turning = ring(tmp_path, disk=disk)
