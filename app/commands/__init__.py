@@ -31,5 +31,6 @@ COMMANDS: Mapping[str, Command] = {
     "doctor": doctor,
     "check": check,
     "solve": solve,
-    "calibrate": calibrate, "bench": bench,
+    "calibrate": calibrate,
+    "bench": bench,
 }
