@@ -141,6 +141,7 @@ export class Session {
       batch(() => {
         this.store.hello.value = message;
         this.store.playback.value = message.playback ?? null;
+        this.store.recorder.value = null; // told anew, by a program that has one
       });
       this.onHello();
     } else this.waiting.set(message.type, message);
