@@ -5,13 +5,10 @@ from __future__ import annotations
 import gzip
 import zlib
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from app.recording.foreign.remap import Remap, RemapError
 from app.recording.log import Log, LogError
 from app.recording.mcap_layout import CHANNEL, FACTS
-
-if TYPE_CHECKING:
-    from app.recording.foreign.remap import Remap
 
 _MCAP = b"\x89MCAP0\r\n"
 _BAG = b"#ROSBAG V"
@@ -29,8 +26,9 @@ ACCEPTED = (
 def open_log(path: Path, remap: Remap | None = None) -> Log:
     """The log at ``path``; ``remap`` says which topics of a ROS bag become which channels.
 
-    Raises LogError for a file that cannot be read or is none of the accepted kinds, and where a bag's topics do not
-    say which of them is meant; ConfigError where ``remap`` does not fit the bag.
+    Raises LogError for a file that cannot be read or is none of the accepted kinds; RemapError, a LogError, where a
+    bag's topics do not say which of them is meant, or ``remap`` is given to a log whose channels have their names;
+    ConfigError (file, line) where ``remap`` names what the bag does not have.
     """
     if path.is_dir():
         if not (path / "metadata.yaml").is_file():
@@ -47,7 +45,7 @@ def open_log(path: Path, remap: Remap | None = None) -> Log:
 
     if is_carmen(head):
         if remap is not None:
-            raise LogError(f"{path}: is a CARMEN log, which has no topics to remap; leave the remap file away")
+            raise RemapError(f"{path}: is a CARMEN log, which has no topics to remap; leave the remap file away")
         return CarmenLog(path)
     raise LogError(f"{path}: is no log this program can read; {ACCEPTED}")
 
@@ -94,7 +92,7 @@ def _mcap(path: Path, head: bytes, remap: Remap | None) -> Log:
             f"{path}: was not closed, since its writer was stopped; make it whole with: hbba log repair {path}"
         )
     if remap is not None:
-        raise LogError(f"{path}: is a recording of hbba, whose channels have their names; leave the remap file away")
+        raise RemapError(f"{path}: is a recording of hbba, whose channels have their names; leave the remap file away")
     from app.recording.mcap_log import McapLog
 
     return McapLog(path)

@@ -21,10 +21,15 @@ from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, field_validator,
 
 from app.errors import ConfigError
 from app.geometry import Pose3
+from app.recording.log import LogError
 from app.yaml_source import Document, load_yaml
 
 _ARROW = re.compile(r"\s*(\S+)\s*->\s*(\S+)\s*")
 TopicName = Annotated[str, Field(min_length=1)]
+
+
+class RemapError(LogError):
+    """A sound log, of which it is not said what its channels are, or said though it says so itself."""
 
 
 class _Model(BaseModel):

@@ -13,7 +13,9 @@ from typing import Any
 
 from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.interfaces import Connection
+from rosbags.rosbag1 import Reader as Bag1
 from rosbags.rosbag1 import ReaderError as Bag1Error
+from rosbags.rosbag2 import Reader as Bag2
 from rosbags.rosbag2 import ReaderError as Bag2Error
 from rosbags.serde import SerdeError
 from rosbags.typesys import Stores, TypesysError, get_typestore
@@ -26,7 +28,7 @@ else:
 from app.geometry import Pose3
 from app.messages import Image, JointState, LaserScan, Odometry
 from app.recording.foreign import ros_messages as ros
-from app.recording.foreign.remap import Remap
+from app.recording.foreign.remap import Remap, RemapError
 from app.recording.foreign.ros_camera import Calibration, PinholeCamera
 from app.recording.foreign.ros_stream import Received, RosStream, Setting, add_transforms, is_static
 from app.recording.foreign.ros_topics import (
@@ -77,6 +79,7 @@ _SAMPLE_S = 5.0
 _SAMPLE_MESSAGES = 5000
 #: The standing transforms of a bag are few; a bag that repeats them is read no longer than this.
 _STATIC_MESSAGES = 20000
+_TYPES = COLOR_TYPES | TF_TYPES | {INFO_TYPE, *PLAIN}
 _BASES = ("base_link", "base_footprint")
 #: The camera's optical frame where nothing is known: in the base's origin, looking ahead.
 _AHEAD = Pose3.from_translation_rpy((0.0, 0.0, 0.0), (-1.5707963267948966, 0.0, -1.5707963267948966))
@@ -100,7 +103,7 @@ class RosBag:
         does not fit it.
         """
         self._path = path
-        self._reader, self._named = _opened(path)
+        self._reader, self._others, self._named = _opened(path)
         try:
             self._connections: dict[str, list[Connection]] = {}
             for connection in self._reader.connections:
@@ -116,7 +119,7 @@ class RosBag:
             try:
                 self._channels = remapped(topics, remap) if remap and remap.channels else guessed(topics, found)
             except Ambiguous as doubt:
-                raise LogError(f"{path}: {doubt}") from None
+                raise RemapError(f"{path}: {doubt}") from None
             if not self._channels:
                 kinds = sorted({topic.type for topic in topics}) or ["nothing"]
                 raise LogError(f"{path}: has no topic that becomes a channel; it holds {', '.join(kinds)}")
@@ -182,6 +185,7 @@ class RosBag:
     def _topics(self) -> list[Topic]:
         topics = []
         for name, info in sorted(self._reader.topics.items()):
+            # Several publishers may say different things of a topic's type; the first is taken.
             kind = info.msgtype or self._connections[name][0].msgtype
             topic = Topic(name, kind, info.msgcount)
             if info.msgcount and (kind in COLOR_TYPES or kind == INFO_TYPE or kind in PLAIN):
@@ -190,7 +194,12 @@ class RosBag:
                 frame = ros.frame_of(first.message) if hasattr(first.message, "header") else ""
                 topic = Topic(name, kind, info.msgcount, holds, frame)
             topics.append(topic)
-        return topics
+        others: dict[str, Topic] = {}
+        for connection in self._others:
+            before = others.get(connection.topic)
+            count = connection.msgcount + (before.count if before else 0)
+            others[connection.topic] = Topic(connection.topic, connection.msgtype, count)
+        return topics + sorted(others.values(), key=lambda topic: topic.name)
 
     def _peek(self, topic: str) -> Received:
         """The first message of a topic that has one."""
@@ -304,8 +313,36 @@ def _facts(channels: Mapping[str, ChannelSource]) -> dict[str, str]:
     return facts
 
 
-def _opened(path: Path) -> tuple[AnyReader, tempfile.TemporaryDirectory[str] | None]:
-    """The bag, opened. rosbags goes by a file's ending; one that is named otherwise gets a name of its own."""
+class _Bag1(Bag1):
+    """Shows the connections that can be read alone: no other type's definition need be understood."""
+
+    others: list[Connection]
+
+    def open(self) -> None:
+        super().open()
+        self.connections, self.others = _sorted_out(self.connections)
+
+
+class _Bag2(Bag2):
+    """The same of ROS 2."""
+
+    others: list[Connection]
+
+    def open(self) -> None:
+        super().open()
+        self.storage.connections, self.others = _sorted_out(self.storage.connections)
+
+
+def _sorted_out(connections: list[Connection]) -> tuple[list[Connection], list[Connection]]:
+    read = [connection for connection in connections if connection.msgtype in _TYPES]
+    return read, [connection for connection in connections if connection.msgtype not in _TYPES]
+
+
+def _opened(path: Path) -> tuple[AnyReader, list[Connection], tempfile.TemporaryDirectory[str] | None]:
+    """The bag, opened, and its connections of types that are not read.
+
+    rosbags goes by a file's ending; one that is named otherwise gets a name of its own.
+    """
     named: tempfile.TemporaryDirectory[str] | None = None
     shown = path
     if path.is_file():
@@ -316,6 +353,7 @@ def _opened(path: Path) -> tuple[AnyReader, tempfile.TemporaryDirectory[str] | N
             os.symlink(path.resolve(), shown)
     try:
         reader = AnyReader([shown], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
+        reader.readers = [_Bag2(shown)] if reader.is2 else [_Bag1(shown)]
         reader.open()
     except _DAMAGE as failure:
         if named is not None:
@@ -323,7 +361,8 @@ def _opened(path: Path) -> tuple[AnyReader, tempfile.TemporaryDirectory[str] | N
         words = _words(failure)
         hint = "; 'rosbag reindex' of ROS 1 makes it whole" if "reindex" in words or "index" in words.lower() else ""
         raise LogError(f"{path}: is a bag that cannot be read: {words}{hint}") from None
-    return reader, named
+    others = [connection for bag in reader.readers for connection in bag.others]
+    return reader, others, named
 
 
 def _ending(path: Path) -> str:

@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rosbags.rosbag1 import Writer
 
 from app.messages import Image, JointState, LaserScan, Odometry
 from app.recording.log import Log, Logged
 from app.recording.open import open_log
 from tests.recording.foreign import drive
-from tests.recording.foreign.bags import Sent, write_ros1, write_ros2_mcap, write_ros2_sqlite
+from tests.recording.foreign.bags import ROS1, Sent, made, write_ros1, write_ros2_mcap, write_ros2_sqlite
 
 Write = Callable[[Path, list[Sent]], Path]
 Bag = Callable[..., Path]
@@ -161,3 +162,18 @@ def test_packed_by_bzip2(tmp_path: Path) -> None:
     assert len(on("kinect", messages)) == 40
     assert on("kinect", messages)[0].message.depth is None
     assert len(on("scan", messages)) == 80
+
+
+def test_types_that_nobody_understands_do_no_harm(tmp_path: Path) -> None:
+    path = tmp_path / "run.bag"
+    kind = "sensor_msgs/msg/JointState"
+    (first,) = [m for m in drive.drive() if m.topic == "/joint_states"][:1]
+    with Writer(path) as writer:
+        odd = writer.add_connection("/odd", "strange_msgs/msg/Odd", msgdef="this is [no definition", md5sum="0" * 32)
+        joints = writer.add_connection(first.topic, kind, typestore=ROS1)
+        writer.write(odd, first.at, b"1234")
+        writer.write(joints, first.at, bytes(ROS1.serialize_ros1(made(ROS1, kind, first.fields), kind)))
+    log = open_log(path)
+    assert [message.channel for message in log.messages()] == ["joints"]
+    assert log.info.ignored == {"/odd": "strange_msgs/msg/Odd: no message of this program says this"}
+    log.close()
