@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import subprocess
@@ -157,6 +158,21 @@ def test_a_taken_name_is_left_alone_and_a_failed_copy_leaves_nothing(tmp_path: P
             hold.save(names(tmp_path), fail)
     assert sorted(path.name for path in tmp_path.glob("*.mcap")) == ["saved-2.mcap", "saved.mcap"]
     assert not list(tmp_path.glob(".ring/.saving*"))
+    turning.close(discard=True)
+
+
+def test_a_file_system_without_links_is_enough(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def link(source: Path, target: Path) -> None:
+        raise PermissionError(errno.EPERM, os.strerror(errno.EPERM))
+
+    monkeypatch.setattr(os, "link", link)
+    (tmp_path / "saved.mcap").write_bytes(b"older")
+    turning = ring(tmp_path)
+    turn(turning, 0, 5)
+    with turning.hold(BEGIN + 5, None) as hold:
+        assert hold.save(names(tmp_path)).name == "saved-2.mcap"
+    assert times(read(tmp_path / "saved-2.mcap")) == tenths(0, 5)
+    assert (tmp_path / "saved.mcap").read_bytes() == b"older"
     turning.close(discard=True)
 
 

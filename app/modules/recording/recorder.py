@@ -16,22 +16,22 @@ import asyncio
 import time
 from collections.abc import Awaitable, Callable, Coroutine, Mapping
 from contextlib import suppress
-from pathlib import Path
 from typing import Any, ClassVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from app.attention.timeline import EventKind
 from app.messages import EventRecord, Image, Message, ModuleRecord, PointCloud, RecorderStatus
+from app.modules.recording.ring_saver import NO_RING, RingSaver
 from app.recording.control import RecorderControl, RecorderUnavailable
 from app.recording.file_sink import FileSink
 from app.recording.library import RecordingLibrary, default_name
 from app.recording.log import LogError
 from app.recording.manifest import Manifest
 from app.recording.mcap_file import OpenFile, create
-from app.recording.ring import SEGMENT_S, Hold, Ring, begin_of, leftovers, rescue, size_of
+from app.recording.ring import SEGMENT_S, Ring
 from app.recording.ros.encoder import Encoder
-from app.recording.writer import MEGABYTE, Limits, RecordingWriter, Sink, in_words
+from app.recording.writer import MEGABYTE, Limits, RecordingWriter, Sink
 from app.runtime.channel_table import ChannelSpec, ChannelTable
 from app.runtime.errors import InboxOverflow
 from app.runtime.module import Module, ModuleContext, Settings
@@ -121,8 +121,10 @@ class Recorder(Module):
         self._library = self.service(RecordingLibrary)
         self._manifest = self.service(Manifest)
         self._table = self.service(ChannelTable)
+        least_free = int(self.settings.least_free_mb * MEGABYTE)
+        self._saver = RingSaver(self._library, least_free, self.log, self._meter.call)
         self._detach = self.service(RecorderControl).attach(self.save_ring)
-        self._keep(self._rescue(), "rescue")
+        self._keep(self._saver.rescue(), "rescue")
 
     async def stop(self) -> None:
         """Close the file. The segments of a ring stay on disk for the next start."""
@@ -147,7 +149,7 @@ class Recorder(Module):
             self._end(discard=True)
             if self._wanted:
                 self._begin()
-                self._keep(self._rescue(), "rescue")
+                self._keep(self._saver.rescue(), "rescue")
         self._publish()
 
     def overflowed(self, port: str, loss: InboxOverflow) -> None:
@@ -158,22 +160,8 @@ class Recorder(Module):
         """See ``RecorderControl.save_ring``; also raises ValueError for a name that may not be."""
         writer = self._ring_writer()
         if writer is None or writer.reason:
-            raise RecorderUnavailable(
-                "no ring turns that could be saved: ask for a recording that keeps only the last minutes first"
-            )
-        now = self.clock.now()
-        candidates = self._library.candidates(name or "", now)
-        self._library.path(name or default_name(now))
-        seconds = None if minutes is None else 60 * minutes
-        try:
-            hold = await asyncio.wrap_future(writer.call(lambda sink: _hold(sink, now, seconds)))
-            with hold:
-                await self._in_thread(self._check_room, hold.bytes)
-                path: Path = await self._in_thread(hold.save, candidates, self._progress("saving the ring"))
-        except OSError as error:
-            raise LogError(in_words(error)) from error
-        self.log.info("the ring's last %.0f s are saved as %s", hold.duration_s, path.stem)
-        return path.stem
+            raise RecorderUnavailable(NO_RING)
+        return await self._saver.save(writer, self.clock.now(), minutes, name)
 
     # --- recording ---
 
@@ -328,44 +316,6 @@ class Recorder(Module):
         finally:
             self._saving_on_event = False
 
-    async def _rescue(self) -> None:
-        for home in await self._in_thread(leftovers, self._library.ring_folder):
-            try:
-                begin = await self._in_thread(begin_of, home)
-                await self._in_thread(lambda home: self._check_room(size_of(home)), home)
-                candidates = self._library.candidates(f"{default_name(begin)}-ring", begin)
-                saved = await self._in_thread(rescue, home, candidates, self._progress("saving an earlier ring"))
-            except (LogError, OSError) as error:
-                words = in_words(error) if isinstance(error, OSError) else str(error)
-                self.log.warning("the ring that an earlier run left in %s could not be saved: %s", home, words)
-            else:
-                if saved is not None:
-                    self.log.warning("the ring that an earlier run left is saved as %s", saved.stem)
-
-    def _check_room(self, size: int) -> None:
-        free = self._library.free_bytes()
-        if free - size < self.settings.least_free_mb * MEGABYTE:
-            raise LogError(
-                f"no room to save the ring: it takes {size / MEGABYTE:.0f} MB, {free / MEGABYTE:.0f} MB are free "
-                f"and {self.settings.least_free_mb:.0f} MB are kept free; save fewer minutes, or delete recordings"
-            )
-
-    def _progress(self, what: str) -> Callable[[int, int], None]:
-        told = 0
-
-        def progress(done: int, total: int) -> None:
-            nonlocal told
-            quarters = 4 * done // max(total, 1)
-            if quarters > told:
-                told = quarters
-                self.log.info("%s: %d %% of %.0f MB", what, 25 * quarters, total / MEGABYTE)
-
-        return progress
-
-    async def _in_thread(self, function: Callable[..., Any], *args: Any) -> Any:
-        """As ``compute``, but beside it: what takes long here holds up nothing else of this module."""
-        return await asyncio.to_thread(self._meter.call, function, *args)
-
     def _keep(self, work: Coroutine[Any, Any, None], name: str) -> None:
         task = asyncio.create_task(self._metered(work), name=f"{self.name}.{name}")
         self._tasks.add(task)
@@ -387,9 +337,3 @@ def _join(writers: list[RecordingWriter], timeout_s: float) -> None:
 def _keep_for(sink: Sink, seconds: float) -> None:
     if isinstance(sink, Ring):
         sink.keep_s = seconds
-
-
-def _hold(sink: Sink, at: float, seconds: float | None) -> Hold:
-    if not isinstance(sink, Ring):
-        raise RecorderUnavailable("no ring turns that could be saved")
-    return sink.hold(at, seconds)

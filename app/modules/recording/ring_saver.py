@@ -1,0 +1,101 @@
+"""Making recordings of rings: of one that turns, and of one that an earlier run left behind. Copies in threads."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from app.recording.control import RecorderUnavailable
+from app.recording.library import RecordingLibrary, default_name
+from app.recording.log import LogError
+from app.recording.ring import Hold, Ring, begin_of, leftovers, rescue, size_of
+from app.recording.writer import MEGABYTE, RecordingWriter, Sink, in_words
+
+NO_RING = "no ring turns that could be saved: ask for a recording that keeps only the last minutes first"
+
+
+class RingSaver:
+    """Saves rings into a library."""
+
+    def __init__(
+        self,
+        library: RecordingLibrary,
+        least_free_bytes: int,
+        log: logging.Logger,
+        charge: Callable[..., Any],
+    ) -> None:
+        """Never leaves less than ``least_free_bytes`` of the disk free; ``charge(function, *args)`` calls it."""
+        self._library = library
+        self._least_free_bytes = least_free_bytes
+        self._log = log
+        self._charge = charge
+
+    async def save(self, writer: RecordingWriter, now: float, minutes: float | None, name: str | None) -> str:
+        """Keep the last ``minutes`` (None: all) of the ring that ``writer`` writes; returns the recording's name.
+
+        Raises ValueError for a name that may not be, RecorderUnavailable where it writes no ring, LogError where it
+        cannot be written.
+        """
+        self._library.path(name or default_name(now))
+        seconds = None if minutes is None else 60 * minutes
+        try:
+            hold = await asyncio.wrap_future(writer.call(lambda sink: _hold(sink, now, seconds)))
+            with hold:
+                await self._in_thread(self._check_room, hold.bytes)
+                targets = self._library.candidates(name or "", now)
+                path: Path = await self._in_thread(hold.save, targets, self._progress("saving the ring"))
+        except OSError as error:
+            raise LogError(in_words(error)) from error
+        self._log.info("the ring's last %.0f s are saved as %s", hold.duration_s, path.stem)
+        return path.stem
+
+    async def rescue(self) -> None:
+        """Make a recording of each ring whose program is gone; what cannot be made one is told and left."""
+        for home in await self._in_thread(leftovers, self._library.ring_folder):
+            try:
+                saved = await self._in_thread(self._rescue, home)
+            except (LogError, OSError) as error:
+                words = in_words(error) if isinstance(error, OSError) else str(error)
+                self._log.warning("the ring that an earlier run left in %s could not be saved: %s", home, words)
+            else:
+                if saved is not None:
+                    self._log.warning("the ring that an earlier run left is saved as %s", saved.stem)
+
+    def _rescue(self, home: Path) -> Path | None:
+        self._check_room(size_of(home))
+        begin = begin_of(home)
+        targets = self._library.candidates(f"{default_name(begin)}-ring", begin)
+        return rescue(home, targets, self._progress("saving an earlier ring"))
+
+    def _check_room(self, size: int) -> None:
+        free = self._library.free_bytes()
+        if free - size < self._least_free_bytes:
+            raise LogError(
+                f"no room to save the ring: it takes {size / MEGABYTE:.0f} MB, {free / MEGABYTE:.0f} MB are free and "
+                f"{self._least_free_bytes / MEGABYTE:.0f} MB are kept free; save fewer minutes, or delete recordings"
+            )
+
+    def _progress(self, what: str) -> Callable[[int, int], None]:
+        told = 0
+
+        def progress(done: int, total: int) -> None:
+            nonlocal told
+            quarters = 4 * done // max(total, 1)
+            if quarters > told:
+                told = quarters
+                self._log.info("%s: %d %% of %.0f MB", what, 25 * quarters, total / MEGABYTE)
+
+        return progress
+
+    async def _in_thread(self, function: Callable[..., Any], *args: Any) -> Any:
+        """As ``Module.compute``, but beside it: what takes long here holds up nothing else of the module."""
+        return await asyncio.to_thread(self._charge, function, *args)
+
+
+def _hold(sink: Sink, at: float, seconds: float | None) -> Hold:
+    if not isinstance(sink, Ring):
+        raise RecorderUnavailable(NO_RING)
+    return sink.hold(at, seconds)
