@@ -164,7 +164,7 @@ def _add_export(actions: Any) -> None:
     parser.add_argument("kind", choices=list(KINDS), help="what to write")
     _add_times(parser)
     _add_channels(parser, "only these channels (default: all that can be written so)")
-    parser.add_argument("--every", type=_whole, default=1, metavar="N", help="png, pcd, csv: only one of N messages")
+    parser.add_argument("--every", type=_whole, default=1, metavar="N", help="only one of N messages; not for wav")
     parser.add_argument("--remap", type=Path, metavar="FILE", help="which topics of a ROS bag are which channels")
     _add_out(parser, "the folder (default: FILE-export, here)", "FOLDER")
 

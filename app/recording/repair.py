@@ -249,10 +249,11 @@ class _Look:
     def _settle(self, after: int | None) -> None:
         """The next readable message came at ``after`` (None: there is none): so long lasts what is missing before."""
         for part in self._open:
+            since = self.end if self.end is not None else part.begin_ns
             until = after if after is not None else part.end_ns
             seconds = None
-            if self.end is not None and until is not None and 0 <= until - self.end < _LONGEST_GAP_NS:
-                seconds = (until - self.end) / SECOND
+            if since is not None and until is not None and 0 <= until - since < _LONGEST_GAP_NS:
+                seconds = (until - since) / SECOND
             self.losses.append(Loss(part.offset, part.end - part.offset, part.what, seconds))
         self._open.clear()
 

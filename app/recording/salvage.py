@@ -35,6 +35,7 @@ ATTACHMENT_TIMES = struct.Struct("<QQ")
 #: No record is a terabyte: bytes that say so are none.
 _LONGEST = 1 << 40
 _PIECE = 1 << 18
+_SMALL_PIECE = 1 << 10
 _CANDIDATE = re.compile(rb"[\x01-\x0f].{5}\x00\x00\x00", re.DOTALL)
 _BAD = (McapError, struct.error, ValueError, OverflowError)
 
@@ -261,22 +262,29 @@ def _proven(content: bytes, size: int, crc: int) -> bool:
 
 
 def _decompress(data: bytes, compression: str, size: int) -> bytes:
-    """All of ``data`` that can be decompressed, little more than ``size`` bytes: piece by piece, as damage lies."""
+    """All of ``data`` that can be decompressed, little more than ``size`` bytes."""
     if not compression:
         return data
+    content, broken = _decompress_pieces(data, compression, size, _PIECE)
+    # What a piece gives before its damage is lost with it: where there is damage, small ones keep more.
+    return _decompress_pieces(data, compression, size, _SMALL_PIECE)[0] if broken else content
+
+
+def _decompress_pieces(data: bytes, compression: str, size: int, step: int) -> tuple[bytes, bool]:
+    """What can be decompressed feeding ``step`` bytes at a time, and whether damage was met."""
     machine = lz4.frame.LZ4FrameDecompressor() if compression == "lz4" else zstandard.ZstdDecompressor().decompressobj()
     pieces = []
     length = 0
-    for begin in range(0, len(data), _PIECE):
+    for begin in range(0, len(data), step):
         try:
-            piece = machine.decompress(data[begin : begin + _PIECE])
+            piece = machine.decompress(data[begin : begin + step])
         except (zstandard.ZstdError, RuntimeError, EOFError, MemoryError):
-            break
+            return b"".join(pieces), True
         pieces.append(piece)
         length += len(piece)
         if length > size or machine.eof:
             break
-    return b"".join(pieces)
+    return b"".join(pieces), False
 
 
 def _whole_records(content: bytes) -> bytes:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from app.recording.cut import no_such_channel
@@ -16,7 +16,7 @@ from app.recording.export.pcd import Pcd
 from app.recording.export.png import Png
 from app.recording.export.target import Format, Target, Write
 from app.recording.export.wav import Wav
-from app.recording.log import Log, LogError, LoggedChannel
+from app.recording.log import Log, LogError, LoggedChannel, LogInfo
 from app.recording.output import Progress, disk_trouble, unwatched
 from app.recording.stamps import SECOND
 
@@ -57,6 +57,8 @@ def export(log: Log, wish: Wish, progress: Progress = unwatched) -> Exported:
     Raises LogError where a channel is not there or cannot be written so, for a damaged log, where files are there
     already or the disk is full. Whole files written until then stay, half ones do not.
     """
+    if wish.kind == "wav" and wish.every != 1:
+        raise LogError("sound with pieces left out is no sound: leave --every away")
     form = FORMATS[wish.kind]()
     channels = _chosen(log, wish, form)
     try:
@@ -105,7 +107,11 @@ def _share(progress: Progress, part: int, parts: int) -> Progress:
 def _chosen(log: Log, wish: Wish, form: Format) -> dict[str, LoggedChannel]:
     """The channels to write, each by its name. Raises LogError."""
     info = log.info
-    fitting = {name: channel for name, channel in info.channels.items() if form.accepts(channel.message_type)}
+    fitting = {
+        name: channel if channel.rate_hz or not info.duration_s else replace(channel, rate_hz=_rate(channel, info))
+        for name, channel in info.channels.items()
+        if form.accepts(channel.message_type)
+    }
     if unknown := set(wish.channels or ()) - info.channels.keys():
         raise no_such_channel(info.path, unknown, info.channels.keys())
     if not fitting:
@@ -117,3 +123,8 @@ def _chosen(log: Log, wish: Wish, form: Format) -> dict[str, LoggedChannel]:
             could = ", ".join(sorted(fitting))
             raise LogError(f"{info.path}: {name} holds {kind}, which {wish.kind} does not; it could hold {could}")
     return fitting if wish.channels is None else {name: fitting[name] for name in wish.channels}
+
+
+def _rate(channel: LoggedChannel, info: LogInfo) -> float:
+    """The rate (Hz) at which a channel without a nominal one came."""
+    return channel.count / info.duration_s

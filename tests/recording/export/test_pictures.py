@@ -123,6 +123,20 @@ def test_a_video_shows_at_each_moment_what_was_the_newest_then(writer: str, tmp_
         assert len(shown) == 17
 
 
+def test_a_camera_without_a_nominal_rate_has_the_one_it_came_at(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rates = []
+
+    def open_video(path: Path, size: tuple[int, int], rate_hz: float | None) -> mp4.Video:
+        rates.append(rate_hz)
+        return mp4.ConstantRateVideo(path, size, rate_hz or 30.0)
+
+    monkeypatch.setattr(mp4, "open_video", open_video)
+    export(log_of([0.2 * k for k in range(11)], rate_hz=None), Wish("mp4", tmp_path / "out"))
+    assert rates == [pytest.approx(5.5)]
+
+
 def test_odd_sizes_are_filled_up_not_cropped(writer: str, tmp_path: Path) -> None:
     export(log_of([0.0, 0.1, 0.2], size=(47, 63)), Wish("mp4", tmp_path / "out"))
     assert frames(tmp_path / "out" / "camera.mp4")[0][1].shape == (48, 64, 3)

@@ -150,6 +150,8 @@ def heard(path: Path) -> tuple[int, NDArray[np.int16]]:
 def test_sound_comes_back_sample_for_sample(tmp_path: Path) -> None:
     log, whole = sounds()
     export(log, Wish("wav", tmp_path))
+    with pytest.raises(LogError, match="leave --every away"):
+        export(log, Wish("wav", tmp_path, every=2, force=True))
     rate, samples = heard(tmp_path / "microphone.wav")
     assert rate == 16_000
     np.testing.assert_array_equal(samples, whole)
