@@ -39,7 +39,8 @@ class ReplayClock:
 
     def __init__(self, start: float, end: float = math.inf, *, real: Callable[[], float] = time.monotonic) -> None:
         self._real = real
-        self._end = end
+        #: It never reads more than this (s).
+        self.end = end
         # Replaced as a whole: read in other threads too.
         self._state = _Run(start, real(), 0.0)
         self._sleepers: list[tuple[float, int, asyncio.Future[None]]] = []
@@ -54,7 +55,7 @@ class ReplayClock:
     def now(self) -> float:
         """Seconds of the recording (Unix epoch). May be read in any thread."""
         base, mark, rate = self._state
-        return min(base + (self._real() - mark) * rate, self._end) if rate else base
+        return min(base + (self._real() - mark) * rate, self.end) if rate else base
 
     async def sleep(self, seconds: float) -> None:
         """Let ``seconds`` of the recording pass; zero or less yields to other tasks once."""
@@ -101,7 +102,7 @@ class ReplayClock:
 
     def jump(self, stamp: float) -> None:
         """Read ``stamp`` from now on, be it earlier or later, at the same rate, and release every sleeper."""
-        self._state = _Run(min(stamp, self._end), self._real(), self.rate)
+        self._state = _Run(min(stamp, self.end), self._real(), self.rate)
         sleepers, self._sleepers, self._given_up = sorted(self._sleepers), [], 0
         for _, _, woken in sleepers:
             _resolve(woken)
@@ -110,7 +111,7 @@ class ReplayClock:
     def advance_to(self, stamp: float) -> None:
         """Read ``stamp``, and wake whoever waits for it or for less; an earlier one than now changes nothing."""
         now = self.now()
-        self._state = _Run(min(max(stamp, now), max(self._end, now)), self._real(), self.rate)
+        self._state = _Run(min(max(stamp, now), max(self.end, now)), self._real(), self.rate)
         self._wake()
 
     # --- Inside ------------------------------------------------------------------------------------------------------
@@ -126,7 +127,7 @@ class ReplayClock:
             self._timer.cancel()
             self._timer = None
         due, rate = self.next_due, self.rate
-        if due is not None and rate > 0 and due <= self._end:
+        if due is not None and rate > 0 and due <= self.end:
             wait_s = max((due - self.now()) / rate, _SHORTEST_WAIT_S)
             self._timer = asyncio.get_running_loop().call_later(wait_s, self._wake)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 import time
 from typing import Any
 
@@ -42,7 +43,7 @@ async def test_it_plays_in_real_time_stands_and_goes_on(lab: Prepared) -> None:
         state = play.playback.state
         assert (state.phase, state.playing) == ("paused", False)
         count = len(odometry)
-        await play.playback._quiet()
+        await play.playback._places.quiet()
         assert play.playback.state.position == state.position
         assert len(odometry) - count <= 1
         play.playback.play()
@@ -165,6 +166,17 @@ async def test_of_many_seeks_only_the_newest_counts(lab: Prepared) -> None:
         assert play.jumps[-1] == BEGIN + 3.9
 
 
+async def test_seeks_to_one_place_at_once_are_all_answered(lab: Prepared) -> None:
+    async with played(lab) as play:
+        stopping = asyncio.Event()
+        play.replay.system.supervisor.observe(lambda _: stopping.set())
+        first = asyncio.create_task(play.playback.seek(BEGIN + 2.0))
+        await stopping.wait()
+        assert play.playback.moving
+        await asyncio.wait_for(asyncio.gather(first, play.playback.seek(BEGIN + 2.0)), 5)
+        assert play.jumps == [BEGIN + 2.0]
+
+
 async def test_a_seek_beyond_an_end_goes_to_it(lab: Prepared) -> None:
     async with played(lab) as play:
         await play.playback.seek(BEGIN + 60)
@@ -225,6 +237,55 @@ async def test_who_comes_while_time_stands_is_shown_what_stands_there(lab: Prepa
         scans = channel.subscribe("test")
         scan = await asyncio.wait_for(scans.receive(), 5)
         assert BEGIN + 3.85 < scan.stamp <= BEGIN + 4.0
+
+
+class Slow(MemoryLog):
+    """A file that cannot be read beyond 1.5 s until :attr:`gate` opens."""
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self.gate = threading.Event()
+        #: Called in the reader's thread when it must wait.
+        self.stuck: Any = lambda: None
+
+    def messages(self, begin: Any = None, channels: Any = None) -> Any:
+        for logged in super().messages(begin, channels):
+            if logged.at > BEGIN + 1.5 and not self.gate.is_set():
+                self.stuck()
+                assert self.gate.wait(10)
+            yield logged
+
+
+@pytest.fixture
+def slow() -> Prepared:
+    """A recording on a disk that keeps one waiting."""
+    return prepare(Slow(lab_messages(3.0), lab_manifest()))
+
+
+async def test_time_waits_for_a_file_that_is_slow(slow: Prepared) -> None:
+    async with played(slow, playing=True, speed=20.0) as play:
+        odometry = stamps(play, "odometry")
+        stuck, waits = asyncio.Event(), asyncio.Event()
+        loop, on_waiting = asyncio.get_running_loop(), play.replay.body.on_waiting
+
+        def told(now: bool) -> None:
+            on_waiting(now)
+            (waits.set if now else waits.clear)()
+
+        play.replay.body.on_waiting = told
+        slow[0].stuck = lambda: loop.call_soon_threadsafe(stuck.set)
+        await asyncio.wait_for(stuck.wait(), 5)
+        await asyncio.wait_for(waits.wait(), 5)
+        stood = play.playback.state.position
+        assert stood < BEGIN + 1.8
+        await play.playback._places._system.graph.activity.quiet()
+        assert play.playback.state.position == stood
+        assert play.playback.state.phase == "playing"
+        slow[0].gate.set()
+        await play.phase("ended")
+        # It was late for nobody: everything came, each message in its time.
+        assert odometry[-1] == pytest.approx(BEGIN + 2.98, abs=0.001)
+        assert odometry == sorted(odometry)
 
 
 class Torn(MemoryLog):
