@@ -5,15 +5,18 @@ from __future__ import annotations
 import gzip
 import math
 import os
+from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from app.geometry import Pose2
 from app.messages import LaserScan, Odometry
-from app.recording.foreign.carmen_lines import Beams, Odom, Param, parse
+from app.recording.foreign.carmen_lines import KINDS, Beams, Odom, Param, parse
 from app.recording.log import LogError
 from app.recording.open import open_log
 
@@ -180,3 +183,14 @@ def test_lines_are_told_by_their_names() -> None:
 def test_a_log_without_a_message_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(LogError, match="no line of a laser or of odometry"):
         open_log(small(tmp_path, "# CARMEN Logfile\nPARAM a b host 0\n"))
+
+
+@given(
+    st.lists(
+        st.sampled_from([*sorted(KINDS), "0", "1", "3", "-1", "0.5", "nan", "inf", "1e400", "x", "99999999999"]),
+        max_size=25,
+    )
+)
+def test_no_line_does_worse_than_being_refused(words: list[str]) -> None:
+    with suppress(ValueError):
+        parse(" ".join(words))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from app.messages import Image, JointState, LaserScan, Odometry
 from app.recording.log import Log, Logged
 from app.recording.open import open_log
 from tests.recording.foreign import drive
-from tests.recording.foreign.bags import ROS1, Sent, made, write_ros1, write_ros2_mcap, write_ros2_sqlite
+from tests.recording.foreign.bags import ROS1, Sent, header, made, write_ros1, write_ros2_mcap, write_ros2_sqlite
 
 Write = Callable[[Path, list[Sent]], Path]
 Bag = Callable[..., Path]
@@ -176,4 +177,23 @@ def test_types_that_nobody_understands_do_no_harm(tmp_path: Path) -> None:
     log = open_log(path)
     assert [message.channel for message in log.messages()] == ["joints"]
     assert log.info.ignored == {"/odd": "strange_msgs/msg/Odd: no message of this program says this"}
+    log.close()
+
+
+def test_the_first_tf_of_ros_1(tmp_path: Path) -> None:
+    """tf/tfMessage, before there was tf2: standing frames are said again and again on /tf."""
+    sent = [
+        replace(m, topic="/tf", type="tf/msg/tfMessage") if "tf" in m.topic else m for m in drive.drive(compressed=True)
+    ]
+    standing = next(m for m in sent if m.topic == "/tf")
+    for i in range(1, 40):
+        heads = [
+            {**t, "header": header(drive.ns(0.1 * i), t["header"]["frame_id"])} for t in standing.fields["transforms"]
+        ]
+        sent.append(replace(standing, at=drive.ns(0.1 * i + 0.001), fields={"transforms": heads}))
+    log = open_log(write_ros1(tmp_path / "run.bag", sorted(sent, key=lambda m: m.at)))
+    assert log.info.notes == ()
+    for logged in log.messages(channels={"kinect"}):
+        truth = drive.camera_at(logged.message.stamp)
+        np.testing.assert_allclose(logged.message.X_BC.rotation, truth.rotation, atol=0.02)
     log.close()
