@@ -157,3 +157,21 @@ def test_entering_and_leaving_take_turns(states: list[FreshnessState]) -> None:
     spells = [len(list(spell)) for stale, spell in groupby(states, lambda state: state == "stale") if stale]
     assert noted.count(True) == sum(looks >= STALE_LOOKS for looks in spells)
     assert noted.count(True) - noted.count(False) == (states[-STALE_LOOKS:] == ["stale"] * STALE_LOOKS)
+
+
+def test_whatever_comes_after_forgetting_is_news(feed: TimelineFeed, timeline: Timeline) -> None:
+    def tell() -> None:
+        feed.guard(STATUS)
+        feed.exploitation(Exploitation(1.0, "Teleop", STILL))
+        for _ in range(STALE_LOOKS):
+            feed.freshness({"scan": replace(LIVE, state="stale")})
+        for _ in range(OVERLOAD_WINDOWS):
+            feed.load(Load(1.0, 1.0, {"Eye": 50.0}, 60.0))
+
+    tell()
+    once = told(timeline)
+    tell()
+    assert told(timeline) == once
+    feed.forget()
+    tell()
+    assert told(timeline) == once * 2

@@ -57,3 +57,13 @@ def test_observers(caplog: pytest.LogCaptureFixture) -> None:
     end()
     timeline.add("module", "Kinect", "failed")
     assert [e.id for e in seen] == [1, 2]
+
+
+def test_a_cleared_timeline_counts_on() -> None:
+    timeline = Timeline(5, lambda: 1.0)
+    for text in ("one", "two"):
+        timeline.add("module", "M", text)
+    timeline.clear()
+    assert timeline.query() == ()
+    assert timeline.add("module", "M", "three").id == 3
+    assert [event.text for event in timeline.query(after_id=2)] == ["three"]

@@ -8,7 +8,11 @@ import httpx
 
 from app.attention.timeline import TimelineEvent
 from app.console import reports
+from app.console.playback import rate
+from app.messages import Exploitation, LinkStatus, Twist
+from app.runtime.clock import RealClock
 from app.runtime.freshness import Freshness
+from app.runtime.replay_clock import ReplayClock
 from app.system import System
 from tests.console.program import Body, image
 
@@ -59,3 +63,20 @@ async def test_a_sensor_that_says_nothing_is_on_the_timeline(system: System) -> 
     end()
     assert event.kind == "stale"
     assert event.text.startswith("odometry is stale: nothing has come yet")
+
+
+def test_the_guard_of_a_fast_recording_is_silent_only_when_it_is_so_in_real_time() -> None:
+    status = LinkStatus(100.0, "driving", "", False, 0.01, Twist(100.0, 0.1, 0.0), 1.0)
+    assert reports.guard_json(status, 100.6)["state"] == "silent"
+    assert reports.guard_json(status, 105.0, rate=20.0)["state"] == "driving"
+    assert reports.guard_json(status, 111.0, rate=20.0)["state"] == "silent"
+    told = Exploitation(100.0, "Teleop", status.applied)
+    assert reports.exploited(told, 100.6) is None
+    assert reports.exploited(told, 105.0, rate=20.0) == "Teleop"
+
+
+def test_only_a_recording_that_runs_fast_has_a_rate() -> None:
+    clock = ReplayClock(0.0)
+    assert [rate(c) for c in (RealClock(), clock)] == [1.0, 1.0]
+    clock._state = clock._state._replace(rate=5.0)
+    assert rate(clock) == 5.0

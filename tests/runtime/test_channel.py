@@ -393,3 +393,34 @@ async def test_an_observer_sees_everything_and_wants_nothing(make: Make) -> None
     end()
     numbers.publish(make(4))
     assert seen == messages
+
+
+@in_virtual_time
+async def test_a_channel_that_forgets_has_nothing_waiting_and_counts_on(make: Make) -> None:
+    numbers = channel()
+    inbox, safe = numbers.subscribe("inbox", capacity=2), numbers.subscribe("safe", capacity=1, lossless=True)
+    for value in range(3):
+        numbers.publish(make(value))
+    numbers.forget()
+    assert numbers.latest is None
+    for subscription in (inbox, safe):
+        counters = subscription.statistics()
+        assert (counters.depth, counters.received, counters.passed) == (0, 3, 3)
+        assert counters.passed == counters.taken + counters.dropped + counters.discarded + counters.depth
+        with pytest.raises(WouldBlock):  # and no InboxOverflow: that loss is of another time
+            subscription.receive_nowait()
+    numbers.publish(make(9))
+    assert (await safe.receive()).linear_mps == 9
+
+
+@in_virtual_time
+async def test_forgetting_makes_room_for_who_waits_to_send(make: Make) -> None:
+    numbers = channel()
+    safe = numbers.subscribe("safe", capacity=1, lossless=True)
+    numbers.publish(make(1))
+    sending = asyncio.create_task(numbers.send(make(2), deadline_s=5))
+    await asyncio.sleep(1)
+    assert not sending.done()
+    numbers.forget()
+    await sending
+    assert (await safe.receive()).linear_mps == 2

@@ -342,3 +342,28 @@ def test_a_delay_leaves_open_and_pinned_filters_alone() -> None:
     assert [pinned.offer() for _ in range(4)] == [False, True, False, True]
     with pytest.raises(ValueError, match="a number of messages from 0, not -1"):
         bank.delay(-1)
+
+
+def test_a_graph_that_forgets_filters_as_at_its_start(build: Build, make: Callable[..., Twist]) -> None:
+    graph = build(
+        {"S": (Source, {}, {"numbers": "n"}), "R": (Relay, {"numbers": "n"}, {"relayed": "r"})}, {"n": {}, "r": {}}
+    )
+    inbox = graph.modules["R"].context.inputs["numbers"].subscription
+    graph.filters.pin("R.numbers", Pin(3, offset=1))
+    passed = []
+    for _ in range(2):
+        before = inbox.statistics().passed
+        for value in range(4):
+            graph.channels["n"].publish(make(value))
+            passed.append(inbox.statistics().passed - before)
+        graph.forget()
+        assert graph.channels["n"].latest is None
+        assert not inbox.waiting
+    assert passed == [0, 1, 1, 1] * 2
+
+
+def test_inputs_are_listed_with_their_channels(build: Build) -> None:
+    graph = build(
+        {"S": (Source, {}, {"numbers": "n"}), "R": (Relay, {"numbers": "n"}, {"relayed": "r"})}, {"n": {}, "r": {}}
+    )
+    assert graph.inputs() == {"R.numbers": "n"}

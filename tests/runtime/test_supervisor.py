@@ -501,3 +501,69 @@ async def test_a_recovery_is_said_once(build: Build, make: Make, caplog: pytest.
         await asyncio.sleep(5)
     assert caplog.text.count("S runs again") == 1
     assert caplog.text.count("S failed") == 1
+
+
+@in_virtual_time
+async def test_modules_may_be_ended_and_started_afresh(build: Build, make: Make) -> None:
+    bench = Bench(build)
+    async with bench.supervisor:
+        await bench.supervisor.started()
+        bench.publish(make(-1))
+        await asyncio.sleep(2)
+        assert bench.state.restarts == 1
+        first = bench.graph.modules["S"].module
+        await bench.supervisor.stop_modules()
+        assert {state.status for state in bench.supervisor.states.values()} == {"stopped"}
+        bench.supervisor.start_modules()
+        await bench.supervisor.started()
+        assert (bench.status, bench.state.restarts, bench.state.problem) == ("running", 0, "")
+        assert bench.graph.modules["S"].module is not first
+        bench.publish(make(5))
+        await asyncio.sleep(0.1)
+    assert [what for _, what in bench.plan.events] == ["start", "stop", "start", "stop", "start", 5.0, "stop"]
+
+
+@in_virtual_time
+async def test_who_waits_for_the_start_is_told_of_a_failure_too(build: Build) -> None:
+    bench = Bench(build)
+    bench.plan.fail_start = True
+    async with bench.supervisor:
+        await asyncio.wait_for(bench.supervisor.started(), 1)
+        assert bench.status == "failed"
+
+
+class Paced(VirtualClock):
+    """A robot's clock that reads ``rate`` times the virtual time."""
+
+    rate = 1.0
+
+    def now(self) -> float:
+        return self.origin + self.rate * (super().now() - self.origin)
+
+    async def sleep(self, seconds: float) -> None:
+        await super().sleep(seconds / self.rate if self.rate else 1e6)
+
+
+@pytest.mark.parametrize(("rate", "hung"), [(0.0, False), (0.1, False), (1.0, True), (20.0, True)])
+def test_a_module_is_hung_by_the_time_it_was_given(build: Build, make: Make, rate: float, hung: bool) -> None:
+    """Where a recording's time stands or is slow, nobody can be waited for; where it is fast, nobody is faster."""
+
+    async def scenario() -> tuple[str, str]:
+        bench = Bench(build)
+        bench.plan.hang = True
+        clock = Paced()
+        clock.rate = rate
+        supervisor = Supervisor(bench.graph.modules, clock, bench.clock)
+        async with supervisor:
+            bench.publish(make(1))
+            await asyncio.sleep(0.1)
+            bench.publish(make(2))
+            await asyncio.sleep(0.8)
+            early = str(supervisor.states["S"].status)
+            # It is restarted after half a second of the robot's clock, which may be very short.
+            seen: list[str] = []
+            supervisor.observe(lambda state: seen.append(state.status))
+            await asyncio.sleep(1.0)
+        return early, "hung" if "hung" in seen else "running"
+
+    assert run_virtual(scenario()) == ("running", "hung" if hung else "running")

@@ -37,3 +37,14 @@ def test_what_was_before_the_last_second_does_not_count() -> None:
     for beat in range(21, 42):
         window.add(beat * 0.05, 10 * beat, 10 * (beat - 20))
     assert window.ratio() == pytest.approx(1.0)
+
+
+def test_while_time_stands_nothing_piles_up_and_the_rate_stays() -> None:
+    window = RatioWindow()
+    for beat in range(30):
+        window.add(beat * 0.05, 10 * beat, 5 * beat)
+    rate = window.ratio()
+    for _ in range(1000):
+        window.add(29 * 0.05, 290, 145)
+    assert window.ratio() == rate
+    assert len(window._samples) < 30

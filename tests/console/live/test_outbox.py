@@ -105,3 +105,17 @@ def test_whatever_happens_it_stays_bounded(story: list[tuple[str, object]]) -> N
             assert statistics.events <= MOST_EVENTS
 
     asyncio.run(run())
+
+
+async def test_at_a_jump_all_of_before_is_dropped_but_notices() -> None:
+    outbox = Outbox()
+    outbox.put_urgent("notice")
+    outbox.put("status", "s1")
+    outbox.put_events(['{"id":1}'])
+    outbox.put_picture(b"old")
+    outbox.begin_anew("jump")
+    outbox.put("lanes_history", "past")
+    outbox.put_events(['{"id":2}'])
+    assert await drained(outbox) == ["notice", "jump", "past", '{"type":"events","events":[{"id":2}]}']
+    outbox.put_picture(b"new")
+    assert await drained(outbox) == [b"new"]
