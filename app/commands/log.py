@@ -106,7 +106,7 @@ def _cut(args: argparse.Namespace) -> int:
     from app.commands.log_report import clock, size
     from app.recording.cut import cut, span
 
-    path = find_log(args.file)
+    path = _find_mcap(args.file)
     out = args.out or path.with_name(f"{path.stem}-cut.mcap")
     first, last = span(path)
     begin, end = _times(args, first, last)
@@ -139,7 +139,7 @@ def _repair(args: argparse.Namespace) -> int:
 
     if args.in_place and args.out:
         raise ConfigError("--in-place replaces FILE, so there is nothing for -o to name: give one of them")
-    path = find_log(args.file)
+    path = _find_mcap(args.file)
     out = args.out or path.with_name(f"{path.stem}-repaired.mcap")
     with shown(f"repair {path.name}") as progress:
         report = repair(path, out, force=args.force, progress=progress, in_place=args.in_place)
@@ -197,6 +197,15 @@ def find_log(text: str) -> Path:
     from app.commands.replay import find_log as find
 
     return find(text)
+
+
+def _find_mcap(text: str) -> Path:
+    """As :func:`find_log`, but a single file. Raises ConfigError."""
+    path = find_log(text)
+    if path.is_dir():
+        inside = ", ".join(sorted(str(each) for each in path.glob("*.mcap"))) or "there is none in it"
+        raise ConfigError(f"{path} is a folder; name an MCAP file: {inside}")
+    return path
 
 
 def _add_file(parser: argparse.ArgumentParser) -> None:

@@ -251,7 +251,7 @@ def repair_lines(report: RepairReport) -> list[str]:
     ]
     if lost:
         share = 100 * report.unreadable_bytes / report.bytes
-        lines.append(f"Missing in all: at most {size(report.unreadable_bytes)} ({share:.2g} % of the file)")
+        lines.append(f"Missing in all: at most {size(report.unreadable_bytes)} ({share:.1f} % of the file)")
     if report.orphans:
         lines.append(f"{report.orphans} records were left out: nothing tells any more what they are.")
     return lines

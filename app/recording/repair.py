@@ -90,7 +90,9 @@ def repair(
         if report.healthy:
             return report
         if not report.messages and not report.attachments:
-            raise LogError(f"{path}: nothing in it can be recovered; it is no MCAP log, or empty")
+            if data[: len(salvage.MAGIC)] != salvage.MAGIC:
+                raise LogError(f"{path}: is no MCAP file; only these can be repaired")
+            raise LogError(f"{path}: nothing can be recovered: there is no whole record in it")
         with replacing(target, force or in_place) as part, part.open("wb") as stream:
             _rewrite(data, found, stream, progress)
             durable(stream)

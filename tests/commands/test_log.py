@@ -207,6 +207,11 @@ def test_repair_says_what_was_recovered_and_what_is_missing(library: Path, capsy
     assert "there is nothing to repair" in capsys.readouterr().out
 
 
+def test_a_folder_is_no_file_to_cut(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert hbba("cut", str(library)) == 2
+    assert f"{library} is a folder; name an MCAP file: {library / 'tour.mcap'}" in capsys.readouterr().err
+
+
 def test_repair_in_place_replaces_the_file(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
     cut_off(library / "tour.mcap")
     assert hbba("repair", "tour", "--in-place") == 0
