@@ -8,20 +8,22 @@ import json
 import os
 import shutil
 import signal
-import subprocess
-import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
 
 import pytest
 
 from app import cli
+from app.commands import log_progress
 from app.commands.log import moment
 from app.commands.log_report import clock, size
 from app.recording import output
 from app.recording.manifest import YAML, AttachedFile, Manifest
 from app.recording.mcap_file import create
 from app.recording.mcap_log import McapLog
+from app.recording.output import Progress
 from tests.recording.mcap_files import BEGIN, drive, write_log
 
 MANIFEST = Manifest(
@@ -231,23 +233,27 @@ def test_a_full_disk_is_said_and_leaves_nothing(
     assert [each.name for each in library.iterdir()] == ["tour.mcap"]
 
 
-@pytest.mark.slow
-@pytest.mark.blocking(reason="waits for another process")
-def test_ctrl_c_leaves_no_half_file(made: Path, tmp_path: Path) -> None:
-    # Long enough to be met in the middle: thousands of small files.
-    command = [sys.executable, "-c", "import sys; from app.cli import main; sys.exit(main())"]
-    arguments = ["log", "export", str(made), "pcd", "-o", str(tmp_path / "out")]
-    child = subprocess.Popen([*command, *arguments], cwd=Path(__file__).parents[2], stderr=subprocess.PIPE, text=True)
-    with child:
-        while child.poll() is None and not list(tmp_path.glob("out/*/*.pcd")):
-            os.sched_yield()
-        child.send_signal(signal.SIGINT)
-        _, errors = child.communicate(timeout=30)
-    assert child.returncode in (0, 130)  # 0: it was quicker than us
-    assert errors == ""
-    assert list(tmp_path.rglob("*.part*")) == []
-    for file in tmp_path.rglob("*.pcd"):
-        assert file.stat().st_size > 200
+@pytest.mark.parametrize(
+    "arguments", [("cut", "tour"), ("repair", "tour"), ("export", "tour", "csv"), ("export", "tour", "mp4")], ids=str
+)
+def test_ctrl_c_leaves_no_half_file(
+    arguments: tuple[str, ...], library: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    @contextmanager
+    def interrupted(title: str) -> Iterator[Progress]:
+        def progress(done: int, total: int) -> None:
+            if done > 0.7 * total:
+                signal.raise_signal(signal.SIGINT)
+
+        yield progress
+
+    if "repair" in arguments:
+        cut_off(library / "tour.mcap", 0.9)
+    monkeypatch.setattr(log_progress, "shown", interrupted)
+    assert hbba(*arguments) == 130
+    assert [each.name for each in library.iterdir()] == ["tour.mcap"]
+    assert [each for each in Path().rglob("*") if each.is_file()] == []
+    assert capsys.readouterr() == ("", "")
 
 
 # --- export ------------------------------------------------------------------------------------------------------
