@@ -273,7 +273,7 @@ def _decompress(data: bytes, compression: str, size: int) -> bytes:
 def _decompress_pieces(data: bytes, compression: str, size: int, step: int) -> tuple[bytes, bool]:
     """What can be decompressed feeding ``step`` bytes at a time, and whether damage was met."""
     machine = lz4.frame.LZ4FrameDecompressor() if compression == "lz4" else zstandard.ZstdDecompressor().decompressobj()
-    pieces = []
+    pieces: list[bytes] = []
     length = 0
     for begin in range(0, len(data), step):
         try:
