@@ -47,7 +47,7 @@ def measure(rounds: int, window_s: int) -> list[Row]:
     """Both cases."""
     stream: list[Arrived] = []
     rows = asyncio.run(_lab(rounds, window_s, stream))
-    return [*rows, *_streams(_at_full_rates(stream, window_s), rounds)]
+    return [*rows, *_streams(at_full_rates(stream, window_s), rounds)]
 
 
 # --- the running program ---
@@ -156,7 +156,7 @@ def _tap(system: System, stream: list[Arrived]) -> list[Callable[[], None]]:
 # --- the same once more ---
 
 
-def _at_full_rates(stream: list[Arrived], seconds: int) -> list[Arrived]:
+def at_full_rates(stream: list[Arrived], seconds: int) -> list[Arrived]:
     """The same messages, each channel at the rate of its table; where there are too few, they come round again."""
     table, begin = load_configuration(CONFIG).channels, stream[0][0]
     timed: list[Arrived] = []
@@ -167,7 +167,7 @@ def _at_full_rates(stream: list[Arrived], seconds: int) -> list[Arrived]:
     return sorted(timed, key=lambda arrived: arrived[:2])
 
 
-def _thinned(stream: list[Arrived], divisor: int) -> list[Arrived]:
+def thinned(stream: list[Arrived], divisor: int) -> list[Arrived]:
     """Every so-manieth picture and scan, and all the rest."""
     seen = {"kinect": 0, "scan": 0}
     kept = []
@@ -181,24 +181,25 @@ def _thinned(stream: list[Arrived], divisor: int) -> list[Arrived]:
 
 
 def _streams(stream: list[Arrived], rounds: int) -> list[Row]:
-    ours: list[tuple[float, float]] = []
+    mine: list[tuple[float, float]] = []
     peer: list[tuple[float, float]] = []
     with tempfile.TemporaryDirectory() as folder:
         # The first of each makes the types of all topics.
         for number in range(rounds + 1):
-            ours.append(_ours(stream, Path(folder) / f"ours-{number}.mcap"))
-            peer.append(_rosbags(stream, Path(folder) / f"peer-{number}"))
-        thinned = {phi: [_ours(_thinned(stream, phi), Path(folder) / f"{phi}-{n}.mcap")[0] for n in range(rounds)]
+            mine.append(ours(stream, Path(folder) / f"ours-{number}.mcap"))
+            peer.append(rosbags(stream, Path(folder) / f"peer-{number}"))
+        costs = {phi: [ours(thinned(stream, phi), Path(folder) / f"{phi}-{n}.mcap")[0] for n in range(rounds)]
                    for phi in (2, 4, 8)}  # fmt: skip
     name = "rosbags Writer"
     return [
-        *(row("recording", f"stream, phi {phi}", "CPU", "%", cpu) for phi, cpu in thinned.items()),
-        row("recording", "stream", "CPU", "%", [o[0] for o in ours[1:]], [p[0] for p in peer[1:]], name),
-        row("recording", "stream", "on disk", "MB/s", [o[1] for o in ours[1:]], [p[1] for p in peer[1:]], name),
+        *(row("recording", f"stream, phi {phi}", "CPU", "%", cpu) for phi, cpu in costs.items()),
+        row("recording", "stream", "CPU", "%", [o[0] for o in mine[1:]], [p[0] for p in peer[1:]], name),
+        row("recording", "stream", "on disk", "MB/s", [o[1] for o in mine[1:]], [p[1] for p in peer[1:]], name),
     ]
 
 
-def _ours(stream: list[Arrived], path: Path) -> tuple[float, float]:
+def ours(stream: list[Arrived], path: Path) -> tuple[float, float]:
+    """Write ``stream`` as the Recorder does; % of a core, had it come in real time, and MB/s."""
     table = load_configuration(CONFIG).channels
     begin = time.process_time()
     sink = FileSink([path], Encoder(table), Manifest(), stream[0][0])
@@ -212,7 +213,8 @@ def _ours(stream: list[Arrived], path: Path) -> tuple[float, float]:
     return _per_second(stream, time.process_time() - begin, path.stat().st_size)
 
 
-def _rosbags(stream: list[Arrived], path: Path) -> tuple[float, float]:
+def rosbags(stream: list[Arrived], path: Path) -> tuple[float, float]:
+    """The same by rosbags."""
     begin = time.process_time()
     peer = _Peer(path)
     with peer.writer:

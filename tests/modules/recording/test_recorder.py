@@ -292,7 +292,7 @@ async def test_a_write_that_blocks_holds_up_nobody(tmp_path: Path, disk: Disk) -
         assert "too slow" in status.reason
         assert status.dropped > 0
         assert other.statistics().depth == fed
-        assert longest < 1.0  # a busy computer; the disk would hold it up for ever
+        assert longest < 10.0  # a busy computer may; the disk would hold it up for ever
         assert robot.supervisor.states["Recorder"].status == "running"
         disk.unblock.set()
         robot.desire(False)
