@@ -1,0 +1,82 @@
+"""The 3D view on a recording: whoever looks while time stands sees the scene, and nothing of another time stays."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import AsyncIterator, Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.console.app import create_app
+from tests.console.program import served, write_page
+from tests.console.view.test_relay import Viewer, looking, unpack
+from tests.replay.logs import BEGIN, lab_log
+from tests.replay.playing import Played, played, prepare
+
+pytestmark = pytest.mark.filterwarnings("default::DeprecationWarning")
+
+
+@pytest.fixture
+def prepared() -> Any:
+    """Some seconds of the lab; somebody wanted the cloud from 1 s to 3 s."""
+    return prepare(lab_log(5.0))
+
+
+@pytest.fixture
+async def play(prepared: Any) -> AsyncIterator[Played]:
+    """... standing at the beginning."""
+    async with played(prepared) as play:
+        yield play
+
+
+@pytest.fixture
+async def url(play: Played, tmp_path: Path) -> AsyncIterator[str]:
+    """Its console."""
+    static = await asyncio.to_thread(write_page, tmp_path)
+    app = create_app(play.replay.system, static_dir=static, early_view=False, playback=play.playback)
+    async with served(app) as url:
+        yield url
+
+
+async def told(viewer: Viewer, kind: str, node: str, field: str, holds: Callable[[Any], bool]) -> None:
+    """Read until what ``node`` was last told ``holds``."""
+    async with asyncio.timeout(20):
+        while True:
+            said = [m[field] for m in viewer.seen if m["type"] == kind and m["name"] == node]
+            if said and holds(said[-1]):
+                return
+            viewer.seen.extend(unpack(await viewer.connection.recv()))
+
+
+async def visible(viewer: Viewer, node: str, expected: bool) -> None:
+    """Read until ``node`` is as it should be."""
+    await told(viewer, "SetSceneNodeVisibilityMessage", node, "visible", lambda said: said is expected)
+
+
+async def gone(viewer: Viewer, metres: float) -> None:
+    """Read until the robot is shown so far from where it began."""
+    await told(viewer, "SetPositionMessage", "/odom", "position", lambda p: abs(math.hypot(p[0], p[1]) - metres) < 0.01)
+
+
+async def test_the_scene_follows_a_recording_forth_and_back(url: str, play: Played) -> None:
+    await play.playback.seek(BEGIN + 1.5)
+    async with looking(url) as viewer:
+        # Time stands: all of this is shown because somebody looks.
+        await viewer.until(
+            ("SetPositionMessage", "/odom"),
+            ("SceneNodeUpdateMessage", "/odom/scan"),
+            ("SceneNodeUpdateMessage", "/odom/cloud"),
+            ("BoxMessage", "/odom/landmark_0"),
+        )
+        await gone(viewer, 0.15)
+        await visible(viewer, "/odom/cloud", True)
+        await play.playback.seek(BEGIN + 4.5)
+        await gone(viewer, 0.45)
+        await visible(viewer, "/odom/cloud", False)
+        await visible(viewer, "/odom/scan", True)
+        await play.playback.seek(BEGIN + 1.5)
+        await gone(viewer, 0.15)
+        await visible(viewer, "/odom/cloud", True)
