@@ -15,10 +15,18 @@ ACCUMULATED = (Landmarks,)
 
 #: The body's motion is given from this long before what was seen, so that poses can be interpolated there.
 LEAD_S = 0.1
+#: A message that arrives later than this after its capture (s) has a stamp of another clock.
+LONGEST_DELAY_S = 2.0
 #: Looking back begins with so many periods of the slowest channel, and spans from so many seconds to so many.
 PERIODS = 2.5
 SHORTEST_S = 0.15
 LONGEST_S = 0.6
+
+
+def taken_at(logged: Logged) -> float:
+    """When a message was captured (s), on the clock of the log's arrivals: another's stamps are not to be believed."""
+    stamp = float(logged.message.stamp)
+    return stamp if 0.0 <= logged.at - stamp <= LONGEST_DELAY_S else logged.at
 
 
 class Past:
@@ -41,13 +49,15 @@ class Past:
         recent = list(self._between(since, position, wanted))
         last = {logged.channel: logged for logged in recent if logged.channel in seen}
         motion = [logged for logged in recent if logged.channel in moving]
+        begin = min((taken_at(logged) for logged in last.values()), default=position) - LEAD_S
+        if begin < since:
+            motion.extend(self._between(begin, since, moving))
         for name in seen:
             if name not in last and (found := self.last(name, since)) is not None:
                 last[name] = found
-                motion.extend(self._between(found.at - LEAD_S, min(found.at + LEAD_S, since), moving))
+                motion.extend(self._between(taken_at(found) - LEAD_S, min(found.at + LEAD_S, since), moving))
         still = [name for name in moving if all(logged.channel != name for logged in recent)]
         motion.extend(found for name in still if (found := self.last(name, since)) is not None)
-        begin = min((logged.at for logged in last.values()), default=position) - LEAD_S
         # Two looks may overlap.
         once = {(m.at, m.channel, m.message.stamp): m for m in motion if m.at >= begin or m.at < since}
         return sorted([*once.values(), *last.values()], key=lambda logged: logged.at)

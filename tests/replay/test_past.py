@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from app.messages import DesiresRecord
 from app.recording.log import Logged
-from app.replay.past import Past
+from app.replay.past import Past, taken_at
 from tests.replay.logs import BEGIN, MemoryLog, lab_log, numbered
 
 #: Arrivals of one channel: bursts and gaps of any length.
@@ -89,3 +89,24 @@ def test_the_next_message_is_after_not_at_the_position() -> None:
     past = Past(MemoryLog(numbered(5)))
     assert past.next_at("odometry", BEGIN) == BEGIN + 0.1
     assert past.next_at("odometry", BEGIN + 0.4) is None
+
+
+@given(st.floats(0.0, 1.5))
+@settings(deadline=None)
+def test_a_late_image_brings_the_motion_of_when_it_was_taken(late_s: float) -> None:
+    messages = [
+        Logged(m.at + late_s, m.channel, m.message) if m.channel == "kinect" else m for m in lab_log(4.0).messages()
+    ]
+    log = MemoryLog(sorted(messages, key=lambda logged: logged.at))
+    scene = Past(log).scene(BEGIN + 3.0, {"kinect", "odometry"})
+    (image,) = [logged for logged in scene if logged.channel == "kinect"]
+    before = [m.at for m in scene if m.channel == "odometry" and m.message.stamp <= image.message.stamp]
+    assert before
+    assert before[0] > image.message.stamp - 0.2
+
+
+def test_stamps_of_another_clock_are_not_believed() -> None:
+    image = next(lab_log(1.0).messages(None, {"kinect"}))
+    assert taken_at(image) == image.message.stamp
+    assert taken_at(Logged(image.at + 1e6, "kinect", image.message)) == image.at + 1e6
+    assert taken_at(Logged(image.at - 10, "kinect", image.message)) == image.at - 10
