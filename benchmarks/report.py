@@ -15,6 +15,8 @@ from pathlib import Path
 from statistics import median, quantiles
 from typing import TextIO
 
+from app.paths import processor
+
 
 @dataclass(frozen=True, slots=True)
 class Row:
@@ -75,7 +77,7 @@ PACKAGES = (
 def machine() -> str:
     """What the figures were taken on, in one line."""
     load = f", load average {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
-    return f"{_processor()}, {os.cpu_count()} cores{load}"
+    return f"{processor()}, {os.cpu_count()} cores{load}"
 
 
 def versions() -> dict[str, str]:
@@ -93,15 +95,6 @@ def versions() -> dict[str, str]:
     if commit.returncode == 0:
         found["hbba"] += f" ({commit.stdout.strip()})"
     return found
-
-
-def _processor() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return platform.processor() or platform.machine()
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.machine()
 
 
 def benchmark_main(description: str | None, measure: Callable[[bool], Sequence[Row]]) -> int:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app import paths
-from app.commands.replay import find_log
+from app.commands.arguments import find_log, number
 from app.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -110,19 +110,19 @@ def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log)
 def _measure(
     log: Log, configuration: Configuration, runs: list[Run], progress: Progress, begin: float, seconds: float
 ) -> dict[Run, Measurement]:
-    from app.commands.progress import bar
+    from app.commands.progress import shown
     from app.replay.calibration import measure_all
     from app.replay.measure import Bench
 
     bench = Bench(log, configuration, begin, begin + seconds)
-    with bar("measuring", total=len(runs)) as shown:
+    with shown("measuring") as progress_of_all:
         done = 0
 
         def told(run: Run, measured: Measurement) -> None:
             nonlocal done
             done += 1
             what = f"{run.filter} φ={run.phi}" + (f" offset {run.offset}" if run.offset else "")
-            shown.update(done, f"{what}: {measured.cpu:.2f} %, {measured.rate:.2f} events/s")
+            progress_of_all(done, len(runs), f"{what}: {measured.cpu:.2f} %, {measured.rate:.2f} events/s")
 
         return measure_all(runs, bench.measure, progress, told)
 
@@ -227,10 +227,7 @@ def _count(text: str) -> int:
 
 
 def _seconds(text: str) -> float:
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = -1.0
-    if not 0 <= seconds < 1e6:
+    seconds = number(text)
+    if seconds is None or seconds < 0:
         raise argparse.ArgumentTypeError(f"seconds are a number from 0, not {text!r}")
     return seconds

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from app.commands.arguments import find_log, number
 from app.errors import ConfigError
 
 #: A time on the command line, once the begin of the log (robot's clock, s) is known.
@@ -75,8 +75,8 @@ def _add_info(actions: Any) -> None:
 
 
 def _info(args: argparse.Namespace) -> int:
-    from app.commands.log_progress import shown
     from app.commands.log_report import look_into, print_contents
+    from app.commands.progress import shown
 
     path = find_log(args.file)
     with shown(f"look through {path.name}") as progress:
@@ -102,8 +102,8 @@ def _add_cut(actions: Any) -> None:
 
 
 def _cut(args: argparse.Namespace) -> int:
-    from app.commands.log_progress import shown
     from app.commands.log_report import clock, size
+    from app.commands.progress import shown
     from app.recording.cut import cut, span
 
     path = _find_mcap(args.file)
@@ -133,8 +133,8 @@ def _add_repair(actions: Any) -> None:
 
 
 def _repair(args: argparse.Namespace) -> int:
-    from app.commands.log_progress import shown
     from app.commands.log_report import repair_lines
+    from app.commands.progress import shown
     from app.recording.repair import repair
 
     if args.in_place and args.out:
@@ -170,7 +170,7 @@ def _add_export(actions: Any) -> None:
 
 
 def _export(args: argparse.Namespace) -> int:
-    from app.commands.log_progress import shown
+    from app.commands.progress import shown
     from app.recording.export.run import Wish, export
     from app.recording.open import open_log
 
@@ -190,13 +190,6 @@ def _export(args: argparse.Namespace) -> int:
 
 
 # --- Arguments ---------------------------------------------------------------------------------------------------
-
-
-def find_log(text: str) -> Path:
-    """The file people mean: a path, or the bare name of a recording. Raises ConfigError."""
-    from app.commands.replay import find_log as find
-
-    return find(text)
 
 
 def _find_mcap(text: str) -> Path:
@@ -243,7 +236,7 @@ def _date(seconds: float) -> str:
 
 def moment(text: str) -> Moment:
     """A time as people write it: 90, 90.5, 1:30, 1:02:03.5, or ISO 8601 (local where it names no zone)."""
-    parts = [_number(part) for part in text.split(":")]
+    parts = [number(part) for part in text.split(":")]
     numbers = [part for part in parts if part is not None]
     if len(numbers) == len(parts) <= 3 and all(part >= 0 for part in numbers):
         seconds = 0.0
@@ -274,11 +267,3 @@ def _whole(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"must be a whole number from 1, not {text!r}")
     return int(text)
-
-
-def _number(text: str) -> float | None:
-    try:
-        number = float(text)
-    except ValueError:
-        return None
-    return number if math.isfinite(number) else None

@@ -1,4 +1,4 @@
-"""Progress of long work: a bar on a terminal, a line now and then elsewhere."""
+"""How far a long work is: a bar on a terminal, a line now and then elsewhere."""
 
 from __future__ import annotations
 
@@ -8,63 +8,57 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Protocol
 
-#: Where nobody sees a bar move, a line so often (s).
+#: Where there is no terminal: a line after so long (s), and not more often.
 LINE_EVERY_S = 5.0
 
 
-class Bar(Protocol):
-    """What is told of progress."""
+#: Telling a bar more often (s) costs more than what it tells of.
+_BAR_EVERY_S = 0.05
 
-    def update(self, done: float, text: str = "") -> None:
-        """So much is done of the total; ``text`` says what was done last."""
+
+class Progress(Protocol):
+    """To be called as often as one likes."""
+
+    def __call__(self, done: float, total: float, text: str = "") -> None:
+        """So much is ``done`` of the ``total``; ``text`` says what was done last."""
         ...
 
 
 @contextmanager
-def bar(what: str, total: float) -> Iterator[Bar]:
-    """Show the progress of ``what`` towards ``total`` on standard error, until left."""
-    if sys.stderr.isatty():
-        with _Rich(what, total) as shown:
-            yield shown
-    else:
-        yield _Lines(what, total)
+def shown(title: str) -> Iterator[Progress]:
+    """Show the progress of what goes on inside, on standard error; the bar is taken away at the end."""
+    from rich.console import Console
+    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
 
+    errors = Console(stderr=True)
+    if not errors.is_terminal:
+        yield _Lines(title)
+        return
+    said = TextColumn("{task.fields[text]}", markup=False)
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn(), said)
+    with Bar(*columns, console=errors, transient=True) as bar:
+        task = bar.add_task(title, total=None, text="")
+        due = 0.0
 
-class _Rich:
-    def __init__(self, what: str, total: float) -> None:
-        from rich.console import Console
-        from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+        def progress(done: float, total: float, text: str = "") -> None:
+            nonlocal due
+            if (now := time.monotonic()) >= due or done >= total:
+                due = now + _BAR_EVERY_S
+                bar.update(task, completed=done, total=total, text=text)
 
-        self._progress = Progress(
-            TextColumn("{task.description}"),
-            BarColumn(),
-            TaskProgressColumn(),
-            TimeRemainingColumn(),
-            TextColumn("{task.fields[text]}", markup=False),
-            console=Console(stderr=True),
-        )
-        self._task = self._progress.add_task(what, total=total, text="")
-
-    def __enter__(self) -> _Rich:
-        self._progress.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._progress.stop()
-
-    def update(self, done: float, text: str = "") -> None:
-        self._progress.update(self._task, completed=done, text=text)
+        yield progress
 
 
 class _Lines:
-    def __init__(self, what: str, total: float) -> None:
-        self._what = what
-        self._total = total
-        self._told = time.monotonic()
+    """Whole lines on standard error for a file or a pipe, none where all is done quickly."""
 
-    def update(self, done: float, text: str = "") -> None:
-        now = time.monotonic()
-        if now - self._told >= LINE_EVERY_S or done >= self._total:
-            self._told = now
-            share = 100 * done / self._total if self._total else 100
-            print(f"{self._what}: {share:.0f} %  {text}".rstrip(), file=sys.stderr, flush=True)
+    def __init__(self, title: str) -> None:
+        self._title = title
+        self._due = time.monotonic() + LINE_EVERY_S
+
+    def __call__(self, done: float, total: float, text: str = "") -> None:
+        if (now := time.monotonic()) >= self._due:
+            self._due = now + LINE_EVERY_S
+            share = int(100 * done / total) if total else 100
+            print(f"{self._title}: {share} %  {text}".rstrip(), file=sys.stderr, flush=True)

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app import logs
+from app.commands.arguments import find_log, number
 from app.commands.run import Stopping, add_console_options, announcer, until_stopped
 from app.errors import ConfigError
 
@@ -101,23 +102,6 @@ def run(args: argparse.Namespace) -> int:
         return 1 if isinstance(failure, LinkFailed) else 2
 
 
-def find_log(text: str) -> Path:
-    """The file people mean: a path, or the bare name of a recording. Raises ConfigError."""
-    from app.recording.library import RecordingLibrary, default_folder
-
-    path = Path(text)
-    if path.exists():
-        return path
-    library = RecordingLibrary(default_folder())
-    try:
-        recording = library.path(text.removesuffix(".mcap"))
-    except ValueError:
-        raise ConfigError(f"there is no file {text}") from None
-    if not recording.is_file():
-        raise ConfigError(f"there is no file {text}, and no recording of that name in {library.folder}")
-    return recording
-
-
 def _options(args: argparse.Namespace, log: Log) -> ReplayOptions:
     from app.replay.options import ReplayOptions
 
@@ -142,9 +126,8 @@ def _options(args: argparse.Namespace, log: Log) -> ReplayOptions:
 
 def _headless(args: argparse.Namespace, log: Log, options: ReplayOptions) -> int:
     import cv2
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
+    from app.commands.progress import shown
     from app.commands.replay_report import print_report
     from app.replay.headless import Watch, run_headless
 
@@ -154,11 +137,8 @@ def _headless(args: argparse.Namespace, log: Log, options: ReplayOptions) -> int
     logging.getLogger("hbba.freshness").setLevel(logging.ERROR)
     begin = log.info.begin if options.begin is None else options.begin
     end = log.info.end if options.end is None else options.end
-    errors = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal) as bar:
-        task = bar.add_task(log.info.path.name, total=end - begin)
-        watch = Watch(lambda position: bar.update(task, completed=position - begin))
+    with shown(f"replay {log.info.path.name}") as progress:
+        watch = Watch(lambda position: progress(position - begin, end - begin))
         report = run_headless(log, options, speed=_finite(args.speed), watch=watch)
     print_report(report)
     if args.json is not None:
@@ -253,7 +233,7 @@ def _finite(speed: float | None) -> float | None:
 def _speed(text: str) -> float:
     if text == "max":
         return math.inf
-    speed = _number(text)
+    speed = number(text)
     if speed is None or not 0.1 <= speed <= 100:
         raise argparse.ArgumentTypeError(f"a speed is a number from 0.1 to 100, or max, not {text!r}")
     return speed
@@ -262,14 +242,14 @@ def _speed(text: str) -> float:
 def _time(text: str) -> float:
     """Seconds, or minutes and seconds as ``1:30.5``."""
     minutes, colon, seconds = text.rpartition(":")
-    parts = (_number(minutes) if colon else 0.0, _number(seconds))
+    parts = (number(minutes) if colon else 0.0, number(seconds))
     if parts[0] is None or parts[1] is None or parts[0] < 0 or parts[1] < 0:
         raise argparse.ArgumentTypeError(f"a time in the log is written 90, 90.5 or 1:30, not {text!r}")
     return 60 * parts[0] + parts[1]
 
 
 def _seconds(text: str) -> float:
-    seconds = _number(text)
+    seconds = number(text)
     if seconds is None or seconds <= 0:
         raise argparse.ArgumentTypeError(f"must be a number of seconds greater than 0, not {text!r}")
     return seconds
@@ -297,11 +277,3 @@ def _count(text: str) -> int:
     if not text.isdecimal():
         raise argparse.ArgumentTypeError(f"a number of messages is a whole number from 0, not {text!r}")
     return int(text)
-
-
-def _number(text: str) -> float | None:
-    try:
-        number = float(text)
-    except ValueError:
-        return None
-    return number if math.isfinite(number) else None

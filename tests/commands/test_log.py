@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from app import cli
-from app.commands import log_progress
+from app.commands import progress as progressing
 from app.commands.log import moment
 from app.commands.log_report import clock, size
 from app.recording import output
@@ -241,7 +241,7 @@ def test_ctrl_c_leaves_no_half_file(
 ) -> None:
     @contextmanager
     def interrupted(title: str) -> Iterator[Progress]:
-        def progress(done: int, total: int) -> None:
+        def progress(done: float, total: float, text: str = "") -> None:
             if done > 0.7 * total:
                 signal.raise_signal(signal.SIGINT)
 
@@ -249,7 +249,7 @@ def test_ctrl_c_leaves_no_half_file(
 
     if "repair" in arguments:
         cut_off(library / "tour.mcap", 0.9)
-    monkeypatch.setattr(log_progress, "shown", interrupted)
+    monkeypatch.setattr(progressing, "shown", interrupted)
     assert hbba(*arguments) == 130
     assert [each.name for each in library.iterdir()] == ["tour.mcap"]
     assert [each for each in Path().rglob("*") if each.is_file()] == []

@@ -16,7 +16,8 @@ from pathlib import Path
 import pytest
 
 from app.cli import main
-from app.commands.replay import _number, _phi, _speed, _time, find_log
+from app.commands.arguments import find_log, number
+from app.commands.replay import _phi, _speed, _time
 from app.errors import ConfigError
 from tests.replay.logs import lab_manifest, lab_messages, write_log
 
@@ -49,8 +50,8 @@ def test_headless_prints_tables_and_writes_json(
 
 def test_two_runs_write_the_same(recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     told = []
-    for number in range(2):
-        file = tmp_path / f"{number}.json"
+    for run in range(2):
+        file = tmp_path / f"{run}.json"
         options = ["--phi", "QRCodeDetector.images=3", "--offset", "2", "--from", "0.5", "--to", "0:02.5"]
         assert main(["replay", str(recording), "--headless", "--json", str(file), *options]) == 0
         values = json.loads(file.read_text())
@@ -110,7 +111,7 @@ def test_times_speeds_and_divisors_as_people_write_them() -> None:
     assert (_speed("max"), _speed("0.5")) == (math.inf, 0.5)
     assert _phi("M.port=4") == ("M.port", 4.0)
     assert _phi("M.port=off") == ("M.port", math.inf)
-    assert _number("inf") is None
+    assert number("inf") is None
     for function, wrong in (
         (_time, "-3"), (_time, "1:x"), (_speed, "0"), (_speed, "nan"),
         (_phi, "M=4"), (_phi, "M.p=0"), (_phi, "M.p=1.5"),

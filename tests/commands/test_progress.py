@@ -6,8 +6,8 @@ import io
 
 import pytest
 
-from app.commands import log_progress
-from app.commands.log_progress import shown
+from app.commands import progress as progressing
+from app.commands.progress import shown
 
 
 class Clock:
@@ -23,7 +23,7 @@ class Clock:
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     made = Clock()
-    monkeypatch.setattr(log_progress.time, "monotonic", made.monotonic)
+    monkeypatch.setattr(progressing.time, "monotonic", made.monotonic)
     return made
 
 
