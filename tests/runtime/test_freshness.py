@@ -252,3 +252,24 @@ async def test_a_channel_that_should_come_from_outside_and_does_not_is_stale(gra
     assert watch.sample(clock.now())["odometry"].state == "stale"
     graph.channels["odometry"].publish(Twist(clock.now(), 0.0, 0.0))
     assert watch.sample(clock.now())["odometry"].state == "live"
+
+
+@in_virtual_time
+async def test_a_watch_that_forgets_waits_for_first_messages_anew(graph: Graph) -> None:
+    clock = VirtualClock()
+    supervisor = Supervisor(graph.modules, clock)
+    watch = FreshnessWatch(graph, supervisor.states)
+    async with supervisor:
+        for _ in range(10):
+            await asyncio.sleep(0.2)
+            watch.sample(clock.now())
+        now = clock.now()
+        assert watch.latest["images"].rate_hz == pytest.approx(10, abs=1)
+        graph.channels["images"].forget()
+        assert watch.read(now)["images"].state == "stale", "nothing came for longer than is allowed"
+        watch.forget()
+        assert watch.latest == {}
+        # Time has gone back: what holds now began now, and nothing was measured yet.
+        there = watch.sample(now - 100)["images"]
+        assert (there.age_s, there.rate_hz) == (None, None)
+        assert watch.read(now - 99.5)["images"].rate_hz == 0.0
