@@ -7,6 +7,7 @@ computer, so on one without a graphics card this takes a few minutes.
 from __future__ import annotations
 
 import json
+import os
 import tempfile
 from pathlib import Path
 
@@ -19,11 +20,24 @@ from tests.browser.running import CHROMIUM_ARGUMENTS, Robot, running_robot
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "images"
 DESKTOP = {"width": 1440, "height": 900}
 PHONE = {"width": 390, "height": 844}
+#: To stop a replay so many seconds after its beginning, in JavaScript.
+_STAND_AT = """async (seconds) => {
+  const url = "api/v1/playback", { begin } = await (await fetch(url)).json();
+  const body = JSON.stringify({ playing: false, position: begin + seconds });
+  await fetch(url, { method: "PATCH", headers: { "Content-Type": "application/json" }, body });
+}"""
 
 
 def main() -> None:
     """Take every picture."""
     FOLDER.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as recordings:
+        os.environ["HBBA_RECORDINGS"] = recordings
+        take()
+
+
+def take() -> None:
+    """Start the robot and a browser, and walk through the tour."""
     with tempfile.TemporaryDirectory() as folder, running_robot(Path(folder)) as robot, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=find_chromium(), args=CHROMIUM_ARGUMENTS)
         tour(browser, robot)
@@ -37,6 +51,7 @@ def tour(browser: Browser, robot: Robot) -> None:
     page = opened(browser, f"{robot.url}/?scene=full", DESKTOP)
     page.wait_for_timeout(20_000)
     shoot(page, "tour-first-look")
+    robot.request("POST", "/recordings", {"name": "corridor"})
 
     hands.get_by_test_id("speed-full").click()
     hands.keyboard.down("KeyW")
@@ -67,11 +82,29 @@ def tour(browser: Browser, robot: Robot) -> None:
     shoot(page, "tour-stopped")
     hands.get_by_test_id("estop-release").click()
     hands.get_by_test_id("estop-release-confirm").click()
+    robot.request("POST", "/recordings/stop")
+    page.get_by_test_id("tab-recordings").click()
+    page.locator("[data-testid=recording][data-state=complete]").wait_for()
+    page.wait_for_timeout(2_000)
+    shoot(page, "tour-recordings")
     page.context.close()
+    replay(browser, robot)
 
     phone = opened(browser, f"{robot.url}/?scene=full", PHONE)
     phone.wait_for_timeout(20_000)
     shoot(phone, "phone")
+
+
+def replay(browser: Browser, robot: Robot) -> None:
+    """The recording of the tour, lived again up to the moment when the code was found."""
+    _, _, answer = robot.request("POST", "/recordings/corridor/replay")
+    page = opened(browser, f"{answer['url']}/?scene=full", DESKTOP)
+    page.wait_for_timeout(15_000)
+    page.evaluate(_STAND_AT, 31.0)
+    page.wait_for_timeout(12_000)
+    shoot(page, "replay")
+    page.context.close()
+    robot.request("DELETE", "/recordings/corridor/replay")
 
 
 def opened(browser: Browser, url: str, size: dict[str, int]) -> Page:
@@ -87,7 +120,7 @@ def why(page: Page) -> None:
     """Hover over the lane that gave way, and show the reason."""
     box = page.get_by_test_id("lane-canvas").bounding_box()
     assert box is not None
-    page.mouse.move(box["x"] + 0.9 * box["width"], box["y"] + 0.8 * box["height"])
+    page.mouse.move(box["x"] + 0.9 * box["width"], box["y"] + 0.62 * box["height"])
     page.get_by_test_id("lane-tooltip").wait_for()
     shoot(page, "tour-why")
     page.mouse.move(5, 5)
