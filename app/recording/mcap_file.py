@@ -18,6 +18,8 @@ from app.recording import mcap_layout as layout
 from app.recording.chunks import complete
 from app.recording.manifest import Manifest
 from app.recording.ros.record import Record
+from app.recording.ros.robot import METADATA as ROBOT_METADATA
+from app.recording.ros.robot import robot_description
 from app.recording.stamps import to_ns
 
 
@@ -149,6 +151,7 @@ class McapFile:
             self._good = self._output.position
             for topic in self._topics.values():
                 self._register(topic)
+            self._describe_robot(manifest, to_ns(at))
         except BaseException:
             self._output.file.close()
             with suppress(OSError):
@@ -203,12 +206,20 @@ class McapFile:
         self._closed = True
         self._output.file.close()
 
-    def _meet(self, record: Record) -> int:
+    def _describe_robot(self, manifest: Manifest, at_ns: int) -> None:
+        record = robot_description(manifest, at_ns)
+        if record is not None:
+            channel_id = self._ids.get(record.topic) or self._meet(record, ROBOT_METADATA)
+            self._records += 1
+            self._writer.add_message(channel_id, at_ns, record.data, at_ns, self._records)
+
+    def _meet(self, record: Record, metadata: Mapping[str, str] | None = None) -> int:
         # A topic's schema and channel must stand in one chunk, the one of its first message.
         self.flush()
         topic = self._topics.get(record.topic)
         if topic is None:
-            metadata = self._encoder.channel_metadata(record.topic)
+            if metadata is None:
+                metadata = self._encoder.channel_metadata(record.topic)
             topic = Topic(record.topic, record.type, self._encoder.definition(record.type), metadata)
             self._topics[record.topic] = topic
         return self._register(topic)
