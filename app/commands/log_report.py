@@ -14,10 +14,10 @@ from app.recording.foreign.remap import Remap
 from app.recording.library import RecordingLibrary
 from app.recording.log import LogError
 from app.recording.mcap_file import is_being_written
+from app.recording.mcap_reading import is_mcap
 from app.recording.open import open_log
 from app.recording.output import Progress, unwatched
 from app.recording.repair import RepairReport, examine
-from app.recording.salvage import MAGIC
 from app.recording.sizes import channel_bytes
 
 State = Literal["complete", "recording", "unfinished", "damaged"]
@@ -75,10 +75,10 @@ def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwat
         finally:
             log.close()
     except LogError as failure:
-        if not _is_mcap(path):
+        if not is_mcap(path):
             raise
         return _unreadable(path, failure, progress)
-    sizes = channel_bytes(path) if _is_mcap(path) else {}
+    sizes = channel_bytes(path) if is_mcap(path) else {}
     channels = tuple(
         ChannelContents(
             channel.name,
@@ -106,16 +106,6 @@ def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwat
         ignored=dict(info.ignored),
         notes=info.notes,
     )
-
-
-def _is_mcap(path: Path) -> bool:
-    if not path.is_file():
-        return False
-    try:
-        with path.open("rb") as stream:
-            return stream.read(len(MAGIC)) == MAGIC
-    except OSError:
-        return False
 
 
 def _unreadable(path: Path, failure: LogError, progress: Progress) -> Contents:
@@ -219,21 +209,12 @@ def print_recordings(recordings: Iterable[Recording], library: RecordingLibrary)
             "–" if each.duration_s is None else clock(each.duration_s),
             size(each.bytes),
             each.robot or "–",
-            _state(each, library),
+            each.state,
         )
         for each in found
     ]
     print(*table(("name", "began", "length", "size", "robot", "state"), rows, {2, 3}), sep="\n")
     print(f"\n{len(found)} in {library.folder}, {size(library.free_bytes())} free")
-
-
-def _state(recording: Recording, library: RecordingLibrary) -> State:
-    if recording.complete:
-        return "complete"
-    try:
-        return "recording" if is_being_written(library.path(recording.name)) else "unfinished"
-    except OSError:
-        return "unfinished"
 
 
 def repair_lines(report: RepairReport) -> list[str]:

@@ -9,28 +9,25 @@ from __future__ import annotations
 import os
 import struct
 import threading
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from io import BytesIO
 from pathlib import Path
-from typing import IO
+from typing import BinaryIO, Literal
 
-from mcap.data_stream import ReadDataStream
-from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.reader import SeekingReader
 from mcap.records import Metadata
-from mcap.stream_reader import MAGIC_SIZE, read_magic
 
+from app.recording.chunks import body, spans
 from app.recording.library import NAME, SUFFIX, RecordingLibrary
+from app.recording.log import LogError
 from app.recording.mcap_file import is_being_written
 from app.recording.mcap_layout import FACTS
+from app.recording.mcap_reading import DAMAGE, RECORD_HEAD, is_closed
 from app.recording.stamps import from_ns
 
 #: A record larger than this, in a file that ends in the middle, is no record but what chance left there.
 _LARGEST_RECORD = 64 * 1024 * 1024
-#: What a damaged file makes the MCAP library raise.
-_DAMAGE = (McapError, ValueError, struct.error, EOFError, MemoryError, OverflowError)
-_PREFIX = struct.Struct("<BQ")
 _STAMP = struct.Struct("<Q")
 
 
@@ -53,6 +50,11 @@ class Recording:
     robot: str = ""
 
     @property
+    def state(self) -> Literal["complete", "recording", "unfinished"]:
+        """``unfinished``: neither closed nor being written; `hbba log repair` makes it readable."""
+        return "complete" if self.complete else "recording" if self.written else "unfinished"
+
+    @property
     def duration_s(self) -> float | None:
         """Seconds from the first message to the last."""
         return None if self.begin is None or self.end is None else self.end - self.begin
@@ -70,17 +72,17 @@ class Catalog:
         """Every recording, the newest first; none where there is no folder yet. Raises OSError if it cannot be read."""
         try:
             with os.scandir(self._library.folder) as entries:
-                files = [
-                    (entry.name.removesuffix(SUFFIX), Path(entry.path), entry.stat())
-                    for entry in entries
-                    if entry.name.endswith(SUFFIX) and entry.is_file()
-                ]
+                paths = [Path(entry.path) for entry in entries if entry.name.endswith(SUFFIX) and entry.is_file()]
         except FileNotFoundError:
             return []
+        known = {}
         with self._lock:
-            known = {
-                name: self._look(name, path, status) for name, path, status in files if NAME.fullmatch(name) is not None
-            }
+            for path in paths:
+                name = path.name.removesuffix(SUFFIX)
+                # Others may delete it between two looks.
+                with suppress(FileNotFoundError):
+                    if NAME.fullmatch(name) is not None:
+                        known[name] = self._look(name, path, path.stat())
             self._known = known
         found = [recording for _, recording in known.values()]
         return sorted(found, key=lambda r: (r.modified if r.begin is None else r.begin, r.name), reverse=True)
@@ -110,26 +112,14 @@ def read(name: str, path: Path, status: os.stat_result) -> Recording:
     blank = Recording(name, status.st_size, status.st_mtime, complete=False)
     try:
         with path.open("rb") as file:
-            if _is_closed(file, status.st_size):
+            if is_closed(file):
                 return _summarized(file, blank)
             return replace(_begun(file, blank), written=is_being_written(path))
     except OSError:
         return blank
 
 
-def _is_closed(file: IO[bytes], size: int) -> bool:
-    """Whether the file ends as an MCAP file that was closed does."""
-    if size < 2 * MAGIC_SIZE:
-        return False
-    file.seek(-MAGIC_SIZE, os.SEEK_END)
-    try:
-        read_magic(ReadDataStream(file))
-    except _DAMAGE:
-        return False
-    return True
-
-
-def _summarized(file: IO[bytes], blank: Recording) -> Recording:
+def _summarized(file: BinaryIO, blank: Recording) -> Recording:
     try:
         file.seek(0)
         reader = SeekingReader(file, record_size_limit=_LARGEST_RECORD)
@@ -138,7 +128,7 @@ def _summarized(file: IO[bytes], blank: Recording) -> Recording:
             return replace(blank, complete=True)
         statistics = summary.statistics
         robot = next((m.metadata.get("robot", "") for m in reader.iter_metadata() if m.name == FACTS), "")
-    except _DAMAGE:
+    except DAMAGE:
         return blank
     if statistics.message_count == 0:
         return replace(blank, complete=True, robot=robot)
@@ -146,26 +136,16 @@ def _summarized(file: IO[bytes], blank: Recording) -> Recording:
     return replace(blank, complete=True, begin=begin, end=end, robot=robot)
 
 
-def _begun(file: IO[bytes], blank: Recording) -> Recording:
-    """What the records before the first message tell; by hand, since a length that damage left there may be any."""
-    robot, begin = "", None
-    file.seek(MAGIC_SIZE)
-    while begin is None and len(head := file.read(_PREFIX.size)) == _PREFIX.size:
-        opcode, length = _PREFIX.unpack(head)
-        behind = file.tell() + length
-        if behind > blank.bytes:
-            break
-        if opcode == Opcode.CHUNK and length >= _STAMP.size:
-            begin = from_ns(_STAMP.unpack(file.read(_STAMP.size))[0])
-        elif opcode == Opcode.METADATA:
-            robot = _robot(file.read(length)) or robot
-        file.seek(behind)
-    return replace(blank, begin=begin, robot=robot)
-
-
-def _robot(data: bytes) -> str:
-    try:
-        metadata = Metadata.read(ReadDataStream(BytesIO(data)))
-    except _DAMAGE:
-        return ""
-    return metadata.metadata.get("robot", "") if metadata.name == FACTS else ""
+def _begun(file: BinaryIO, blank: Recording) -> Recording:
+    """What the records before the first message tell."""
+    robot = ""
+    with suppress(LogError, *DAMAGE):
+        for span in spans(file):
+            if span.opcode == Opcode.CHUNK:
+                file.seek(span.offset + RECORD_HEAD.size)
+                return replace(blank, begin=from_ns(_STAMP.unpack(file.read(_STAMP.size))[0]), robot=robot)
+            if span.opcode == Opcode.METADATA:
+                metadata = Metadata.read(body(file, span))
+                if metadata.name == FACTS:
+                    robot = metadata.metadata.get("robot", "")
+    return replace(blank, robot=robot)

@@ -33,9 +33,8 @@ from mcap.records import (
 from mcap.stream_reader import breakup_chunk
 
 from app.recording.log import LogError
+from app.recording.mcap_reading import MAGIC, RECORD_HEAD, is_closed
 
-MAGIC = b"\x89MCAP0\r\n"
-_PREFIX = struct.Struct("<BQ")
 _CHUNK_HEAD = struct.Struct("<QQQII")
 _INDEX_HEAD = struct.Struct("<HI")
 _COPY_BYTES = 1 << 20
@@ -98,14 +97,14 @@ def spans(file: BinaryIO) -> Iterator[Span]:
     if file.read(len(MAGIC)) != MAGIC:
         raise LogError(f"{getattr(file, 'name', 'this file')} is not an MCAP file")
     offset = len(MAGIC)
-    while offset + _PREFIX.size <= size:
+    while offset + RECORD_HEAD.size <= size:
         file.seek(offset)
-        prefix = file.read(_PREFIX.size)
-        opcode, length = _PREFIX.unpack(prefix)
-        if offset + _PREFIX.size + length > size:
+        prefix = file.read(RECORD_HEAD.size)
+        opcode, length = RECORD_HEAD.unpack(prefix)
+        if offset + RECORD_HEAD.size + length > size:
             return
-        yield Span(opcode, offset, _PREFIX.size + length)
-        offset += _PREFIX.size + length
+        yield Span(opcode, offset, RECORD_HEAD.size + length)
+        offset += RECORD_HEAD.size + length
 
 
 def scan(file: BinaryIO) -> Contents:
@@ -131,7 +130,7 @@ def scan(file: BinaryIO) -> Contents:
         settle()
         match span.opcode:
             case Opcode.HEADER:
-                found.header = Header.read(_body(file, span))
+                found.header = Header.read(body(file, span))
                 found.end = span.offset + span.length
             case Opcode.ATTACHMENT:
                 found.attachments.append(span)
@@ -142,8 +141,7 @@ def scan(file: BinaryIO) -> Contents:
             case Opcode.CHUNK:
                 pending = span
             case Opcode.DATA_END:
-                file.seek(-len(MAGIC), 2)
-                found.complete = file.read() == MAGIC
+                found.complete = is_closed(file)
                 break
             case _:
                 found.end = span.offset + span.length
@@ -230,7 +228,7 @@ class _Summary:
         for span in found.attachments:
             self._attachments.append(_attachment_index(file, span, place(span)))
         for span in found.metadata:
-            name = Metadata.read(_body(file, span)).name
+            name = Metadata.read(body(file, span)).name
             self._metadata.append(MetadataIndex(place(span), span.length, name))
         for chunk in found.chunks:
             self._definitions(file, chunk)
@@ -255,7 +253,7 @@ class _Summary:
         """Schemas and channels stand in the chunk before their first message; only then is it looked into."""
         if chunk.counts.keys() <= self._channels.keys():
             return
-        for record in breakup_chunk(Chunk.read(_body(file, chunk.chunk)), validate_crc=True):
+        for record in breakup_chunk(Chunk.read(body(file, chunk.chunk)), validate_crc=True):
             if isinstance(record, Schema):
                 self._schemas[record.id] = record
             elif isinstance(record, Channel):
@@ -309,13 +307,14 @@ def _taken(builder: RecordBuilder) -> bytes:
     return data
 
 
-def _body(file: BinaryIO, span: Span) -> ReadDataStream:
-    file.seek(span.offset + _PREFIX.size)
-    return ReadDataStream(BytesIO(file.read(span.length - _PREFIX.size)))
+def body(file: BinaryIO, span: Span) -> ReadDataStream:
+    """The content of the record at ``span``."""
+    file.seek(span.offset + RECORD_HEAD.size)
+    return ReadDataStream(BytesIO(file.read(span.length - RECORD_HEAD.size)))
 
 
 def _chunk_span(file: BinaryIO, span: Span, indexes: tuple[Span, ...]) -> ChunkSpan:
-    file.seek(span.offset + _PREFIX.size)
+    file.seek(span.offset + RECORD_HEAD.size)
     begin_ns, end_ns, uncompressed, _, name_length = _CHUNK_HEAD.unpack(file.read(_CHUNK_HEAD.size))
     compression = file.read(name_length).decode()
     (compressed,) = struct.unpack("<Q", file.read(8))
@@ -328,7 +327,7 @@ def _chunk_span(file: BinaryIO, span: Span, indexes: tuple[Span, ...]) -> ChunkS
 
 def _index_head(file: BinaryIO, span: Span) -> tuple[int, int]:
     """Channel id of a message index, and the bytes of its entries, 16 each."""
-    file.seek(span.offset + _PREFIX.size)
+    file.seek(span.offset + RECORD_HEAD.size)
     channel, length = _INDEX_HEAD.unpack(file.read(_INDEX_HEAD.size))
     return channel, length
 
@@ -336,12 +335,12 @@ def _index_head(file: BinaryIO, span: Span) -> tuple[int, int]:
 def _all_indexed(file: BinaryIO, chunk: Span, indexes: list[Span]) -> bool:
     """Whether the last chunk of a file that ends behind these ``indexes`` has all of them."""
     indexed = sum(_index_head(file, index)[1] // 16 for index in indexes)
-    records = breakup_chunk(Chunk.read(_body(file, chunk)))
+    records = breakup_chunk(Chunk.read(body(file, chunk)))
     return indexed == sum(not isinstance(record, Schema | Channel) for record in records)
 
 
 def _attachment_index(file: BinaryIO, span: Span, offset: int) -> AttachmentIndex:
-    stream = _body(file, span)
+    stream = body(file, span)
     log_time, create_time = stream.read8(), stream.read8()
     name, media_type = stream.read_prefixed_string(), stream.read_prefixed_string()
     return AttachmentIndex(offset, span.length, log_time, create_time, stream.read8(), name, media_type)

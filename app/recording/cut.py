@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO
 
-import zstandard
-from mcap.exceptions import McapError
 from mcap.reader import SeekingReader
 from mcap.records import Channel, Message
 from mcap.summary import Summary
@@ -18,18 +15,16 @@ from mcap.summary import Summary
 from app.messages import DesiresRecord, Divisors, IntentionRecord, Landmarks, ModuleRecord
 from app.recording import mcap_layout as layout
 from app.recording.log import LogError
+from app.recording.mcap_reading import DAMAGE, MAGIC
 from app.recording.output import McapCopy, Progress, check_new, durable, replacing, unwatched
 from app.recording.ros.converters import converter
 from app.recording.ros.record import MAIN
-from app.recording.salvage import MAGIC
 from app.recording.stamps import SECOND, from_ns, to_ns
 
 #: Messages that stay true until the next on their channel; a log's own word (``layout.LATCHED``) goes before.
 STATES = frozenset(kind.__name__ for kind in (DesiresRecord, IntentionRecord, Divisors, Landmarks, ModuleRecord))
 #: Topics of other programs that are written once and stay true, whatever their quality of service says.
 STANDING_TOPICS = frozenset({"/tf_static", "/robot_description"})
-
-_DAMAGE = (McapError, zstandard.ZstdError, ValueError, KeyError, struct.error, EOFError, RuntimeError)
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +117,7 @@ def _copy(
                 copy.message(channel.id, message.log_time, message.data, message.publish_time, message.sequence)
                 count += 1
         copy.finish()
-    except _DAMAGE as failure:
+    except DAMAGE as failure:
         raise _damaged(path, failure) from failure
     progress(1, 1)
     return count, len(standing)
@@ -217,7 +212,7 @@ def _opened(path: Path) -> Iterator[tuple[IO[bytes], Summary]]:
             try:
                 stream.seek(0)
                 summary = SeekingReader(stream).get_summary()
-            except _DAMAGE as failure:
+            except DAMAGE as failure:
                 raise LogError(
                     f"{path}: was not closed, or is damaged; make it whole with: hbba log repair {path}"
                 ) from failure

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Collection, Iterator
 from functools import cached_property
 from pathlib import Path
 
-import zstandard
-from mcap.exceptions import McapError
 from mcap.reader import SeekingReader
 from mcap.records import Statistics
 from mcap.summary import Summary
@@ -16,14 +13,14 @@ from mcap.summary import Summary
 from app.recording import mcap_layout
 from app.recording.log import LogError, Logged, LoggedChannel, LogInfo
 from app.recording.manifest import AttachedFile, Manifest
+from app.recording.mcap_reading import DAMAGE, MAGIC, is_closed
 from app.recording.ros.decoder import Contents, Decoder, StoredTopic, contents
 from app.recording.stamps import from_ns, to_ns
 
 FORMAT = "HBBA MCAP"
-MAGIC = b"\x89MCAP0\r\n"
 
-#: What the MCAP library raises where a file is not what it should be; RuntimeError is lz4's.
-_DAMAGE = (McapError, zstandard.ZstdError, RuntimeError, ValueError, KeyError, struct.error, EOFError, MemoryError)
+#: Of a file that is only read, offsets beyond its end are damage too.
+_DAMAGE = (*DAMAGE, OSError)
 
 
 class McapLog:
@@ -43,6 +40,9 @@ class McapLog:
             self._reader, self._summary = self._open()
             self._contents = self._topics()
             self._info = self._describe()
+        except _DAMAGE as error:
+            self._file.close()
+            raise self._damaged("its summary", error) from error
         except BaseException:
             self._file.close()
             raise
@@ -105,19 +105,15 @@ class McapLog:
     def _open(self) -> tuple[SeekingReader, Summary]:
         if self._file.read(len(MAGIC)) != MAGIC:
             raise LogError(f"{self._path} is no MCAP file")
-        self._file.seek(-min(len(MAGIC), self._path.stat().st_size), 2)
         unfinished = LogError(
             f"{self._path} has no end: it is still being written, or its program was killed."
             f" `hbba log repair {self._path}` makes it readable"
         )
-        if self._file.read() != MAGIC or self._file.tell() == len(MAGIC):
+        if not is_closed(self._file):
             raise unfinished
         self._file.seek(0)
         reader = SeekingReader(self._file, validate_crcs=True)
-        try:
-            summary = reader.get_summary()
-        except _DAMAGE as error:
-            raise self._damaged("its summary", error) from error
+        summary = reader.get_summary()
         if summary is None or summary.statistics is None:
             raise unfinished
         return reader, summary

@@ -8,9 +8,9 @@ from pathlib import Path
 
 from app.recording.foreign.remap import Remap, RemapError
 from app.recording.log import Log, LogError
-from app.recording.mcap_layout import CHANNEL, FACTS
+from app.recording.mcap_layout import CHANNEL, FACTS, NAME
+from app.recording.mcap_reading import DAMAGE, MAGIC, RECORD_HEAD, is_closed
 
-_MCAP = b"\x89MCAP0\r\n"
 _BAG = b"#ROSBAG V"
 _SQLITE = b"SQLite format 3\x00"
 _GZIP = b"\x1f\x8b"
@@ -35,7 +35,7 @@ def open_log(path: Path, remap: Remap | None = None) -> Log:
             raise LogError(f"{path}: is a folder without metadata.yaml, so no ROS 2 bag; {_instead(path)}{ACCEPTED}")
         return _ros(path, remap)
     head = _head(path)
-    if head.startswith(_MCAP):
+    if head.startswith(MAGIC):
         return _mcap(path, head, remap)
     if head.startswith((_BAG, _SQLITE)):
         return _ros(path, remap)
@@ -82,7 +82,8 @@ def _ros(path: Path, remap: Remap | None) -> Log:
 
 
 def _mcap(path: Path, head: bytes, remap: Remap | None) -> Log:
-    whole = _ends_well(path)
+    with path.open("rb") as file:
+        whole = is_closed(file)
     if not _is_ours(path, head, whole):
         if not whole:
             raise LogError(f"{path}: is an MCAP file without its end; 'mcap recover' of the MCAP tools makes it whole")
@@ -98,31 +99,23 @@ def _mcap(path: Path, head: bytes, remap: Remap | None) -> Log:
     return McapLog(path)
 
 
-def _ends_well(path: Path) -> bool:
-    with path.open("rb") as file:
-        size = file.seek(0, 2)
-        file.seek(max(size - len(_MCAP), len(_MCAP)))
-        return file.read() == _MCAP
-
-
 def _is_ours(path: Path, head: bytes, whole: bool) -> bool:
     """Whether hbba wrote it: by the header's library, or, where another tool copied it, by what it carries."""
-    at = len(_MCAP) + 1 + 8
+    at = len(MAGIC) + RECORD_HEAD.size
     for _ in range(2):  # profile, library
         length = int.from_bytes(head[at : at + 4], "little")
         text = head[at + 4 : at + 4 + length]
         at += 4 + length
-    if text.startswith(b"hbba"):
+    if text.startswith(NAME.encode()):
         return True
     if not whole:
         return False
-    from mcap.exceptions import McapError
     from mcap.reader import make_reader
 
     try:
         with path.open("rb") as file:
             summary = make_reader(file).get_summary()
-    except (McapError, ValueError, EOFError):
+    except (*DAMAGE, OSError):
         return False
     if summary is None:
         return False

@@ -19,6 +19,7 @@ from app.recording import salvage
 from app.recording.log import LogError
 from app.recording.mcap_file import is_being_written
 from app.recording.mcap_layout import PROFILE, library
+from app.recording.mcap_reading import MAGIC
 from app.recording.output import McapCopy, Progress, check_new, durable, replacing, unwatched
 from app.recording.salvage import Broken, Sound
 from app.recording.stamps import SECOND, from_ns
@@ -90,7 +91,7 @@ def repair(
         if report.healthy:
             return report
         if not report.messages and not report.attachments:
-            if data[: len(salvage.MAGIC)] != salvage.MAGIC:
+            if data[: len(MAGIC)] != MAGIC:
                 raise LogError(f"{path}: is no MCAP file; only these can be repaired")
             raise LogError(f"{path}: nothing can be recovered: there is no whole record in it")
         with replacing(target, force or in_place) as part, part.open("wb") as stream:
@@ -244,7 +245,7 @@ class _Look:
 
     def _summary_holds(self, footer: Sound) -> bool:
         start, _, crc = struct.unpack("<QQI", footer.content)
-        if not len(salvage.MAGIC) <= start < footer.offset:
+        if not len(MAGIC) <= start < footer.offset:
             return False
         return not crc or zlib.crc32(self._data[start : footer.end - 4]) == crc
 

@@ -23,9 +23,8 @@ from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Channel, Header, MessageIndex, Metadata, Schema
 
-MAGIC = b"\x89MCAP0\r\n"
-#: Opcode (1), length of the content (8).
-HEAD = struct.Struct("<BQ")
+from app.recording.mcap_reading import MAGIC, RECORD_HEAD
+
 #: Channel (2), sequence (4), log time (8), publish time (8); the payload follows.
 MESSAGE = struct.Struct("<HIQQ")
 #: Begin (8), end (8), size and checksum of the records (8, 4), length of the compression's name (4).
@@ -128,13 +127,13 @@ def records(content: bytes) -> Iterator[tuple[int, int, bytes]]:
     """Opcode, offset and content of each record in a chunk's ``content``. Raises ValueError if it ends within one."""
     position = 0
     while position < len(content):
-        if len(content) - position < HEAD.size:
+        if len(content) - position < RECORD_HEAD.size:
             raise ValueError("ends within a record's head")
-        opcode, length = HEAD.unpack_from(content, position)
-        end = position + HEAD.size + length
+        opcode, length = RECORD_HEAD.unpack_from(content, position)
+        end = position + RECORD_HEAD.size + length
         if end > len(content):
             raise ValueError("ends within a record")
-        yield opcode, position, content[position + HEAD.size : end]
+        yield opcode, position, content[position + RECORD_HEAD.size : end]
         position = end
 
 
@@ -150,7 +149,7 @@ def strict(kind: type[RecordT], content: bytes) -> RecordT | None:
     except _BAD:
         return None
     written: bytes = builder.end()  # type: ignore[no-untyped-call]
-    return record if written[HEAD.size :] == content else None
+    return record if written[RECORD_HEAD.size :] == content else None
 
 
 def read_attachment(content: bytes) -> Attached | None:
@@ -179,11 +178,11 @@ def read_attachment(content: bytes) -> Attached | None:
 def _record(data: Buffer, position: int) -> Sound | Broken:
     """The record at ``position``, or what is wrong with it; ``Broken.end`` is then where its length says it ends."""
     size = len(data)
-    head = data[position : position + HEAD.size]
-    if len(head) < HEAD.size:
+    head = data[position : position + RECORD_HEAD.size]
+    if len(head) < RECORD_HEAD.size:
         return Broken(position, size, "a record")
-    opcode, length = HEAD.unpack(head)
-    begin = position + HEAD.size
+    opcode, length = RECORD_HEAD.unpack(head)
+    begin = position + RECORD_HEAD.size
     end = begin + length
     if opcode == Opcode.CHUNK:
         return _chunk(data, position, min(end, size + 1))
@@ -231,7 +230,7 @@ _CERTAIN = frozenset({Opcode.CHUNK, Opcode.ATTACHMENT, Opcode.MESSAGE_INDEX, Opc
 
 def _chunk(data: Buffer, position: int, end: int) -> Sound | Broken:
     """The chunk at ``position``. Its length is written twice; where they differ, the one that the checksum proves."""
-    begin = position + HEAD.size
+    begin = position + RECORD_HEAD.size
     head = data[begin : begin + CHUNK.size + 4 + 8]
     try:
         first, last, size, crc, name_length = CHUNK.unpack_from(head)
@@ -292,14 +291,14 @@ def _whole_records(content: bytes) -> bytes:
     end = 0
     try:
         for _, offset, record in records(content):
-            end = offset + HEAD.size + len(record)
+            end = offset + RECORD_HEAD.size + len(record)
     except ValueError:
         pass
     return content[:end]
 
 
 def _attachment(data: Buffer, position: int, end: int) -> Sound | Broken:
-    begin = position + HEAD.size
+    begin = position + RECORD_HEAD.size
     for stop in (end, begin + (_attachment_length(data[begin : begin + 4096]) or 0)):
         if begin < stop <= len(data):
             content = data[begin:stop]
@@ -326,10 +325,10 @@ def _attachment_length(content: bytes) -> int | None:
 
 def _head_like(data: Buffer, position: int) -> bool:
     """Whether a record could begin here, or the file rightly ends."""
-    rest = data[position : position + HEAD.size]
-    if len(rest) < HEAD.size:
+    rest = data[position : position + RECORD_HEAD.size]
+    if len(rest) < RECORD_HEAD.size:
         return not rest or rest == MAGIC
-    opcode, length = HEAD.unpack(rest)
+    opcode, length = RECORD_HEAD.unpack(rest)
     return _known(opcode) and length < _LONGEST
 
 

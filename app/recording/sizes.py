@@ -1,4 +1,4 @@
-"""How many bytes each topic of an MCAP file takes, read from its index alone."""
+"""How many bytes each channel of an MCAP file takes, read from its index alone."""
 
 from __future__ import annotations
 
@@ -9,43 +9,36 @@ from pathlib import Path
 from typing import IO
 
 import numpy as np
-from mcap.exceptions import McapError
 from mcap.reader import SeekingReader
 from mcap.records import ChunkIndex
 
 from app.recording import mcap_layout as layout
+from app.recording.mcap_reading import DAMAGE, RECORD_HEAD
 
 _HEAD = struct.Struct("<BQHI")
 
 
-def topic_bytes(path: Path) -> Mapping[str, int]:
-    """Bytes of the records of each topic before compression; empty where the file has no index that tells.
+def channel_bytes(path: Path) -> Mapping[str, int]:
+    """Bytes of the records of each channel before compression; empty where the file has no index that tells.
 
-    ``path`` is a finished MCAP file. Raises OSError.
+    ``path`` is a finished MCAP file. A channel of ours has those of all topics that are read back for it; of another
+    program's file, channels are topics. Raises OSError.
     """
+    total: Counter[str] = Counter()
     with path.open("rb") as stream:
         try:
             summary = SeekingReader(stream).get_summary()
-        except (McapError, ValueError, struct.error):
+            if summary is None:
+                return {}
+            names = {
+                number: channel.metadata.get(layout.CHANNEL, channel.topic)
+                for number, channel in summary.channels.items()
+            }
+            for index in summary.chunk_indexes:
+                for number, size in _of_chunk(stream, index).items():
+                    total[names[number]] += size
+        except (*DAMAGE, OSError):  # an offset beyond the file is the latter
             return {}
-        if summary is None:
-            return {}
-        total: Counter[str] = Counter()
-        for index in summary.chunk_indexes:
-            for number, size in _of_chunk(stream, index).items():
-                if number in summary.channels:
-                    total[summary.channels[number].topic] += size
-        return total
-
-
-def channel_bytes(path: Path) -> Mapping[str, int]:
-    """:func:`topic_bytes` of a recording of ours by channel: all topics that are read back for it."""
-    topics = topic_bytes(path)
-    with path.open("rb") as stream:
-        summary = SeekingReader(stream).get_summary()
-    total: Counter[str] = Counter()
-    for channel in {} if summary is None else summary.channels.values():
-        total[channel.metadata.get(layout.CHANNEL, channel.topic)] += topics.get(channel.topic, 0)
     return total
 
 
@@ -60,7 +53,7 @@ def _of_chunk(stream: IO[bytes], index: ChunkIndex) -> dict[int, int]:
         pairs = np.frombuffer(data, "<u8", entries // 8, position + _HEAD.size)
         offsets.append(pairs[1::2])
         owners.append(np.full(len(pairs) // 2, channel))
-        position += 9 + length
+        position += RECORD_HEAD.size + length
     if not offsets:
         return {}
     begins = np.concatenate(offsets).astype(np.int64)

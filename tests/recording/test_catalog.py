@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import fcntl
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -119,6 +121,23 @@ def test_a_file_is_read_again_only_when_it_has_changed(
     assert read == ["tour", "tour"]
     catalog.delete("tour")
     assert catalog.recordings() == []
+
+
+def test_one_that_is_deleted_meanwhile_does_not_hide_the_others(
+    library: RecordingLibrary, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    @contextmanager
+    def deleting(folder: Path) -> Iterator[list[os.DirEntry[str]]]:
+        with scandir(folder) as entries:
+            found = list(entries)
+        library.path("gone").unlink()
+        yield found
+
+    scandir = os.scandir
+    write(library.path("gone"))
+    write(library.path("tour"))
+    monkeypatch.setattr(os, "scandir", deleting)
+    assert [recording.name for recording in Catalog(library).recordings()] == ["tour"]
 
 
 @given(cut=st.integers(0, 2_000), noise=st.binary(max_size=64))

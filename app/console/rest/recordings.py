@@ -220,13 +220,12 @@ def recordings_router(system: System, replays: Replays) -> APIRouter:
 
 def _recording_json(recording: Recording, report: RecorderReport) -> dict[str, Any]:
     ours, status = report.writes(recording.name), report.status
-    state = "recording" if ours or recording.written else "complete" if recording.complete else "unfinished"
     return {
         "name": recording.name,
         "bytes": recording.bytes,
         "duration_s": _rounded(status.duration_s if ours else recording.duration_s),
         "began": status.began if ours else recording.begin,
-        "state": state,
+        "state": "recording" if ours else recording.state,
         "robot": recording.robot,
     }
 

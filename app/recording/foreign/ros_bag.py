@@ -67,6 +67,8 @@ _DAMAGE = (
     ValueError,
     LookupError,
     AssertionError,
+    MemoryError,
+    OverflowError,
     RuntimeError,  # of the lz4 library
     ZstdError,
     struct.error,
