@@ -12,6 +12,7 @@ import logging
 import os
 import secrets
 import shutil
+import socket
 import tempfile
 import threading
 from collections import deque
@@ -24,7 +25,7 @@ from typing import IO, Any
 from app.recording.chunks import join, scan
 from app.recording.log import LogError
 from app.recording.manifest import Manifest
-from app.recording.mcap_file import McapFile, OpenFile, RecordEncoder, Topic, create, is_being_written
+from app.recording.mcap_file import McapFile, OpenFile, RecordEncoder, Topic, create
 from app.recording.stamps import SECOND, to_ns
 
 log = logging.getLogger("hbba.recording")
@@ -88,7 +89,8 @@ class Ring:
         # Counted along: other threads read them while segments come and go.
         self._closed_bytes = self._closed_messages = 0
         self._discarded = False
-        # The loop's threads hold segments while they copy them; the writer's thread deletes.
+        # The loop's threads hold segments while they copy them and look through them when they are done; the writer's
+        # thread adds and deletes.
         self._held: dict[Path, int] = {}
         self._guard = threading.Lock()
         try:
@@ -181,19 +183,21 @@ class Ring:
     def _rotate(self, at: float) -> None:
         file = self._file
         file.close()
-        self._segments.append(Segment(self._state_path, file.path, self._begin, self._end, file.bytes, file.messages))
+        closed = Segment(self._state_path, file.path, self._begin, self._end, file.bytes, file.messages)
+        with self._guard:
+            self._segments.append(closed)
         self._begin_segment(at)
         self._closed_bytes += file.bytes
         self._closed_messages += file.messages
 
     def _forget(self, before: float) -> None:
         while self._segments and self._segments[0].end < before:
-            old = self._segments.popleft()
-            self._closed_bytes -= old.bytes
-            self._closed_messages -= old.messages
             with self._guard:
+                old = self._segments.popleft()
                 if old.path not in self._held:
                     _delete(old)
+            self._closed_bytes -= old.bytes
+            self._closed_messages -= old.messages
 
     def _delete_all(self) -> None:
         with self._guard:
@@ -314,8 +318,10 @@ def _name(part: Path, target: Path) -> None:
 def _sweep(folder: Path) -> None:
     """Delete what programs that were killed while they saved had joined by then: the segments are still there."""
     for part in folder.glob(f"{_SAVING}*"):
-        if not is_being_written(part):
-            part.unlink(missing_ok=True)
+        # Locked by who writes it; without locks nobody can tell.
+        with suppress(OSError), open(part, "rb") as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+            part.unlink()
 
 
 def _make_home(folder: Path, at: float) -> tuple[Path, IO[bytes]]:
@@ -323,6 +329,8 @@ def _make_home(folder: Path, at: float) -> tuple[Path, IO[bytes]]:
     folder.mkdir(parents=True, exist_ok=True)
     fresh = Path(tempfile.mkdtemp(prefix=_NEW, dir=folder))
     lock = open(fresh / _LOCK, "xb")  # noqa: SIM115  # closed with the ring
+    lock.write(_owner(os.getpid()))
+    lock.flush()
     with suppress(OSError):  # a file system without locks
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     home = folder / f"{to_ns(at)}-{fresh.name.removeprefix(_NEW)}"
@@ -349,9 +357,28 @@ def _claimed(home: Path) -> Iterator[bool]:
         except BlockingIOError:
             yield False
         except OSError:  # a file system without locks
-            yield True
+            yield _is_gone(lock.read())
         else:
             yield home.is_dir()  # whoever held it until now may have deleted it all
+
+
+def _owner(pid: int) -> bytes:
+    """Who turns a ring: what tells whether it lives where there are no locks."""
+    return f"{pid} {socket.gethostname()}".encode()
+
+
+def _is_gone(owner: bytes) -> bool:
+    """Whether the program ``owner`` is known to have ended; of another computer's, nothing is known."""
+    pid = owner.partition(b" ")[0].decode()
+    if not pid.isdecimal() or owner != _owner(int(pid)):
+        return False
+    try:
+        os.kill(int(pid), 0)
+    except ProcessLookupError:
+        return True
+    except OSError:  # it is another user's
+        return False
+    return False
 
 
 def _messages(path: Path) -> int:

@@ -208,18 +208,27 @@ class RecordingWriter:
         self._queue.append((at, channel, message, size))
 
     def call(self, function: Callable[[Sink], T]) -> Future[T]:
-        """Have ``function(sink)`` called in the thread, after all that was put before."""
+        """Have ``function(sink)`` called in the thread, after all that was put before.
+
+        An OSError it raises ends the recording too: the disk failed it.
+        """
         future: Future[T] = Future()
 
         def run() -> None:
             if not future.set_running_or_notify_cancel():
                 return
+            if self._over or self._sink is None:
+                future.set_exception(OSError(self._reason or "the recording is over"))
+                return
             try:
-                if self._over or self._sink is None:
-                    raise OSError(self._reason or "the recording is over")
-                future.set_result(function(self._sink))
+                result = function(self._sink)
+            except OSError as error:  # then only `abandon` is left of the sink
+                future.set_exception(error)
+                raise
             except Exception as error:  # noqa: BLE001  # handed to whoever awaits the future
                 future.set_exception(error)
+            else:
+                future.set_result(result)
 
         self._calls.put(run)
         if self._over:  # nobody is there any more to answer

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import errno
+import fcntl
 import os
 import signal
+import socket
 import subprocess
 import sys
+from collections import deque
 from collections.abc import Iterator
 from pathlib import Path
+from threading import Lock
 
 import pytest
 from hypothesis import given, settings
@@ -18,7 +22,7 @@ from mcap.reader import make_reader
 from app.messages import Landmarks, Odometry
 from app.recording.log import LogError, Logged
 from app.recording.mcap_log import McapLog
-from app.recording.ring import Ring, begin_of, leftovers, rescue
+from app.recording.ring import Ring, Segment, begin_of, leftovers, rescue
 
 from .disks import BEGIN, MANIFEST, Disk, encoder, image, landmarks, odometry
 
@@ -212,6 +216,58 @@ def test_what_was_left_becomes_one_recording_whoever_finds_it(tmp_path: Path) ->
     assert others
     assert not any(others)
     assert [path.name for path in tmp_path.glob("*.mcap")] == ["saved.mcap"]
+
+
+def test_without_locks_only_what_a_dead_program_left_is_left_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def flock(file: object, operation: int) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr(fcntl, "flock", flock)
+    turning = ring(tmp_path)
+    turn(turning, 0, 5)
+    (tmp_path / ".ring" / ".saving-0").write_bytes(b"perhaps somebody joins it now")
+    assert leftovers(tmp_path / ".ring") == []
+    assert (tmp_path / ".ring" / ".saving-0").exists()
+    with turning.hold(BEGIN + 5, None) as hold:
+        assert times(read(hold.save(names(tmp_path)))) == tenths(0, 5)
+    turning.close(discard=False)
+    with subprocess.Popen(["true"]) as gone:
+        pass
+    (lock,) = tmp_path.glob(".ring/*/lock")
+    lock.write_text(f"{gone.pid} {socket.gethostname()}")
+    assert leftovers(tmp_path / ".ring") == [lock.parent]
+    lock.write_text(f"{gone.pid} another.computer.example")
+    assert leftovers(tmp_path / ".ring") == []
+
+
+class Guarded(deque[Segment]):
+    """Segments that may be changed only by whoever holds the guard: another thread may be looking through them."""
+
+    guard: Lock
+
+    def append(self, segment: Segment, /) -> None:
+        assert self.guard.locked()
+        super().append(segment)
+
+    def popleft(self) -> Segment:
+        assert self.guard.locked()
+        return super().popleft()
+
+    def clear(self) -> None:
+        assert self.guard.locked()
+        super().clear()
+
+
+def test_a_hold_may_be_released_in_another_thread_while_the_ring_turns(tmp_path: Path) -> None:
+    turning = ring(tmp_path, keep_s=20)
+    turning._segments = guarded = Guarded()
+    guarded.guard = turning._guard
+    turn(turning, 0, 60)
+    assert len(guarded) >= 2
+    turning.close(discard=True)
+    assert not guarded
 
 
 def test_a_full_disk_ends_a_ring_whose_segments_stay(tmp_path: Path) -> None:

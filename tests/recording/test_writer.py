@@ -7,6 +7,7 @@ import os
 import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,7 @@ from mcap.records import Statistics
 
 from app.recording.file_sink import FileSink
 from app.recording.mcap_file import is_being_written
+from app.recording.ring import Hold, Ring, leftovers, rescue
 from app.recording.writer import Limits, RecordingWriter, Sink, weight
 
 from .disks import BEGIN, MANIFEST, Disk, encoder, image, landmarks, odometry
@@ -301,3 +303,24 @@ def test_wherever_the_disk_is_full_the_file_is_whole_up_to_there(
         return
     # The disk in this test is full for the recording alone: its end found room after the cut.
     assert counts(folder / "log.mcap").get("/kinect/depth", 0) in (written, written + 1)
+
+
+def test_a_call_that_the_disk_fails_ends_the_recording_with_its_reason(tmp_path: Path) -> None:
+    disk = Disk()
+    ring = partial(Ring, tmp_path / ".ring", encoder, MANIFEST, BEGIN, 60.0, open_file=disk.open)
+    writer = RecordingWriter(ring, Limits(), lambda: BEGIN, free_bytes=lambda _: 1 << 40)
+    writer.put(BEGIN, "odometry", odometry(BEGIN))
+
+    def hold(sink: Sink) -> Hold:
+        assert isinstance(sink, Ring)
+        sink.flush()
+        disk.error = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return sink.hold(BEGIN + 1, None)
+
+    with pytest.raises(OSError, match="No space"):
+        writer.call(hold).result(20)
+    ended(writer)
+    assert writer.reason.startswith("the disk is full")
+    disk.error = None
+    (home,) = leftovers(tmp_path / ".ring")
+    assert rescue(home, iter([tmp_path / "saved.mcap"])) == tmp_path / "saved.mcap"
