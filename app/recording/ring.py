@@ -222,6 +222,10 @@ class Hold:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.release()
+
+    def release(self) -> None:
+        """Hold them no longer; once."""
         self._release(self.segments)
 
     @property

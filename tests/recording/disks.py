@@ -90,12 +90,16 @@ class Disk:
         #: Raised by every write from now on.
         self.error: OSError | None = None
         self.unblock = threading.Event()
+        #: How many writes wait.
+        self.waiting = 0
         self.unblock.set()
 
     def open(self, path: Path) -> RawFile:
         return FaultyFile(create(path), lambda: self.room, self._fault)
 
     def _fault(self, size: int) -> None:
+        self.waiting += 1
         self.unblock.wait()
+        self.waiting -= 1
         if self.error is not None:
             raise self.error

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Callable
+from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
 
@@ -42,7 +43,7 @@ class RingSaver:
         self._library.path(name or default_name(now))
         seconds = None if minutes is None else 60 * minutes
         try:
-            hold = await asyncio.wrap_future(writer.call(lambda sink: _hold(sink, now, seconds)))
+            hold = await _held(writer.call(lambda sink: _hold(sink, now, seconds)))
             with hold:
                 await self._in_thread(self._check_room, hold.bytes)
                 targets = self._library.candidates(name or "", now)
@@ -99,3 +100,17 @@ def _hold(sink: Sink, at: float, seconds: float | None) -> Hold:
     if not isinstance(sink, Ring):
         raise RecorderUnavailable(NO_RING)
     return sink.hold(at, seconds)
+
+
+async def _held(held: Future[Hold]) -> Hold:
+    """Wait for it; a hold that nobody waits for any more when it comes is released, or its segments stayed for ever."""
+    try:
+        return await asyncio.shield(asyncio.wrap_future(held))
+    except asyncio.CancelledError:
+        held.add_done_callback(_let_go)
+        raise
+
+
+def _let_go(held: Future[Hold]) -> None:
+    if held.exception() is None:
+        held.result().release()

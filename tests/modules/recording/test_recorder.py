@@ -352,6 +352,26 @@ async def test_a_ring_that_changes_its_length_turns_on(tmp_path: Path) -> None:
     assert len(of(await read(tmp_path / "both.mcap"), Odometry)) == 2
 
 
+async def test_a_saving_that_is_given_up_lets_the_ring_forget(tmp_path: Path, disk: Disk) -> None:
+    async with Robot(tmp_path) as robot:
+        robot.desire(keep_minutes=5)
+        await robot.until(lambda status: status.state == "ring")
+        robot.feed("odometry", odometry(BEGIN))
+        await robot.until(lambda status: status.messages == 1)
+        disk.unblock.clear()
+        saving = asyncio.create_task(robot.control.save_ring())
+        async with asyncio.timeout(20):
+            while not disk.waiting:  # noqa: ASYNC110  # the writer's thread is in the middle of it
+                await asyncio.sleep(0)
+        saving.cancel()
+        await asyncio.wait({saving})
+        disk.unblock.set()
+        robot.desire(False)
+        await robot.until(lambda status: status.state == "idle")
+    # Nothing held it, so that all of it was thrown away with the wish for it.
+    assert await asyncio.to_thread(leftovers, RecordingLibrary(tmp_path).ring_folder) == []
+
+
 async def test_a_ring_that_finds_no_room_to_be_saved_says_so_and_turns_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
