@@ -190,22 +190,31 @@ class Playback:
         Returns once the scene there is shown, or that of a newer seek: of several in a row only the newest counts.
         Raises LogError where the recording cannot be read; playback stays where it was.
         """
+        self._check_alive()
         self._target = min(max(position, self._info.begin), self._end)
-        done: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-        self._waiting.append(done)
-        self._tell()
-        await done
+        await self._done(self._waiting)
 
     async def step(self) -> None:
         """On to the next image of the first camera, where there is none the next scan, else 0.1 s; then stand.
 
         Raises LogError where the recording cannot be read.
         """
+        self._check_alive()
         self._playing = False
+        await self._done(self._steps)
+
+    async def _done(self, asked: list[asyncio.Future[None]]) -> None:
+        """Ask for what ``asked`` is the list of, and wait until it is done."""
         done: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-        self._steps.append(done)
+        asked.append(done)
         self._tell()
         await done
+
+    def _check_alive(self) -> None:
+        """Raise LogError where nobody would do it any more."""
+        driver = self._driver
+        if driver is not None and driver.done() and not driver.cancelled():
+            raise LogError(f"playback failed: {driver.exception()}")
 
     # --- Time --------------------------------------------------------------------------------------------------------
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
+from functools import partial
 from typing import Any
 
 import pytest
@@ -16,6 +17,9 @@ from app.replay.replay import Replay
 from app.runtime.replay_clock import ReplayClock
 from tests.replay.logs import BEGIN, MemoryLog, lab_log, lab_manifest, lab_messages
 from tests.replay.playing import played, prepare
+
+#: A busy computer may be so late (s); early it may not be.
+BUSY_S = 1.0
 
 Prepared = tuple[Any, ReplayClock, Replay]
 
@@ -38,7 +42,8 @@ async def test_it_plays_in_real_time_stands_and_goes_on(lab: Prepared) -> None:
         odometry = stamps(play, "odometry")
         began, from_ = time.monotonic(), play.playback.state.position
         await asyncio.wait_for(play.clock.sleep_until(BEGIN + 0.5), 5)
-        assert time.monotonic() - began == pytest.approx(BEGIN + 0.5 - from_, abs=0.15)
+        elapsed_s = time.monotonic() - began
+        assert BEGIN + 0.5 - from_ - 0.05 < elapsed_s < BEGIN + 0.5 - from_ + BUSY_S
         play.playback.pause()
         state = play.playback.state
         assert (state.phase, state.playing) == ("paused", False)
@@ -59,8 +64,22 @@ async def test_at_another_speed(lab: Prepared) -> None:
         play.playback.set_speed(5.0)
         assert play.playback.state.speed == 5.0
         await play.phase("ended")
-        assert time.monotonic() - began == pytest.approx(0.3 + 0.6, abs=0.3)
+        assert 0.3 + 0.6 - 0.2 < time.monotonic() - began < 0.3 + 0.6 + BUSY_S
         assert play.playback.state.position == BEGIN + 5.98
+
+
+async def test_whoever_asks_for_more_after_a_failure_is_told_and_not_kept_waiting(
+    lab: Prepared, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    async def fail() -> float:
+        raise RuntimeError("a mistake of ours")
+
+    async with played(lab) as play, asyncio.timeout(5):
+        monkeypatch.setattr(play.playback._places, "next_step", fail)
+        for asked in (play.playback.step, play.playback.step, partial(play.playback.seek, BEGIN + 1.0)):
+            with pytest.raises(LogError, match="playback failed: a mistake of ours"):
+                await asked()
+    assert "playback failed" in caplog.text
 
 
 @pytest.mark.parametrize("speed", [0.0, 0.05, 21.0, float("nan"), -1.0])
