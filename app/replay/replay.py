@@ -16,6 +16,7 @@ from app.recording.library import RecordingLibrary
 from app.recording.log import Log
 from app.replay.desires import CountedIds, RecordedDesires
 from app.replay.options import ReplayOptions
+from app.replay.past import Past
 from app.replay.program import NOT_ASKED, ReplayProgram, prepare
 from app.robots.replayed.body import ReplayedBody
 from app.runtime.clock import Clock
@@ -102,8 +103,8 @@ class Replay:
             await self._started()
             await self.system.translator.settled()
             if self.options.desires and self._desire_channels:
-                before = await self.body.latest_before(self.body.begin, self._desire_channels)
-                for logged in before.values():
+                # The body, held, does not read yet.
+                for logged in await asyncio.to_thread(Past(self.log).of_types, (DesiresRecord,), self.body.begin):
                     self._desires.take(logged.message)
             self._record()
             await self.system.translator.settled()

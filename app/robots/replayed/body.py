@@ -12,14 +12,14 @@ import contextlib
 import logging
 import math
 from collections import Counter
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
 from app.link import LinkFailed, RobotDescription
 from app.messages import Twist
 from app.recording.log import Log, LogError, Logged
-from app.robots.replayed.source import LogSource, Place, latest_before
+from app.robots.replayed.source import LogSource, Place
 from app.runtime.clock import Clock
 
 log = logging.getLogger("hbba.replay")
@@ -184,16 +184,6 @@ class ReplayedBody:
         """Give ``message``, recorded on ``channel``, to whoever listens to that channel's stream or feed, now."""
         for receive in self._receivers_of(channel):
             self._hand(receive, channel, message)
-
-    async def latest_before(self, position: float, channels: Collection[str]) -> dict[str, Logged]:
-        """The last message of each of ``channels`` that arrived at or before ``position``, read in the reader's thread.
-
-        Raises LogError.
-        """
-        if self._reader is None:
-            raise RuntimeError("the body was not started")
-        wanted = tuple(channels)
-        return await asyncio.get_running_loop().run_in_executor(self._reader, latest_before, self.log, position, wanted)
 
     @property
     def listened(self) -> set[str]:

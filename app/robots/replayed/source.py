@@ -78,25 +78,3 @@ class LogSource:
                 passed[logged.channel] -= 1
                 continue
             yield logged
-
-
-def latest_before(log: Log, position: float, channels: Collection[str]) -> dict[str, Logged]:
-    """The last message of each of ``channels`` that arrived at or before ``position`` (s); those without are left out.
-
-    Looks back over ever longer spans, so that frequent channels cost little however long the log is.
-    """
-    found: dict[str, Logged] = {}
-    missing = {name for name in channels if name in log.info.channels and log.info.channels[name].count}
-    span_s, until = 1.0, position
-    while missing and until >= log.info.begin:
-        begin = position - span_s
-        last: dict[str, Logged] = {}
-        for logged in log.messages(begin, missing):
-            if logged.at > until:
-                break
-            last[logged.channel] = logged
-        found.update(last)
-        missing -= last.keys()
-        # What arrived at `begin` itself has been seen.
-        until, span_s = begin, 4 * span_s
-    return found

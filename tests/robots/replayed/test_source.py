@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from app.geometry import Pose2
 from app.messages import Odometry
 from app.recording.log import LogError, Logged
-from app.robots.replayed.source import PIECE_MESSAGES, PIECE_S, LogSource, Place, latest_before
+from app.robots.replayed.source import PIECE_MESSAGES, PIECE_S, LogSource, Place
 from tests.replay.logs import MemoryLog, numbered
 
 TIMES = st.lists(st.tuples(st.integers(0, 40).map(lambda n: n / 8), st.sampled_from("abc")), max_size=60)
@@ -73,17 +73,3 @@ def test_a_damaged_log_says_so() -> None:
     source = LogSource(log, {"odometry"}, Place(0.0), math.inf)
     with pytest.raises(LogError, match="is damaged"):
         everything(source)
-
-
-@given(TIMES, st.integers(-8, 48).map(lambda n: n / 8))
-def test_the_latest_before_is_the_last_of_each_channel(entries: list[tuple[float, str]], position: float) -> None:
-    log = made(entries)
-    expected = {logged.channel: logged for logged in log.messages() if logged.at <= position}
-    assert latest_before(log, position, {"a", "b", "c", "d"}) == expected
-
-
-def test_looking_back_at_a_frequent_channel_is_cheap() -> None:
-    log = MemoryLog(numbered(10_000, 0.01))
-    found = latest_before(log, log.info.end, {"odometry"})
-    assert found["odometry"].at == log.info.end
-    assert log.decoded["odometry"] < 200
