@@ -42,8 +42,9 @@ def test_depth_is_true_on_average_and_its_noise_grows_as_published(depth_m: floa
     published = 0.0012 + 0.0019 * (depth_m - 0.4) ** 2
     step = CONFIG.quantum_m * depth_m**2
     assert seen.mean() == pytest.approx(depth_m, abs=0.1 * step + 0.001)
+    # Sheppard's correction, up to what it leaves out where a step is as wide as the noise.
     expected = math.hypot(published, step / math.sqrt(12))
-    assert seen.std() == pytest.approx(expected, rel=0.2, abs=0.0004)
+    assert seen.std() == pytest.approx(expected, rel=0.2, abs=0.3 * step)
 
 
 def test_depths_come_in_steps_that_grow_with_the_square() -> None:
