@@ -97,11 +97,17 @@ def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log)
     if not args.fresh and (taken_up := progress.load()):
         print(f"{taken_up} runs were made before and are taken up (--fresh measures them anew)")
     print(f"{len(runs)} runs of {seconds:.0f} s of {info.path.name}; Ctrl-C keeps what is measured")
-    _check_writable(output)
-    results = _measure(log, configuration, runs, progress, info.begin + args.begin, seconds)
-    calibration = _calibration(results, version, f"{info.path.name}, {seconds:.0f} s")
-    _write(calibration, output)
-    progress.discard()
+    for file in (output, output.with_suffix(".png")):
+        _check_writable(file)
+    try:
+        results = _measure(log, configuration, runs, progress, info.begin + args.begin, seconds)
+        calibration = _calibration(results, version, f"{info.path.name}, {seconds:.0f} s")
+        _write(calibration, output)
+        progress.discard()
+    except OSError as failure:
+        raise ConfigError(
+            f"cannot be written: {failure.strerror or failure}", str(failure.filename or output)
+        ) from None
     print(_table_of(calibration))
     print(f"Written: {output} and {output.with_suffix('.png').name}")
     return 0
@@ -129,16 +135,20 @@ def _measure(
 
 def _newest() -> Path:
     """The newest finished recording. Raises ConfigError."""
-    from app.recording.library import SUFFIX, RecordingLibrary, default_folder
+    from app.recording.catalog import Catalog
+    from app.recording.library import RecordingLibrary, default_folder
 
     library = RecordingLibrary(default_folder())
-    found = sorted(library.folder.glob(f"*{SUFFIX}"), key=lambda file: file.stat().st_mtime)
+    try:
+        found = [recording.name for recording in Catalog(library).recordings() if recording.complete]
+    except OSError as failure:
+        raise ConfigError(f"cannot be read: {failure.strerror or failure}", str(library.folder)) from None
     if not found:
         raise ConfigError(
-            f"there is no recording in {library.folder}; record a minute on the console first (hbba run, Record), "
-            "or name a log: hbba calibrate FILE"
+            f"there is no finished recording in {library.folder}; record a minute on the console first (hbba "
+            "run, Record), or name a log: hbba calibrate FILE"
         )
-    return found[-1]
+    return library.path(found[0])
 
 
 def _table(configuration: Configuration) -> StrategyTable:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from app import cli, paths
 from app.attention.calibration import load_calibration
+from app.commands.calibrate import _newest
 from app.recording import open as opening
-from tests.replay.logs import MemoryLog, lab_log, numbered
+from app.recording.manifest import Manifest
+from tests.replay.logs import MemoryLog, lab_log, numbered, write_log
 
 pytestmark = pytest.mark.blocking(reason="the virtual loop waits for threads by design")
 
@@ -61,5 +64,30 @@ def test_each_mistake_is_one_sentence(
     assert "there is no module 'Eye'" in said(str(log_file), "--only", "Eye")
     assert "at least 5 s" in said(str(log_file), "--from", "4")
     assert "cannot be written" in said(str(log_file), "--output", "/proc/nowhere/here.yaml")
+    (tmp_path / "here.png").mkdir()
+    assert "here.png: cannot be written" in said(str(log_file), "--output", str(tmp_path / "here.yaml"))
     monkeypatch.setattr(opening, "open_log", lambda path, remap=None: MemoryLog(numbered(100)))
     assert "no strategy filters an input that this recording could feed; it has odometry" in said(str(log_file))
+
+
+def test_a_disk_that_fails_meanwhile_is_one_sentence(
+    program: Path, log_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # What is measured is written here after each run.
+    (tmp_path / "here.partial.json.new").mkdir()
+    options = ["--config", str(program), "--only", "CameraStream", "--output", str(tmp_path / "here.yaml")]
+    assert cli.main(["calibrate", str(log_file), *options]) == 2
+    assert "cannot be written" in capsys.readouterr().err
+
+
+def test_without_a_log_it_is_the_newest_that_is_finished(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HBBA_RECORDINGS", str(tmp_path))
+    messages = numbered(10)
+    later = [replace(logged, at=logged.at + 3600.0) for logged in messages]
+    write_log(tmp_path / "later.mcap", later, Manifest())
+    write_log(tmp_path / "earlier.mcap", messages, Manifest())
+    killed = write_log(
+        tmp_path / "killed.mcap", [replace(logged, at=logged.at + 7200.0) for logged in messages], Manifest()
+    )
+    killed.write_bytes(killed.read_bytes()[:-50])
+    assert _newest() == tmp_path / "later.mcap"
