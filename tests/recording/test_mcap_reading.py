@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from app.recording import catalog
@@ -56,6 +56,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> list[bytes]:
 
 @pytest.mark.parametrize("use", [read_through, looked_up, cut_out, channel_bytes])
 @given(which=st.integers(0, 2), damage=DAMAGE)
+@example(which=2, damage=[(62, 255), (318, 0), (3461, 1), (265, 255)])  # an index that promises what is not there
 @settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_damage_is_a_log_error_or_nothing(
     files: list[bytes], tmp_path: Path, use: Callable[[Path], object], which: int, damage: list[tuple[int, int]]

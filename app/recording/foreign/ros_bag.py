@@ -204,9 +204,12 @@ class RosBag:
         return topics + sorted(others.values(), key=lambda topic: topic.name)
 
     def _peek(self, topic: str) -> Received:
-        """The first message of a topic that has one."""
+        """The first message of a topic that has one. Raises LogError where its index only says so."""
         if topic not in self._first:
-            self._first[topic] = next(self._received(self._connections[topic], None))
+            first = next(self._received(self._connections[topic], None), None)
+            if first is None:
+                raise LogError(f"{self._path}: is damaged: its index promises messages on {topic} that are not there")
+            self._first[topic] = first
         return self._first[topic]
 
     def _sampled_tree(self) -> Transforms:
