@@ -1,11 +1,19 @@
-"""What several commands take: the name of a log, numbers."""
+"""What several commands take: the name of a log, times in it, names, numbers."""
 
 from __future__ import annotations
 
+import argparse
 import math
+from collections.abc import Callable
+from datetime import datetime
 from pathlib import Path
 
 from app.errors import ConfigError
+
+#: A time on the command line, once the begin of the log (robot's clock, s) is known.
+Moment = Callable[[float], float]
+
+TIMES = "seconds from the log's begin, M:SS, H:MM:SS, or a date and time as 2026-03-14T15:09:26"
 
 
 def find_log(text: str) -> Path:
@@ -32,3 +40,39 @@ def number(text: str) -> float | None:
     except ValueError:
         return None
     return value if math.isfinite(value) else None
+
+
+def moment(text: str) -> Moment:
+    """A time as people write it: 90, 90.5, 1:30, 1:02:03.5, or ISO 8601 (local where it names no zone)."""
+    parts = [number(part) for part in text.split(":")]
+    numbers = [part for part in parts if part is not None]
+    if len(numbers) == len(parts) <= 3 and all(part >= 0 for part in numbers):
+        seconds = 0.0
+        for part in numbers:
+            seconds = 60 * seconds + part
+        return lambda begin: begin + seconds
+    try:
+        at = datetime.fromisoformat(text).timestamp()
+    except (ValueError, OverflowError):
+        raise argparse.ArgumentTypeError(f"a time is {TIMES}, not {text!r}") from None
+    return lambda begin: at
+
+
+def names(text: str) -> tuple[str, ...]:
+    """``A,B,C``, for argparse."""
+    found = tuple(name.strip() for name in text.split(","))
+    if not all(found):
+        raise argparse.ArgumentTypeError(f"names are written A,B,C, not {text!r}")
+    return found
+
+
+def whole(least: int, most: int | None = None) -> Callable[[str], int]:
+    """What reads a whole number from ``least`` to ``most``, for argparse."""
+
+    def read(text: str) -> int:
+        if text.isdecimal() and least <= (value := int(text)) and (most is None or value <= most):
+            return value
+        to = "" if most is None else f" to {most}"
+        raise argparse.ArgumentTypeError(f"must be a whole number from {least}{to}, not {text!r}")
+
+    return read

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app import paths
-from app.commands.arguments import find_log, number
+from app.commands.arguments import find_log, names, number, whole
 from app.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -36,12 +37,16 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--config", type=Path, metavar="FILE", help="the program (default: the simulated lab)")
     parser.add_argument("--seconds", type=_seconds, default=60.0, metavar="S", help="how much of it (default 60)")
     parser.add_argument("--from", dest="begin", type=_seconds, default=0.0, metavar="S", help="beginning S into it")
-    parser.add_argument("--only", type=lambda text: text.split(","), metavar="A,B", help="these modules alone")
+    parser.add_argument("--only", type=names, metavar="A,B", help="these modules alone")
     parser.add_argument(
         "--offsets", action="store_true", help="from every starting offset of each φ, as the thesis did (φ runs each)"
     )
     parser.add_argument(
-        "--repeat", type=_count, default=1, metavar="N", help="do all N times over, for a computer with other work"
+        "--repeat",
+        type=whole(1, 100),
+        default=1,
+        metavar="N",
+        help="do all N times over, for a computer with other work",
     )
     parser.add_argument("--fresh", action="store_true", help="measure anew what an interrupted run had measured")
     parser.add_argument(
@@ -159,7 +164,7 @@ def _table(configuration: Configuration) -> StrategyTable:
     return load_strategies(files, classes=[kind.name for kind in desire_classes()])
 
 
-def _inputs(configuration: Configuration, log: Log, only: list[str] | None) -> dict[str, list[str]]:
+def _inputs(configuration: Configuration, log: Log, only: Sequence[str] | None) -> dict[str, list[str]]:
     """The inputs of each module to be measured that the recording can feed. Raises ConfigError."""
     modules = configuration.program.modules
     for name in only or ():
@@ -228,12 +233,6 @@ def _table_of(calibration: Calibration) -> str:
         if not any(p.events for p in relation.points):
             lines.append("  (the recording holds nothing that this module finds)")
     return "\n".join(lines)
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or not 1 <= int(text) <= 100:
-        raise argparse.ArgumentTypeError(f"a number of times is from 1 to 100, not {text!r}")
-    return int(text)
 
 
 def _seconds(text: str) -> float:

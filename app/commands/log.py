@@ -4,18 +4,12 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from app.commands.arguments import find_log, number
+from app.commands.arguments import TIMES, find_log, moment, names, whole
 from app.errors import ConfigError
-
-#: A time on the command line, once the begin of the log (robot's clock, s) is known.
-Moment = Callable[[float], float]
-
-TIMES = "seconds from the log's begin, M:SS, H:MM:SS, or a date and time as 2026-03-14T15:09:26"
 
 
 def add_parser(subparsers: Any) -> None:
@@ -164,7 +158,7 @@ def _add_export(actions: Any) -> None:
     parser.add_argument("kind", choices=list(KINDS), help="what to write")
     _add_times(parser)
     _add_channels(parser, "only these channels (default: all that can be written so)")
-    parser.add_argument("--every", type=_whole, default=1, metavar="N", help="only one of N messages; not for wav")
+    parser.add_argument("--every", type=whole(1), default=1, metavar="N", help="only one of N messages; not for wav")
     parser.add_argument("--remap", type=Path, metavar="FILE", help="which topics of a ROS bag are which channels")
     _add_out(parser, "the folder (default: FILE-export, here)", "FOLDER")
 
@@ -211,7 +205,7 @@ def _add_times(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_channels(parser: argparse.ArgumentParser, text: str) -> None:
-    parser.add_argument("--channels", type=_names, metavar="A,B", help=text)
+    parser.add_argument("--channels", type=names, metavar="A,B", help=text)
 
 
 def _add_out(parser: argparse.ArgumentParser, text: str, metavar: str) -> None:
@@ -234,36 +228,7 @@ def _date(seconds: float) -> str:
     return datetime.fromtimestamp(seconds).astimezone().isoformat(sep=" ", timespec="milliseconds")
 
 
-def moment(text: str) -> Moment:
-    """A time as people write it: 90, 90.5, 1:30, 1:02:03.5, or ISO 8601 (local where it names no zone)."""
-    parts = [number(part) for part in text.split(":")]
-    numbers = [part for part in parts if part is not None]
-    if len(numbers) == len(parts) <= 3 and all(part >= 0 for part in numbers):
-        seconds = 0.0
-        for part in numbers:
-            seconds = 60 * seconds + part
-        return lambda begin: begin + seconds
-    try:
-        at = datetime.fromisoformat(text).timestamp()
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"a time is {TIMES}, not {text!r}") from None
-    return lambda begin: at
-
-
 def _remap(path: Path | None) -> Any:
     from app.recording.foreign.remap import load_remap
 
     return None if path is None else load_remap(path)
-
-
-def _names(text: str) -> tuple[str, ...]:
-    names = tuple(name.strip() for name in text.split(","))
-    if not all(names):
-        raise argparse.ArgumentTypeError(f"channels are named as a,b,c, not {text!r}")
-    return names
-
-
-def _whole(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"must be a whole number from 1, not {text!r}")
-    return int(text)

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app import logs
-from app.commands.arguments import find_log, number
+from app.commands.arguments import TIMES, find_log, moment, names, number, whole
 from app.commands.run import Stopping, add_console_options, announcer, until_stopped
 from app.errors import ConfigError
 
@@ -36,26 +36,22 @@ def add_parser(subparsers: Any) -> None:
         help="live a recording again",
         description="Run the modules on a recording: of this program (MCAP), a ROS 1 or ROS 2 bag, or a CARMEN log. "
         "With the console, where it can be paused and scrubbed; with --headless as fast as the machine allows, the "
-        "same each time.",
+        f"same each time. Times are {TIMES}.",
     )
     parser.add_argument("file", metavar="FILE", help="a log, or the name of one of your recordings")
     parser.add_argument(
         "--speed", type=_speed, metavar="X", help="times real time, or max (default: 1 with the console, else max)"
     )
-    parser.add_argument(
-        "--from", dest="begin", type=_time, metavar="T", help="begin T after the log's begin: 90 or 1:30"
-    )
-    parser.add_argument("--to", dest="end", type=_time, metavar="T", help="end T after the log's begin")
-    parser.add_argument(
-        "--only", type=_names, metavar="A,B", help="run only these modules; the rest comes from the log"
-    )
+    parser.add_argument("--from", dest="begin", type=moment, metavar="T", help="begin here (default: the log's begin)")
+    parser.add_argument("--to", dest="end", type=moment, metavar="T", help="end here (default: the log's end)")
+    parser.add_argument("--only", type=names, metavar="A,B", help="run only these modules; the rest comes from the log")
     parser.add_argument(
         "--phi", type=_phi, action="append", default=[], metavar="M.PORT=N",
         help="hold this filter at this divisor (off: closed), whatever attention wants; may be given several times",
     )  # fmt: skip
     parser.add_argument(
         "--offset",
-        type=_count,
+        type=whole(0),
         default=0,
         metavar="K",
         help="let the first K messages of each held or attended filter go by",
@@ -106,12 +102,12 @@ def _options(args: argparse.Namespace, log: Log) -> ReplayOptions:
     from app.replay.options import ReplayOptions
 
     info = log.info
-    begin = None if args.begin is None else info.begin + args.begin
-    end = None if args.end is None else info.begin + args.end
+    begin = None if args.begin is None else max(args.begin(info.begin), info.begin)
+    end = None if args.end is None else args.end(info.begin)
     if begin is not None and begin >= info.end:
-        raise ConfigError(f"--from {args.begin:g} s: the log has {info.duration_s:.1f} s", str(info.path))
+        raise ConfigError(f"--from {begin - info.begin:g} s: the log has {info.duration_s:.1f} s", str(info.path))
     if end is not None and end <= (begin or info.begin):
-        raise ConfigError(f"--to {args.end:g} s: must be later than the begin", str(info.path))
+        raise ConfigError(f"--to {end - info.begin:g} s: must be later than the begin", str(info.path))
     return ReplayOptions(
         begin=begin,
         end=None if end is None else min(end, info.end),
@@ -239,27 +235,11 @@ def _speed(text: str) -> float:
     return speed
 
 
-def _time(text: str) -> float:
-    """Seconds, or minutes and seconds as ``1:30.5``."""
-    minutes, colon, seconds = text.rpartition(":")
-    parts = (number(minutes) if colon else 0.0, number(seconds))
-    if parts[0] is None or parts[1] is None or parts[0] < 0 or parts[1] < 0:
-        raise argparse.ArgumentTypeError(f"a time in the log is written 90, 90.5 or 1:30, not {text!r}")
-    return 60 * parts[0] + parts[1]
-
-
 def _seconds(text: str) -> float:
     seconds = number(text)
     if seconds is None or seconds <= 0:
         raise argparse.ArgumentTypeError(f"must be a number of seconds greater than 0, not {text!r}")
     return seconds
-
-
-def _names(text: str) -> tuple[str, ...]:
-    names = tuple(name.strip() for name in text.split(","))
-    if not all(names):
-        raise argparse.ArgumentTypeError(f"modules are named as A,B,C, not {text!r}")
-    return names
 
 
 def _phi(text: str) -> tuple[str, float]:
@@ -271,9 +251,3 @@ def _phi(text: str) -> tuple[str, float]:
         if divisor.isdecimal() and int(divisor) >= 1:
             return name, float(divisor)
     raise argparse.ArgumentTypeError(f"is written Module.port=N with a whole N from 1, or off, not {text!r}")
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"a number of messages is a whole number from 0, not {text!r}")
-    return int(text)

@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 from app.attention.desires import Desire, Source
 from app.messages import RecorderStatus
+from app.recording.control import RECORD
 from app.runtime.channel import Channel
 
 if TYPE_CHECKING:
     from app.system import System
 
-#: The desire class that a Recorder serves.
-RECORD = "Record"
 INTENSITY = 8.0
 UTILITY = 1.0
 #: Who asks over the console; a motivation's desire to record is not for people here to withdraw.

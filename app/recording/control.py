@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
 
+#: The desire class that a Recorder serves.
+RECORD = "Record"
+
 #: Saves the ring's last minutes (None: all of it) under a name (None: made of the time); returns the recording's name.
 SaveRing = Callable[[float | None, str | None], Awaitable[str]]
 

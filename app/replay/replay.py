@@ -12,6 +12,7 @@ from app.attention.desires import InvalidDesire, Source
 from app.errors import ConfigError
 from app.messages import DesiresRecord
 from app.modules.recording.recorder import Recorder
+from app.recording.control import RECORD
 from app.recording.library import RecordingLibrary
 from app.recording.log import Log
 from app.replay.desires import CountedIds, RecordedDesires
@@ -22,8 +23,6 @@ from app.robots.replayed.body import ReplayedBody
 from app.runtime.clock import Clock
 from app.runtime.graph import Pin
 from app.system import System
-
-RECORD = "Record"
 
 
 class Replay:

@@ -17,7 +17,7 @@ import pytest
 
 from app import cli
 from app.commands import progress as progressing
-from app.commands.log import moment
+from app.commands.arguments import moment
 from app.commands.log_report import clock, size
 from app.recording import output
 from app.recording.manifest import YAML, AttachedFile, Manifest

@@ -16,8 +16,8 @@ from pathlib import Path
 import pytest
 
 from app.cli import main
-from app.commands.arguments import find_log, number
-from app.commands.replay import _phi, _speed, _time
+from app.commands.arguments import find_log, moment, names, number, whole
+from app.commands.replay import _phi, _speed
 from app.errors import ConfigError
 from tests.replay.logs import lab_manifest, lab_messages, write_log
 
@@ -107,13 +107,16 @@ def test_an_unfinished_recording_says_what_helps(
 
 
 def test_times_speeds_and_divisors_as_people_write_them() -> None:
-    assert [_time(text) for text in ("90", "1:30", "0:02.5")] == [90.0, 90.0, 2.5]
+    assert [moment(text)(1000.0) for text in ("90", "1:30", "0:02.5", "1:00:00")] == [1090.0, 1090.0, 1002.5, 4600.0]
+    assert names("a, b") == ("a", "b")
+    assert (whole(0)("0"), whole(1, 9)("9")) == (0, 9)
     assert (_speed("max"), _speed("0.5")) == (math.inf, 0.5)
     assert _phi("M.port=4") == ("M.port", 4.0)
     assert _phi("M.port=off") == ("M.port", math.inf)
     assert number("inf") is None
     for function, wrong in (
-        (_time, "-3"), (_time, "1:x"), (_speed, "0"), (_speed, "nan"),
+        (moment, "-3"), (moment, "1:x"), (names, "a,,b"), (whole(0), "1.5"), (whole(1), "0"),
+        (whole(1, 9), "10"), (_speed, "0"), (_speed, "nan"),
         (_phi, "M=4"), (_phi, "M.p=0"), (_phi, "M.p=1.5"),
     ):  # fmt: skip
         with pytest.raises(argparse.ArgumentTypeError, match=re.escape(repr(wrong))):

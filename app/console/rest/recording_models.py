@@ -8,9 +8,10 @@ from pydantic import Field
 
 from app.console.recordings import INTENSITY, UTILITY
 from app.console.rest.models import Answer, DesireModel, Request, Stamp
+from app.recording.library import NAME
 
-#: As `app.recording.library` has it; empty: a name made of the time.
-NAME_PATTERN = r"^([A-Za-z0-9][A-Za-z0-9._-]{0,99})?$"
+#: Empty: a name made of the time.
+NAME_PATTERN = f"^({NAME.pattern})?$"
 LONGEST_RING_MINUTES = 120
 
 
