@@ -1,0 +1,18 @@
+"""A disk that fails as told, in place of the Recorder's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from app.modules.recording.recorder import Recorder
+from tests.recording.disks import Disk
+
+
+@pytest.fixture
+def disk(monkeypatch: pytest.MonkeyPatch) -> Iterator[Disk]:
+    disk = Disk()
+    monkeypatch.setattr(Recorder, "open_file", staticmethod(disk.open))
+    yield disk
+    disk.unblock.set()
