@@ -1,41 +1,23 @@
-"""The last minutes on disk: short complete files, the oldest deleted as new ones come; saved by joining them raw.
-
-A ring lives in a folder of its own, locked while its program lives. What a killed or stopped program left there is
-found by the next one (:func:`leftovers`) and becomes a recording.
-"""
+"""The last minutes on disk: short complete files, the oldest deleted as new ones come; saved by joining them raw."""
 
 from __future__ import annotations
 
-import errno
-import fcntl
-import logging
-import os
-import secrets
 import shutil
-import socket
-import tempfile
 import threading
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
-from app.recording.chunks import join, scan
 from app.recording.log import LogError
 from app.recording.manifest import Manifest
 from app.recording.mcap_file import McapFile, OpenFile, RecordEncoder, Topic, create
-from app.recording.stamps import SECOND, to_ns
-
-log = logging.getLogger("hbba.recording")
+from app.recording.output import Progress, unwatched
+from app.recording.ring_folder import SEGMENT, STATE, make_home, save
 
 SEGMENT_S = 10.0
-_LOCK = "lock"
-_NEW = ".new-"
-_SAVING = ".saving-"
-_STATE = "-state.mcap"
-_SEGMENT = ".mcap"
 
 #: What tells which standing state a message replaces, by channel; None for a message that is no state.
 StateKey = Callable[[str, Any], str | None]
@@ -79,7 +61,7 @@ class Ring:
         self._state_key = state_key
         self._segment_s = segment_s
         self._open_file = open_file
-        self._home, self._lock_file = _make_home(folder, at)
+        self._home, self._lock_file = make_home(folder, at)
         self._begin = self._end = at
         self._state_path: Path
         self._file: McapFile
@@ -124,7 +106,7 @@ class Ring:
         self._forget(self._end - self.keep_s)
 
     def close(self, discard: bool) -> None:
-        """End it; ``discard``: delete what it kept. Otherwise the segments stay, for :func:`leftovers`."""
+        """End it; ``discard``: delete what it kept. Otherwise the segments stay, to be found as left over."""
         try:
             self._file.close()
         finally:
@@ -133,7 +115,7 @@ class Ring:
             self._lock_file.close()
 
     def abandon(self) -> None:
-        """After a failed write: what is on disk stays, for :func:`leftovers`."""
+        """After a failed write: what is on disk stays, to be found as left over."""
         with suppress(OSError):
             self._file.abandon()
         self._lock_file.close()
@@ -165,7 +147,7 @@ class Ring:
     def _begin_segment(self, at: float) -> None:
         self._number += 1
         self._begin = self._end = at
-        self._state_path = self._home / f"{self._number:06}{_STATE}"
+        self._state_path = self._home / f"{self._number:06}{STATE}"
         # Each with an encoder of its own: an encoder leaves out what its file already tells.
         state = self._create(self._state_path, self._manifest, at)
         try:
@@ -175,7 +157,7 @@ class Ring:
         except OSError:
             state.abandon()
             raise
-        self._file = self._create(self._home / f"{self._number:06}{_SEGMENT}", Manifest(), at)
+        self._file = self._create(self._home / f"{self._number:06}{SEGMENT}", Manifest(), at)
 
     def _create(self, path: Path, manifest: Manifest, at: float) -> McapFile:
         return McapFile(path, self._new_encoder(), manifest, at, self._topics, self._open_file)
@@ -238,159 +220,11 @@ class Hold:
         """Seconds from the first of them to the last."""
         return self.segments[-1].end - self.segments[0].begin if self.segments else 0.0
 
-    def save(self, targets: Iterable[Path], progress: Callable[[int, int], None] = lambda done, total: None) -> Path:
+    def save(self, targets: Iterable[Path], progress: Progress = unwatched) -> Path:
         """Join them into the first of ``targets`` that does not exist yet, and return it. Raises LogError, OSError."""
         if not self.segments:
             raise LogError("the ring holds nothing yet")
-        return _save(self.segments[0].state, [s.path for s in self.segments], targets, progress)
-
-
-def leftovers(folder: Path) -> list[Path]:
-    """Rings below ``folder`` (a library's ``ring_folder``) whose program is gone."""
-    if not folder.is_dir():
-        return []
-    _sweep(folder)
-    homes = (home for home in sorted(folder.iterdir()) if home.is_dir() and not home.name.startswith(_NEW))
-    return [home for home in homes if _is_left(home)]
-
-
-def rescue(
-    home: Path, targets: Iterable[Path], progress: Callable[[int, int], None] = lambda done, total: None
-) -> Path | None:
-    """Make a recording of the ring left in ``home`` and delete it; None if it holds no message or another does it.
-
-    Raises LogError, OSError; then nothing is deleted.
-    """
-    with _claimed(home) as mine:
-        if not mine:
-            return None
-        paths = sorted(path for path in home.glob(f"*{_SEGMENT}") if not path.name.endswith(_STATE))
-        whole = [path for path in paths if _messages(path)]
-        saved = None
-        if whole:
-            state = whole[0].with_name(whole[0].name.removesuffix(_SEGMENT) + _STATE)
-            saved = _save(state, whole, targets, progress)
-        shutil.rmtree(home)
-        return saved
-
-
-def size_of(home: Path) -> int:
-    """Bytes of the ring in ``home``."""
-    return sum(path.stat().st_size for path in home.glob(f"*{_SEGMENT}"))
-
-
-def begin_of(home: Path) -> float:
-    """When the oldest message of the ring in ``home`` arrived (robot's clock, s); 0 if there is none."""
-    begins = []
-    for path in home.glob(f"*{_SEGMENT}"):
-        if not path.name.endswith(_STATE):
-            with suppress(LogError), open(path, "rb") as file:
-                begins.append(scan(file).begin_ns)
-    return min((begin for begin in begins if begin), default=0) / SECOND
-
-
-def _save(state: Path, segments: list[Path], targets: Iterable[Path], progress: Callable[[int, int], None]) -> Path:
-    """Join the files in the ring's folder, and give what is whole its name: nobody sees half a recording."""
-    part = state.parent.parent / f"{_SAVING}{secrets.token_hex(4)}"
-    try:
-        with open(part, "xb") as file:
-            with suppress(OSError):  # a file system without locks
-                fcntl.flock(file, fcntl.LOCK_EX)
-            join([state, *segments], file, progress)
-        for target in targets:
-            target.parent.mkdir(parents=True, exist_ok=True)
-            with suppress(FileExistsError):
-                _name(part, target)
-                return target
-    finally:
-        part.unlink(missing_ok=True)
-    raise LogError("every name is taken")
-
-
-def _name(part: Path, target: Path) -> None:
-    """Let the file ``part`` be found as ``target`` too. Raises FileExistsError where that is another file."""
-    try:
-        os.link(part, target)
-    except FileExistsError:
-        raise
-    except OSError:  # a file system without links
-        if target.exists():
-            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(target)) from None
-        part.rename(target)
-
-
-def _sweep(folder: Path) -> None:
-    """Delete what programs that were killed while they saved had joined by then: the segments are still there."""
-    for part in folder.glob(f"{_SAVING}*"):
-        # Locked by who writes it; without locks nobody can tell.
-        with suppress(OSError), open(part, "rb") as file:
-            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-            part.unlink()
-
-
-def _make_home(folder: Path, at: float) -> tuple[Path, IO[bytes]]:
-    """A folder of its own with its lock; it takes its name when it is locked, so that nobody takes it for left over."""
-    folder.mkdir(parents=True, exist_ok=True)
-    fresh = Path(tempfile.mkdtemp(prefix=_NEW, dir=folder))
-    lock = open(fresh / _LOCK, "xb")  # noqa: SIM115  # closed with the ring
-    lock.write(_owner(os.getpid()))
-    lock.flush()
-    with suppress(OSError):  # a file system without locks
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    home = folder / f"{to_ns(at)}-{fresh.name.removeprefix(_NEW)}"
-    fresh.rename(home)
-    return home, lock
-
-
-def _is_left(home: Path) -> bool:
-    with _claimed(home) as mine:
-        return mine
-
-
-@contextmanager
-def _claimed(home: Path) -> Iterator[bool]:
-    """Hold the lock of the ring in ``home`` meanwhile; False if a program that lives holds it, or the ring is gone."""
-    try:
-        lock = open(home / _LOCK, "rb")  # noqa: SIM115  # closed below
-    except OSError:
-        yield home.is_dir()  # its lock was deleted, which nothing of ours does
-        return
-    with lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            yield False
-        except OSError:  # a file system without locks
-            yield _is_gone(lock.read())
-        else:
-            yield home.is_dir()  # whoever held it until now may have deleted it all
-
-
-def _owner(pid: int) -> bytes:
-    """Who turns a ring: what tells whether it lives where there are no locks."""
-    return f"{pid} {socket.gethostname()}".encode()
-
-
-def _is_gone(owner: bytes) -> bool:
-    """Whether the program ``owner`` is known to have ended; of another computer's, nothing is known."""
-    pid = owner.partition(b" ")[0].decode()
-    if not pid.isdecimal() or owner != _owner(int(pid)):
-        return False
-    try:
-        os.kill(int(pid), 0)
-    except ProcessLookupError:
-        return True
-    except OSError:  # it is another user's
-        return False
-    return False
-
-
-def _messages(path: Path) -> int:
-    try:
-        with open(path, "rb") as file:
-            return scan(file).messages
-    except LogError:
-        return 0
+        return save(self.segments[0].state, [s.path for s in self.segments], targets, progress)
 
 
 def _delete(segment: Segment) -> None:

@@ -22,7 +22,8 @@ from mcap.reader import make_reader
 from app.messages import Landmarks, Odometry
 from app.recording.log import LogError, Logged
 from app.recording.mcap_log import McapLog
-from app.recording.ring import Ring, Segment, begin_of, leftovers, rescue
+from app.recording.ring import Ring, Segment
+from app.recording.ring_folder import begin_of, leftovers, rescue
 
 from .disks import BEGIN, MANIFEST, Disk, encoder, image, landmarks, odometry
 
@@ -283,6 +284,21 @@ def test_a_full_disk_ends_a_ring_whose_segments_stay(tmp_path: Path) -> None:
     saved = rescue(home, names(tmp_path))
     assert saved is not None
     assert times(read(saved))[: 10 * 33 - 5] == tenths(0, 32.5)
+
+
+def test_a_damaged_segment_is_told_and_nothing_of_its_ring_is_deleted(tmp_path: Path) -> None:
+    turning = ring(tmp_path)
+    turn(turning, 0, 33)
+    turning.close(discard=False)
+    damaged = segments(tmp_path)[3]
+    data = bytearray(damaged.read_bytes())
+    data[150:-100:7] = bytes(len(data[150:-100:7]))
+    damaged.write_bytes(data)
+    (home,) = leftovers(tmp_path / ".ring")
+    with pytest.raises(LogError, match="hbba log repair"):
+        rescue(home, names(tmp_path))
+    assert len(segments(tmp_path)) == 8
+    assert not list(tmp_path.glob("*.mcap"))
 
 
 def test_nothing_left_over_is_nothing_to_rescue(tmp_path: Path) -> None:

@@ -18,7 +18,8 @@ from mcap.records import Statistics
 
 from app.recording.file_sink import FileSink
 from app.recording.mcap_file import is_being_written
-from app.recording.ring import Hold, Ring, leftovers, rescue
+from app.recording.ring import Hold, Ring
+from app.recording.ring_folder import leftovers, rescue
 from app.recording.writer import Limits, RecordingWriter, Sink, weight
 
 from .disks import BEGIN, MANIFEST, Disk, encoder, image, landmarks, odometry

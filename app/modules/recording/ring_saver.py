@@ -12,7 +12,8 @@ from typing import Any
 from app.recording.control import RecorderUnavailable
 from app.recording.library import RecordingLibrary, default_name
 from app.recording.log import LogError
-from app.recording.ring import Hold, Ring, begin_of, leftovers, rescue, size_of
+from app.recording.ring import Hold, Ring
+from app.recording.ring_folder import begin_of, leftovers, rescue, size_of
 from app.recording.writer import MEGABYTE, RecordingWriter, Sink, in_words
 
 NO_RING = "no ring turns that could be saved: ask for a recording that keeps only the last minutes first"

@@ -214,3 +214,31 @@ async def test_a_burst_after_the_loop_stood_still_is_counted_not_a_crash(tmp_pat
         assert robot.supervisor.states["Recorder"].restarts == 0
     assert 0 < status.dropped < 3000
     assert len(of(await read(tmp_path / "walk.mcap"), Odometry)) == 3000 - status.dropped
+
+
+async def test_why_it_stopped_is_logged_once(
+    tmp_path: Path, disk: Disk, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with Robot(tmp_path) as robot:
+        robot.desire(name="tour")
+        await robot.until(lambda status: status.state == "recording")
+        disk.error = OSError(errno.EIO, os.strerror(errno.EIO))
+        robot.feed("odometry", odometry(BEGIN))
+        await robot.until(lambda status: status.state == "stopped")
+        robot.desire(False)
+        await robot.until(lambda status: status.state == "idle")
+        robot.desire(name="next")
+        await robot.until(lambda status: status.state in ("recording", "stopped"))
+    assert sum(record.message.startswith("recording stopped: the disk fails") for record in caplog.records) == 1
+
+
+@pytest.mark.parametrize("keep_minutes", [0, 5])
+async def test_a_disk_that_is_nearly_full_is_not_begun_on(tmp_path: Path, keep_minutes: float) -> None:
+    async with Robot(tmp_path, least_free_mb=1e9) as robot:
+        for i in range(10):
+            robot.feed("landmarks", landmarks(BEGIN + i, "poster"))
+        await robot.taken("landmarks", 10)
+        robot.desire(name="tour", keep_minutes=keep_minutes)
+        status = await robot.until(lambda status: status.state == "stopped")
+        assert status.reason.startswith("the disk is nearly full")
+        assert await asyncio.to_thread(lambda: list(tmp_path.iterdir())) == []

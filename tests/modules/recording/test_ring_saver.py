@@ -13,7 +13,8 @@ from app.messages import EventRecord, Odometry
 from app.recording.control import RecorderUnavailable
 from app.recording.library import RecordingLibrary
 from app.recording.log import LogError
-from app.recording.ring import Ring, leftovers
+from app.recording.ring import Ring
+from app.recording.ring_folder import leftovers
 from tests.recording.disks import BEGIN, MANIFEST, Disk, encoder, odometry
 
 from .robot import Robot, files, of, read
