@@ -1,11 +1,21 @@
-"""While somebody watches, the console desires Telepresence: the camera's picture and the point cloud."""
+"""While somebody watches, the camera's picture and the point cloud must come.
+
+On a robot that costs something, so the console desires Telepresence like anybody else. A recording was lived already:
+one more desire would make other intentions than it had, so there the filters of Telepresence are opened past attention.
+"""
 
 from __future__ import annotations
 
 import asyncio
+from typing import TYPE_CHECKING
 
 from app.attention.desires import Source
 from app.attention.workspace import IntentionWorkspace, UnknownDesire
+from app.runtime.filter import CLOSED
+from app.runtime.graph import Pin
+
+if TYPE_CHECKING:
+    from app.system import System
 
 CLASS = "Telepresence"
 INTENSITY = 4.0
@@ -48,3 +58,31 @@ class Presence:
             except UnknownDesire:
                 # Somebody removed it by hand, as is their right.
                 return
+
+
+class Spectators:
+    """Opens what Telepresence at its best would open, past attention, as long as :meth:`watched` was last told True."""
+
+    def __init__(self, system: System) -> None:
+        self._system = system
+        self._opened: list[str] = []
+
+    def watched(self, watched: bool) -> None:
+        """Somebody came while nobody was there, or the last one left."""
+        self.withdraw()
+        if not watched:
+            return
+        serving = [s for s in self._system.table.strategies if s.cls == CLASS]
+        best = max(serving, key=lambda strategy: strategy.utility, default=None)
+        filters = self._system.graph.filters
+        for name, divisor in (best.filters if best is not None else {}).items():
+            if name not in filters.pinned():
+                filters.pin(name, Pin(divisor))
+                self._opened.append(name)
+
+    def withdraw(self) -> None:
+        """Leave the filters to attention again."""
+        current = self._system.translator.current
+        for name in self._opened:
+            self._system.graph.filters.unpin(name, CLOSED if current is None else current.divisors.get(name, CLOSED))
+        self._opened.clear()

@@ -136,6 +136,16 @@ class FilterBank:
         self._filters[name].begin(pin.offset)
         self._pinned[name] = pin.offset
 
+    def unpin(self, name: str, divisor: float) -> None:
+        """Give a pinned filter back to :meth:`apply`, at φ = ``divisor``; one that is not pinned stays as it is."""
+        if name in self._pinned:
+            del self._pinned[name]
+            self.apply({name: divisor})
+
+    def pinned(self) -> Collection[str]:
+        """The filters that are pinned now."""
+        return self._pinned.keys()
+
     def begin_anew(self) -> None:
         """Let the next message pass wherever a filter is open, a pinned one's after its offset: as at the start."""
         for name, rate_filter in self._filters.items():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import re
 import time
 from collections.abc import AsyncIterator
@@ -276,3 +277,30 @@ async def test_a_robot_has_no_transport(robot: System, tmp_path: Path) -> None:
             ):
                 assert answer.status_code == 404
                 assert answer.json()["type"] == "urn:hbba:problem:not-a-replay"
+
+
+async def test_whoever_watches_changes_no_intention(play: Played, url: str) -> None:
+    """One more desire would make other intentions than the robot had: the pictures come past attention."""
+    system = play.replay.system
+    before = system.translator.current
+    closed = system.graph.filters.divisors()
+    assert closed["CameraStream.images"] == math.inf
+    async with page(url) as ann:
+        await ann.until("lanes")
+        assert system.graph.filters.divisors()["CameraStream.images"] == 1
+        assert system.graph.filters.divisors()["PointCloudBuilder.images"] == 1
+        assert not [d for d in system.workspace.desires() if d.cls == "Telepresence"]
+        assert system.translator.current is before
+        await play.playback.seek(BEGIN + 1.5)  # where somebody desired it
+        assert {d.cls for d in system.workspace.desires()} >= {"Telepresence"}
+    await until_closed(system)
+    current = system.translator.current
+    assert current is not None
+    assert system.graph.filters.divisors()["CameraStream.images"] == current.divisors["CameraStream.images"]
+
+
+async def until_closed(system: System) -> None:
+    """Until nobody looks on past attention any more."""
+    async with asyncio.timeout(5):
+        while system.graph.filters.pinned():  # noqa: ASYNC110  # a connection's end tells nobody in the program
+            await asyncio.sleep(0)

@@ -367,3 +367,13 @@ def test_inputs_are_listed_with_their_channels(build: Build) -> None:
         {"S": (Source, {}, {"numbers": "n"}), "R": (Relay, {"numbers": "n"}, {"relayed": "r"})}, {"n": {}, "r": {}}
     )
     assert graph.inputs() == {"R.numbers": "n"}
+
+
+def test_a_filter_that_is_given_back_obeys_again(build: Build) -> None:
+    filters = build(*WIRED).filters
+    filters.pin("B.numbers", Pin(4))
+    assert set(filters.pinned()) == {"B.numbers"}
+    filters.unpin("B.numbers", 2)
+    filters.unpin("A.numbers", 7)  # never pinned
+    assert (filters.divisors()["B.numbers"], filters.divisors()["A.numbers"]) == (2, 1)
+    assert filters.apply({"B.numbers": 3}) == {"B.numbers": (2, 3)}

@@ -20,7 +20,7 @@ from app.console.live.outbox import Outbox
 from app.console.live.protocol import PROTOCOL, picture_frame
 from app.console.live.sampler import Sampler
 from app.console.playback import PERIOD_S, playback_json
-from app.console.presence import Presence
+from app.console.presence import Presence, Spectators
 from app.console.recordings import RecorderReport
 from app.console.taps import Tap
 from app.console.wire import encode_text
@@ -53,7 +53,7 @@ class Hub:
         self._system = system
         self._playback = playback
         self._viewers: dict[str, Viewer] = {}
-        self._presence = Presence(system.workspace)
+        self._presence = Presence(system.workspace) if playback is None else Spectators(system)
         self._sampler = Sampler(system, self)
         self._recorder = RecorderReport(system)
         self._stack = ExitStack()
