@@ -55,9 +55,7 @@ def rescue(home: Path, targets: Iterable[Path], progress: Progress = unwatched) 
                 state = whole[0].with_name(whole[0].name.removesuffix(SEGMENT) + STATE)
                 saved = save(state, whole, targets, progress)
         except DAMAGE as error:
-            raise LogError(
-                f"a file of it is damaged ({error}); `hbba log repair` saves what is whole of each"
-            ) from error
+            raise LogError(f"it is damaged ({error}); `hbba log repair` saves what is whole of each file") from error
         shutil.rmtree(home)
         return saved
 

@@ -290,7 +290,7 @@ def test_a_damaged_segment_is_told_and_nothing_of_its_ring_is_deleted(tmp_path: 
     turning = ring(tmp_path)
     turn(turning, 0, 33)
     turning.close(discard=False)
-    damaged = segments(tmp_path)[3]
+    damaged = segments(tmp_path)[1]
     data = bytearray(damaged.read_bytes())
     data[150:-100:7] = bytes(len(data[150:-100:7]))
     damaged.write_bytes(data)
