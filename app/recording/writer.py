@@ -321,13 +321,8 @@ class RecordingWriter:
         return self._sink
 
     def _check_space(self) -> None:
-        sink = self._opened()
-        free = self._free_bytes(sink.folder)
-        if free < self._limits.least_free_bytes:
-            raise DiskFull(
-                f"the disk is nearly full: {free / MEGABYTE:.0f} MB free in {sink.folder}, of which "
-                f"{self._limits.least_free_bytes / MEGABYTE:.0f} MB stay free; delete recordings or record elsewhere"
-            )
+        folder = self._opened().folder
+        check_room(folder, self._free_bytes(folder), self._limits.least_free_bytes)
 
     def _fail(self, reason: str, error: Exception) -> None:
         self._ended = True
@@ -350,6 +345,15 @@ class RecordingWriter:
 
 class DiskFull(OSError):
     """The disk has less room than is kept free; the message is for people."""
+
+
+def check_room(folder: Path, free: int, least: int) -> None:
+    """Raise DiskFull where ``free`` bytes on the disk under ``folder`` are fewer than the ``least`` to stay free."""
+    if free < least:
+        raise DiskFull(
+            f"the disk is nearly full: {free / MEGABYTE:.0f} MB free in {folder}, of which "
+            f"{least / MEGABYTE:.0f} MB stay free; delete recordings or record elsewhere"
+        )
 
 
 def in_words(error: OSError) -> str:

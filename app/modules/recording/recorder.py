@@ -31,7 +31,7 @@ from app.recording.manifest import Manifest
 from app.recording.mcap_file import OpenFile, create
 from app.recording.ring import SEGMENT_S, Ring
 from app.recording.ros.encoder import Encoder
-from app.recording.writer import MEGABYTE, Limits, RecordingWriter, Sink
+from app.recording.writer import MEGABYTE, Limits, RecordingWriter, Sink, check_room
 from app.runtime.channel_table import ChannelSpec, ChannelTable
 from app.runtime.errors import InboxOverflow
 from app.runtime.module import Module, ModuleContext, Settings
@@ -204,6 +204,9 @@ class Recorder(Module):
             self._writer.put(at, channel, message)
 
     def _open(self, at: float, keep_s: float, name: str) -> Sink:
+        # Before anything is made: a disk that is nearly full is not to gather files of nothing, one for each try.
+        least_free = int(self.settings.least_free_mb * MEGABYTE)
+        check_room(self._library.folder, self._library.free_bytes(), least_free)
         if keep_s:
             return Ring(
                 self._library.ring_folder, self._new_encoder, self._manifest, at, keep_s,
@@ -219,9 +222,8 @@ class Recorder(Module):
     def _end(self, discard: bool) -> None:
         if self._writer is not None:
             self._writer.finish(discard)
-            self._ending = [w for w in self._ending if not w.over]
+            self._ending = [*(w for w in self._ending if not w.over), self._writer]
             self._told = [w for w in self._told if w in self._ending]
-            self._ending.append(self._writer)
             self._writer = None
 
     def _taker(self, port: Input[Any]) -> Callable[[Any], Awaitable[None]]:
