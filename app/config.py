@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +14,8 @@ from app.errors import ConfigError
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.graph import ModuleSpec
 from app.yaml_source import Document, load_yaml
+
+log = logging.getLogger("hbba.config")
 
 
 class _Model(BaseModel):
@@ -105,5 +108,9 @@ def load_configuration(path: Path, *, host: str | None = None) -> Configuration:
             raise document.error(f"there is no file {relative} beside {path}", key)
     channels_document = load_yaml(folder / program.channels)
     channels = channels_document.validate(ChannelTable).root
-    calibration = load_calibration(folder / program.calibration, host or paths.host_name())
+    host = host or paths.host_name()
+    calibration = load_calibration(folder / program.calibration, host)
+    if calibration is not None:
+        measured = ", ".join(sorted(calibration.relations))
+        log.info("costs as calibrated", extra={"host": host, "made": calibration.made, "filters": measured})
     return Configuration(program, channels, document, channels_document, calibration)

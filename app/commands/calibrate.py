@@ -81,9 +81,14 @@ def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log)
     from app.replay.calibration import Progress, plan
 
     info = log.info
+    if args.seconds < LEAST_S:
+        raise ConfigError(f"--seconds {args.seconds:g}: less than {LEAST_S:g} s says little")
     seconds = min(args.seconds, info.duration_s - args.begin)
     if seconds < LEAST_S:
-        raise ConfigError(f"has {max(0.0, seconds):.1f} s to measure on; record at least {LEAST_S:g} s", str(info.path))
+        after = f" after --from {args.begin:g}" if args.begin else ""
+        raise ConfigError(
+            f"has {max(0.0, seconds):.1f} s to measure on{after}; {LEAST_S:g} s are the least", str(info.path)
+        )
     inputs = _inputs(configuration, log, args.only)
     runs = plan(_table(configuration), inputs, every_offset=args.offsets, repeats=args.repeat)
     if not runs:
@@ -104,16 +109,17 @@ def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log)
     print(f"{len(runs)} runs of {seconds:.0f} s of {info.path.name}; Ctrl-C keeps what is measured")
     for file in (output, output.with_suffix(".png")):
         _check_writable(file)
+    before = _before(output)
     try:
         results = _measure(log, configuration, runs, progress, info.begin + args.begin, seconds)
-        calibration = _calibration(results, version, f"{info.path.name}, {seconds:.0f} s")
+        calibration = _calibration(results, version, f"{info.path.name}, {seconds:.0f} s", before)
         _write(calibration, output)
         progress.discard()
     except OSError as failure:
         raise ConfigError(
             f"cannot be written: {failure.strerror or failure}", str(failure.filename or output)
         ) from None
-    print(_table_of(calibration))
+    print(_table_of(calibration, {run.filter for run in results}))
     print(f"Written: {output} and {output.with_suffix('.png').name}")
     return 0
 
@@ -180,7 +186,15 @@ def _inputs(configuration: Configuration, log: Log, only: Sequence[str] | None) 
     }
 
 
-def _calibration(results: dict[Run, Measurement], version: str, log: str) -> Calibration:
+def _before(output: Path) -> Calibration | None:
+    """What was measured before and is not measured now: it is kept. Raises ConfigError for a file that is none."""
+    from app.attention.calibration import Calibration
+    from app.yaml_source import load_yaml
+
+    return load_yaml(output).validate(Calibration) if output.is_file() else None
+
+
+def _calibration(results: dict[Run, Measurement], version: str, log: str, before: Calibration | None) -> Calibration:
     from app.attention.calibration import Calibration
     from app.replay.calibration import relations
 
@@ -190,7 +204,7 @@ def _calibration(results: dict[Run, Measurement], version: str, log: str) -> Cal
         processor=paths.processor(),
         version=version,
         log=log,
-        relations=relations(results),
+        relations={**(before.relations if before is not None else {}), **relations(results)},
     )
 
 
@@ -219,11 +233,11 @@ def _write(calibration: Calibration, output: Path) -> None:
     plot(calibration, output.with_suffix(".png"))
 
 
-def _table_of(calibration: Calibration) -> str:
-    """The relations for people."""
+def _table_of(calibration: Calibration, measured: set[str]) -> str:
+    """The relations for people; those that were not ``measured`` now are named as kept."""
     lines = []
     for name, relation in calibration.relations.items():
-        lines.append(f"\n{name}")
+        lines.append(f"\n{name}" + ("" if name in measured else " (measured before, kept)"))
         lines.append("    φ    CPU %   spread   events/s   runs")
         lines += [
             f"{p.phi:5d}  {p.cpu:7.2f}  {p.cpu_spread:7.2f}  {p.events:9.2f}  {p.runs:5d}" for p in relation.points

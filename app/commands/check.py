@@ -151,11 +151,19 @@ def _programs_naming(path: Path) -> list[Path]:
     return found
 
 
+def _calibration(path: Path) -> None:
+    from app.attention.calibration import Calibration
+    from app.yaml_source import parse
+
+    parse(path, Calibration)
+
+
 #: Kind, the keys by which it is known, its check.
 _KINDS: tuple[tuple[str, frozenset[str], Callable[[Path], None]], ...] = (
     ("program", frozenset({"modules", "robot"}), _program),
     ("robot", frozenset({"model", "world", "base"}), _robot),
     ("problem", frozenset({"desires"}), _problem),
+    ("calibration", frozenset({"relations"}), _calibration),
     ("world", frozenset({"walls", "materials", "wall_height"}), _world),
     ("strategies", frozenset({"strategies", "resources"}), _strategies),
     ("remap", frozenset({"channels", "frames"}), _remap),

@@ -48,7 +48,16 @@ def test_strategies_cost_what_was_measured(program: Path, log_file: Path, capsys
     assert relation.points[3].events == pytest.approx(10 / 8, rel=0.2)
     folder = program.parent / "calibration"
     assert {file.suffix for file in folder.iterdir()} == {".yaml", ".png"}
-    assert cli.main(["check", str(program)]) == 0
+    assert cli.main(["check", str(program), str(folder / f"{paths.host_name()}.yaml")]) == 0
+    capsys.readouterr()
+    # What is not measured now stays as it was.
+    once_more = ["calibrate", str(log_file), "--config", str(program), "--only", "PointCloudBuilder", "--seconds", "5"]
+    assert cli.main(once_more) == 0
+    assert "CameraStream.images (measured before, kept)" in capsys.readouterr().out
+    both = load_calibration(folder, paths.host_name())
+    assert both is not None
+    assert both.relations["CameraStream.images"] == relation
+    assert "PointCloudBuilder.images" in both.relations
 
 
 def test_each_mistake_is_one_sentence(
@@ -62,7 +71,8 @@ def test_each_mistake_is_one_sentence(
     assert "record a minute" in said()
     assert "there is no file nothing.mcap" in said("nothing.mcap")
     assert "there is no module 'Eye'" in said(str(log_file), "--only", "Eye")
-    assert "at least 5 s" in said(str(log_file), "--from", "4")
+    assert "has 2.0 s to measure on after --from 4; 5 s are the least" in said(str(log_file), "--from", "4")
+    assert "--seconds 2: less than 5 s says little" in said(str(log_file), "--seconds", "2")
     assert "cannot be written" in said(str(log_file), "--output", "/proc/nowhere/here.yaml")
     (tmp_path / "here.png").mkdir()
     assert "here.png: cannot be written" in said(str(log_file), "--output", str(tmp_path / "here.yaml"))
