@@ -146,10 +146,12 @@ class Recorder(Module):
         if before and ring is not None and not ring.reason and keep_s:
             ring.call(lambda sink: _keep_for(sink, keep_s))
         else:
-            self._end(discard=True)
+            ended = self._writer
+            # Only who wants no recording any more wants the ring thrown away; another recording takes nothing from it.
+            self._end(discard=not self._wanted)
             if self._wanted:
                 self._begin()
-                self._keep(self._saver.rescue(), "rescue")
+                self._keep(self._rescue_after(ended), "rescue")
         self._publish()
 
     def overflowed(self, port: str, loss: InboxOverflow) -> None:
@@ -307,6 +309,12 @@ class Recorder(Module):
         if any(pattern.matches(event) for pattern in self.settings.save_ring_on):
             self._saving_on_event = True
             self._keep(self._save_after(event), "save the ring")
+
+    async def _rescue_after(self, ended: RecordingWriter | None) -> None:
+        """Save what ended rings hold, that of ``ended`` too, once its thread is done with it."""
+        if ended is not None:
+            await asyncio.to_thread(ended.join)
+        await self._saver.rescue()
 
     async def _save_after(self, event: EventRecord) -> None:
         try:

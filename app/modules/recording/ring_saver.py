@@ -34,6 +34,9 @@ class RingSaver:
         self._least_free_bytes = least_free_bytes
         self._log = log
         self._charge = charge
+        self._savings = 0
+        self._none_saving = asyncio.Event()
+        self._none_saving.set()
 
     async def save(self, writer: RecordingWriter, now: float, minutes: float | None, name: str | None) -> str:
         """Keep the last ``minutes`` (None: all) of the ring that ``writer`` writes; returns the recording's name.
@@ -43,6 +46,8 @@ class RingSaver:
         """
         self._library.path(name or default_name(now))
         seconds = None if minutes is None else 60 * minutes
+        self._savings += 1
+        self._none_saving.clear()
         try:
             hold = await _held(writer.call(lambda sink: _hold(sink, now, seconds)))
             with hold:
@@ -51,26 +56,35 @@ class RingSaver:
                 path: Path = await self._in_thread(hold.save, targets, self._progress("saving the ring"))
         except OSError as error:
             raise LogError(in_words(error)) from error
+        finally:
+            self._savings -= 1
+            if not self._savings:
+                self._none_saving.set()
         self._log.info("the ring's last %.0f s are saved as %s", hold.duration_s, path.stem)
         return path.stem
 
     async def rescue(self) -> None:
-        """Make a recording of each ring whose program is gone; what cannot be made one is told and left."""
+        """Make a recording of each ring that has ended but was not thrown away, here or in a program that is gone.
+
+        What cannot be made one is told and left.
+        """
         for home in await self._in_thread(leftovers, self._library.ring_folder):
+            # One that has just ended may still be read by who asked for it before.
+            await self._none_saving.wait()
             try:
                 saved = await self._in_thread(self._rescue, home)
             except (LogError, OSError) as error:
                 words = in_words(error) if isinstance(error, OSError) else str(error)
-                self._log.warning("the ring that an earlier run left in %s could not be saved: %s", home, words)
+                self._log.warning("a ring that ended could not be saved; it stays in %s: %s", home, words)
             else:
                 if saved is not None:
-                    self._log.warning("the ring that an earlier run left is saved as %s", saved.stem)
+                    self._log.warning("a ring that ended is saved as %s", saved.stem)
 
     def _rescue(self, home: Path) -> Path | None:
         self._check_room(size_of(home))
         begin = begin_of(home)
         targets = self._library.candidates(f"{default_name(begin)}-ring", begin)
-        return rescue(home, targets, self._progress("saving an earlier ring"))
+        return rescue(home, targets, self._progress("saving a ring that ended"))
 
     def _check_room(self, size: int) -> None:
         free = self._library.free_bytes()

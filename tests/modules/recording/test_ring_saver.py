@@ -147,3 +147,52 @@ async def test_a_ring_that_a_full_disk_ended_is_saved_when_there_is_room_again(t
                 await robot.statuses.receive()
     (ring,) = [name for name in await asyncio.to_thread(files, tmp_path) if name.endswith("-ring.mcap")]
     assert len(of(await read(tmp_path / ring), Odometry)) > 0
+
+
+async def turning(robot: Robot, count: int = 100) -> None:
+    """A ring that holds ``count`` odometries."""
+    robot.desire(keep_minutes=5)
+    await robot.until(lambda status: status.state == "ring")
+    for i in range(count):
+        robot.feed("odometry", odometry(BEGIN + i / 100))
+        await asyncio.sleep(0)
+    await robot.taken("odometry", count)
+
+
+async def test_a_recording_that_takes_the_rings_place_throws_nothing_away(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with Robot(tmp_path) as robot:
+        await turning(robot)
+        robot.desire(name="over")
+        robot.feed("odometry", odometry(BEGIN + 1))
+        await robot.taken("odometry", 101)
+        async with asyncio.timeout(20):
+            while len(found := await asyncio.to_thread(files, tmp_path)) < 2:
+                await robot.statuses.receive()
+        robot.desire(False)
+        await robot.until(lambda status: status.state == "idle")
+    (ring,) = [name for name in found if name.endswith("-ring.mcap")]
+    assert len(of(await read(tmp_path / ring), Odometry)) == 100
+    assert len(of(await read(tmp_path / "over.mcap"), Odometry)) == 1
+    assert f"is saved as {ring.removesuffix('.mcap')}" in caplog.text
+    assert await asyncio.to_thread(leftovers, robot.library.ring_folder) == []
+
+
+async def test_a_saving_under_way_is_not_robbed_by_the_recording_that_follows(tmp_path: Path, disk: Disk) -> None:
+    async with Robot(tmp_path) as robot:
+        await turning(robot)
+        disk.unblock.clear()
+        saving = asyncio.create_task(robot.control.save_ring(name="seen"))
+        async with asyncio.timeout(20):
+            while not disk.waiting:  # noqa: ASYNC110  # the writer's thread is in the middle of it
+                await asyncio.sleep(0)
+        robot.desire(name="over")
+        disk.unblock.set()
+        assert await saving == "seen"
+        async with asyncio.timeout(20):
+            while len(found := await asyncio.to_thread(files, tmp_path)) < 3:
+                await robot.statuses.receive()
+    (ring,) = [name for name in found if name.endswith("-ring.mcap")]
+    for name in ("seen.mcap", ring):
+        assert len(of(await read(tmp_path / name), Odometry)) == 100
