@@ -48,6 +48,18 @@ class RecorderReport:
         """Whether the recording ``name`` is being written now."""
         return self.status.name == name and self._state() in ("recording", "ring")
 
+    def in_progress(self) -> str | None:
+        """Name of the file that people have recorded now, "" where it has none yet; None if there is none.
+
+        A ring is none, nor what the robot's own motivations record: those give way to what people ask for.
+        """
+        desire = self._system.workspace.strongest().get(RECORD)
+        if desire is None or desire.utility <= 0 or desire.source.kind not in _ASKED_HERE:
+            return None
+        if desire.params.get("keep_minutes", 0) > 0 or self._state() == "stopped" or self._reason(desire):
+            return None
+        return self.status.name if self._state() == "recording" else str(desire.params.get("name", ""))
+
     def json(self) -> dict[str, Any] | None:
         """``{stamp, state, name, began, …}`` (docs/live-stream.md); None in a program without a Recorder."""
         if self.channel is None:

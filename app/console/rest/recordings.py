@@ -78,7 +78,10 @@ def recordings_router(system: System, replays: Replays) -> APIRouter:
         ] = None,
     ) -> Response:
         """Creates a desire of class Record; attention weighs it as any other. Whether it records, and if not why, is in
-        `recorder` of the list and on the live stream. Needs no body."""
+        `recorder` of the list and on the live stream. Needs no body.
+
+        Refused while a recording runs that was asked for here; a ring gives way, and what it held is kept as a
+        recording of its own."""
         new = new or NewRecording()
         body = new.model_dump()
         if known := store.find(idempotency_key, body):
@@ -86,6 +89,13 @@ def recordings_router(system: System, replays: Replays) -> APIRouter:
             return Json(known.body, status_code=201, headers=headers)
         _need_recorder(report)
         await _need_free(new.name)
+        if (running := report.in_progress()) is not None:
+            raise Problem(
+                409,
+                "recording-in-progress",
+                f"A recording{running and f' ({running})'} is in progress, and would end: stop it first, with POST "
+                "/api/v1/recordings/stop.",
+            )
         desire = record(
             system,
             source_of(request),

@@ -145,7 +145,10 @@ async def test_the_same_key_records_once(client: httpx.AsyncClient) -> None:
 
 async def test_stopping_leaves_what_the_robot_itself_desires(client: httpx.AsyncClient, system: System) -> None:
     own = system.workspace.add("Record", intensity=2, utility=1, source=Source("motivation", "Diary"))
-    asked = [(await client.post("/recordings")).json()["id"] for _ in range(2)]
+    asked = [
+        (await client.post(path, json=body)).json()["id"]
+        for path, body in (("/recordings", {}), ("/desires", {"class": "Record", "intensity": 8, "utility": 1}))
+    ]
     stopped = (await client.post("/recordings/stop")).json()
     assert stopped["withdrawn"] == asked
     assert [desire["id"] for desire in stopped["remaining"]] == [own.id]
@@ -165,6 +168,33 @@ async def test_what_attention_cannot_afford_is_said_in_words(client: httpx.Async
     await heard(system, "recording")
     recorder = (await listed(client))["recorder"]
     assert (recorder["state"], recorder["reason"]) == ("recording", "")
+
+
+async def test_one_recording_does_not_end_another(
+    client: httpx.AsyncClient, system: System, recorder: ScriptedRecorder
+) -> None:
+    await client.post("/recordings", json={"name": "tour"})
+    # Whether it has begun or not.
+    for _ in range(2):
+        for body in ({}, {"name": "over"}, {"keep_minutes": 1}):
+            refused = is_problem(await client.post("/recordings", json=body), 409, "recording-in-progress")
+            assert "(tour) is in progress" in refused["detail"]
+            assert "stop it first" in refused["detail"]
+        await heard(system, "recording")
+    recorder.say("stopped", reason="the disk is full")
+    assert (await client.post("/recordings", json={"name": "again"})).status_code == 201
+
+
+async def test_a_recording_takes_the_place_of_a_ring_and_of_what_the_robot_itself_records(
+    client: httpx.AsyncClient, system: System
+) -> None:
+    system.workspace.add("Record", intensity=2, utility=1, source=Source("motivation", "Diary"))
+    await heard(system, "recording")
+    assert (await client.post("/recordings", json={"keep_minutes": 5})).status_code == 201
+    await heard(system, "ring")
+    assert (await client.post("/recordings", json={"keep_minutes": 2})).status_code == 201
+    assert (await client.post("/recordings", json={"name": "tour"})).status_code == 201
+    await heard(system, "recording")
 
 
 async def test_why_it_stopped_by_itself_is_said(client: httpx.AsyncClient, recorder: ScriptedRecorder) -> None:
