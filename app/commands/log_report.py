@@ -226,15 +226,21 @@ def repair_lines(report: RepairReport) -> list[str]:
     lines = [f"{report.out}: recovered {recovered}, and {report.attachments} attached files"]
     lost = [loss for loss in report.losses if not loss.index]
     if not lost:
-        lines.append("No message is missing: only the index at the end was.")
+        ended = "No message is missing: only the index at the end was."
+        lines.append(ended if report.ended else "Nothing that is in the file is lost: only its end is not there.")
     lines += [
         f"  byte {loss.offset}: {loss.what}: {size(loss.bytes)} unreadable, {_missing(loss.seconds)}" for loss in lost
     ]
     if lost:
         share = 100 * report.unreadable_bytes / report.bytes
-        lines.append(f"Missing in all: at most {size(report.unreadable_bytes)} ({share:.1f} % of the file)")
+        lines.append(f"Unreadable in all: at most {size(report.unreadable_bytes)} ({share:.1f} % of the file)")
     if report.orphans:
         lines.append(f"{report.orphans} records were left out: nothing tells any more what they are.")
+    if not report.ended:
+        lines.append(
+            f"The recording ends at {length}, where the file does. Whether anything came after cannot be known: it was "
+            "never written, or was cut off."
+        )
     return lines
 
 

@@ -48,7 +48,8 @@ class RepairReport:
     """What a repair found and did.
 
     ``out`` is the new file, None where there was nothing to repair (``healthy``) or only a look was asked for.
-    ``finished``: the file has its summary and end. ``begin`` and ``end`` (robot's clock, s) of the ``messages``
+    ``finished``: the file has its summary and end. ``ended``: the end of its messages stands in it; without that, more
+    may have come after ``end``, and nothing tells how much. ``begin`` and ``end`` (robot's clock, s) of the ``messages``
     recovered, equal if there are none; ``orphans`` are messages whose channel nothing tells. ``unreadable_bytes`` of
     the file's ``bytes`` could not be read.
     """
@@ -57,6 +58,7 @@ class RepairReport:
     out: Path | None
     healthy: bool
     finished: bool
+    ended: bool
     bytes: int
     messages: int
     channels: int
@@ -83,8 +85,7 @@ def repair(
     target = path if in_place or out is None else out
     if not in_place:
         check_new(target, force)
-    elif path.is_file() and is_being_written(path):
-        raise LogError(f"{path} is being recorded now; stop that first, or name another file with -o")
+    _check_closed(path)
     with _mapped(path) as data:
         found = _Look(data, progress, 2)
         report = _report(path, None, len(data), found)
@@ -104,6 +105,13 @@ def examine(path: Path, progress: Progress = unwatched) -> RepairReport:
     """What :func:`repair` would find, without writing anything. Raises LogError where ``path`` cannot be read."""
     with _mapped(path) as data:
         return _report(path, None, len(data), _Look(data, progress, 1))
+
+
+def _check_closed(path: Path) -> None:
+    """Raise LogError while ``path`` is being recorded: most of what comes is not in it yet, and nothing is broken."""
+    with suppress(OSError):  # who reads it next will say so
+        if path.is_file() and is_being_written(path):
+            raise LogError(f"{path} is being recorded now; there is nothing to repair until that has ended")
 
 
 @contextmanager
@@ -130,6 +138,7 @@ def _report(path: Path, out: Path | None, size: int, found: _Look) -> RepairRepo
         out=out,
         healthy=found.finished and not found.losses,
         finished=found.finished,
+        ended=found.ended,
         bytes=size,
         messages=sum(known.values()),
         channels=len(known),
@@ -175,6 +184,11 @@ class _Look:
         for number, channel in list(self.channels.items()):
             if channel.schema_id and channel.schema_id not in self.schemas:
                 del self.channels[number]
+
+    @property
+    def ended(self) -> bool:
+        """Whether the messages come to their end within the file: what ends them stands there, or the file's own end."""
+        return self._data_ended or (len(self._data) >= 2 * len(MAGIC) and self._data[-len(MAGIC) :] == MAGIC)
 
     def _sound(self, part: Sound) -> None:
         match part.opcode:

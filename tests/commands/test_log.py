@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import csv
 import errno
+import io
 import json
 import os
+import re
 import shutil
 import signal
 from collections.abc import Iterator
@@ -14,6 +16,8 @@ from datetime import datetime
 from pathlib import Path
 
 import pytest
+from mcap.reader import SeekingReader
+from mcap.records import ChunkIndex
 
 from app import cli
 from app.commands import progress as progressing
@@ -62,6 +66,12 @@ def damage(path: Path) -> None:
 
 def cut_off(path: Path, share: float = 0.7) -> None:
     os.truncate(path, int(share * path.stat().st_size))
+
+
+def chunks(data: bytes) -> list[ChunkIndex]:
+    summary = SeekingReader(io.BytesIO(data)).get_summary()
+    assert summary is not None
+    return summary.chunk_indexes
 
 
 # --- list and info -----------------------------------------------------------------------------------------------
@@ -137,8 +147,10 @@ def test_a_recording_in_the_making_is_told_from_an_abandoned_one(
         file.write(memoryview(made.read_bytes()[:30_000]))
         assert hbba("info", "now") == 1
         assert "is being recorded now" in capsys.readouterr().out
-        assert hbba("repair", "now", "--in-place") == 2
-        assert "is being recorded now" in capsys.readouterr().err
+        for arguments in ([], ["--in-place"], ["-o", "other.mcap"]):
+            assert hbba("repair", "now", *arguments) == 2
+            assert "is being recorded now" in capsys.readouterr().err
+        assert sorted(each.name for each in library.iterdir()) == ["now.mcap", "tour.mcap"]
     finally:
         file.close()
 
@@ -207,6 +219,33 @@ def test_repair_says_what_was_recovered_and_what_is_missing(library: Path, capsy
     capsys.readouterr()
     assert hbba("repair", "tour-repaired") == 0
     assert "there is nothing to repair" in capsys.readouterr().out
+
+
+def test_repair_does_not_claim_to_know_what_never_came_into_the_file(
+    library: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    whole = (library / "tour.mcap").read_bytes()
+    cut_off(library / "tour.mcap", 0.3)
+    assert hbba("repair", "tour") == 0
+    out = capsys.readouterr().out
+    assert "Missing in all" not in out
+    length = re.search(r"topics over (\d\.\d s)", out)
+    assert length is not None
+    assert float(length[1].removesuffix(" s")) < 1
+    ending = f"The recording ends at {length[1]}, where the file does. Whether anything came after cannot be known"
+    assert ending in out
+    # Killed just behind a chunk: nothing in it is hurt, but what waited for the next chunk is not there.
+    end = min(index.chunk_start_offset + index.chunk_length for index in chunks(whole)[3:])
+    (library / "killed.mcap").write_bytes(whole[:end])
+    assert hbba("repair", "killed") == 0
+    out = capsys.readouterr().out
+    assert "No message" not in out
+    assert "Nothing that is in the file is lost" in out
+    assert "Whether anything came after cannot be known" in out
+    # Only the summary is hurt: all that was written is there.
+    (library / "summary.mcap").write_bytes(whole[:-20])
+    assert hbba("repair", "summary") == 0
+    assert capsys.readouterr().out.endswith("No message is missing: only the index at the end was.\n")
 
 
 def test_a_folder_is_no_file_to_cut(library: Path, capsys: pytest.CaptureFixture[str]) -> None:

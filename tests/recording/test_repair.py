@@ -200,7 +200,7 @@ def test_a_program_killed_before_the_end_loses_nothing_that_was_written(tmp_path
     source = tmp_path / "killed.mcap"
     source.write_bytes(made.data)
     look = examine(source)
-    assert (look.finished, look.healthy, look.losses) == (False, False, ())
+    assert (look.finished, look.healthy, look.losses, look.ended) == (False, False, (), False)
     report = repair(source, None, in_place=True)
     assert report.out == source
     kept = content(source)
@@ -242,6 +242,19 @@ def test_metadata_and_profile_are_kept(tmp_path: Path) -> None:
         assert [(each.name, each.metadata) for each in reader.iter_metadata()] == [("hbba", {"robot": "IRL-1/TR"})]
         assert reader.get_header() == Header("ros2", "test")
         assert {each.metadata["rate_hz"] for each in reader.get_summary().channels.values()} == {"30"}
+
+
+def test_whether_all_was_written_is_known_where_the_messages_end(tmp_path: Path) -> None:
+    log = LOGS[CompressionType.ZSTD]
+    for data, ended in (
+        (log.data, True),
+        (log.data[:-100], True),  # within the summary
+        (log.data[: log.chunk_ends[2][0]], False),
+        (log.data[: log.chunk_ends[2][0] - 10], False),
+    ):
+        source = tmp_path / "broken.mcap"
+        source.write_bytes(data)
+        assert examine(source).ended is ended
 
 
 @pytest.mark.parametrize("data", [b"", b"hello, this is no log at all", bytes(100_000), b"\x89MCAP0\r\n"])
