@@ -25,6 +25,7 @@ def playback_json(playback: Playback) -> dict[str, Any]:
         "speed": state.speed,
         "playing": state.playing,
         "phase": state.phase,
+        "problem": state.problem or None,
     }
 
 

@@ -6,14 +6,17 @@ from collections.abc import Collection, Iterator
 from functools import cached_property
 from pathlib import Path
 
+from mcap.data_stream import ReadDataStream
 from mcap.reader import SeekingReader
-from mcap.records import Statistics
+from mcap.records import Chunk, ChunkIndex, Statistics
+from mcap.stream_reader import breakup_chunk
 from mcap.summary import Summary
 
 from app.recording import mcap_layout
+from app.recording.damage import LogDamaged, missing, place
 from app.recording.log import LogError, Logged, LoggedChannel, LogInfo
 from app.recording.manifest import AttachedFile, Manifest
-from app.recording.mcap_reading import DAMAGE, MAGIC, is_closed
+from app.recording.mcap_reading import DAMAGE, MAGIC, RECORD_HEAD, is_closed
 from app.recording.ros.decoder import Contents, Decoder, StoredTopic, contents
 from app.recording.stamps import from_ns, to_ns
 
@@ -72,7 +75,7 @@ class McapLog:
         """Messages that arrived at ``begin`` or later, of these channels (None: all), in order of arrival.
 
         Chunks before ``begin``, and those without a topic that is wanted, are not read. Raises KeyError for a channel
-        that the log does not have, LogError where the file is damaged.
+        that the log does not have, LogDamaged for a chunk that cannot be read, LogError for other damage.
         """
         known = self._contents.channels
         decoder = Decoder(known.values() if channels is None else [known[name] for name in channels])
@@ -86,19 +89,19 @@ class McapLog:
         if not decoder.topics:
             return
         records = self._reader.iter_messages(decoder.topics, starting_at=begin_ns)
-        log_time = self._statistics.message_start_time
+        log_time = self._statistics.message_start_time if begin_ns is None else begin_ns
         while True:
             try:
                 _, channel, record = next(records)
             except StopIteration:
                 return
             except _DAMAGE as error:
-                raise self._damaged(f"what follows {from_ns(log_time):.3f} s", error) from error
+                raise self._damage(decoder.topics, log_time, error) from error
             log_time = record.log_time
             try:
                 made = decoder.add(channel.topic, record.data)
             except ValueError as error:
-                raise self._damaged(f"{channel.topic} at {from_ns(log_time):.3f} s", error) from error
+                raise self._damaged(f"{channel.topic} at {self._place(log_time)}", error) from error
             if made is not None:
                 yield Logged(from_ns(log_time), *made)
 
@@ -149,6 +152,29 @@ class McapLog:
         if statistics is None:
             raise LogError(f"{self._path} has a summary without statistics; `hbba log repair {self._path}` makes them")
         return statistics
+
+    def _damage(self, topics: Collection[str], since_ns: int, error: BaseException) -> LogError:
+        """Which of the chunks that hold ``topics``, from ``since_ns`` on, is the damaged one."""
+        wanted = {number for number, channel in self._summary.channels.items() if channel.topic in topics}
+        for index in sorted(self._summary.chunk_indexes, key=lambda index: index.message_start_time):
+            held = index.message_index_offsets.keys()
+            if index.message_end_time >= since_ns and (not held or held & wanted) and not self._is_whole(index):
+                begin, end = from_ns(index.message_start_time), from_ns(index.message_end_time)
+                damage = LogDamaged("", begin, end)
+                said = f"{self._path} is damaged: {missing(damage, self._info)}"
+                return LogDamaged(f"{said}. `hbba log repair {self._path}` saves what is whole", begin, end)
+        return self._damaged(f"what follows {self._place(since_ns)}", error)
+
+    def _is_whole(self, index: ChunkIndex) -> bool:
+        try:
+            self._file.seek(index.chunk_start_offset + RECORD_HEAD.size)
+            breakup_chunk(Chunk.read(ReadDataStream(self._file)), validate_crc=True)
+        except _DAMAGE:
+            return False
+        return True
+
+    def _place(self, log_time: int) -> str:
+        return place(from_ns(log_time) - self._info.begin)
 
     def _damaged(self, what: str, error: BaseException) -> LogError:
         why = f"{type(error).__name__}: {error}"

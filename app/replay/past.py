@@ -6,6 +6,7 @@ from collections.abc import Collection, Iterator
 from typing import Any
 
 from app.messages import JointState, Landmarks, Odometry
+from app.recording.damage import skipping
 from app.recording.log import Log, Logged
 
 #: How the body moved and stood belongs to whatever was seen meanwhile: every such message is taken, not the last alone.
@@ -30,7 +31,10 @@ def taken_at(logged: Logged) -> float:
 
 
 class Past:
-    """Looks back in ``log``. Its methods read the file: call them off the event loop, one at a time."""
+    """Looks back in ``log``, past what is damaged in it where the log says where that ends.
+
+    Its methods read the file: call them off the event loop, one at a time.
+    """
 
     def __init__(self, log: Log) -> None:
         self._log = log
@@ -103,7 +107,7 @@ class Past:
 
     def next_at(self, channel: str, position: float) -> float | None:
         """When the first message of ``channel`` after ``position`` (s) arrived, None where none did."""
-        for logged in self._log.messages(position, (channel,)):
+        for logged in self._messages(position, (channel,)):
             if logged.at > position:
                 return logged.at
         return None
@@ -120,7 +124,11 @@ class Past:
         """What arrived from ``begin`` to ``end``, both included."""
         if not channels:
             return
-        for logged in self._log.messages(begin, channels):
+        for logged in self._messages(begin, channels):
             if logged.at > end:
                 return
             yield logged
+
+    def _messages(self, begin: float, channels: Collection[str]) -> Iterator[Logged]:
+        # The body tells of damage, when it comes to it.
+        return skipping(self._log, begin, channels, lambda _: None)

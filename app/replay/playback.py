@@ -11,6 +11,7 @@ from functools import partial
 from typing import Any, Literal, TypeVar
 
 from app.attention.intention import Intention
+from app.recording.damage import LogDamaged, missing
 from app.recording.log import Log, LogError, LogInfo
 from app.replay.places import Places
 from app.replay.replay_body import ReplayBody
@@ -32,7 +33,8 @@ log = logging.getLogger("hbba.playback")
 class PlaybackState:
     """Where playback is. ``position``, ``begin`` and ``end``: robot's clock (s); ``speed`` None: as fast as possible.
 
-    ``playing``: time goes on now or will after the seek under way.
+    ``playing``: time goes on now or will after the seek under way. ``problem``: what cannot be read here, in words, why
+    it stands; "" where all is well.
     """
 
     position: float
@@ -41,6 +43,7 @@ class PlaybackState:
     speed: float | None
     playing: bool
     phase: Phase
+    problem: str = ""
 
 
 class Playback:
@@ -69,6 +72,7 @@ class Playback:
         self._speed = checked_speed(speed)
         self._playing = playing
         self._ended = False
+        self._problem = ""
         self._target: float | None = None
         #: At what rate time passes, but while the body waits for the file.
         self._rate = 0.0
@@ -94,6 +98,10 @@ class Playback:
             self._target = self._clock.now()
         self._body.on_waiting = self._on_waiting
         self._body_waits = self._body.reading
+        self._body.survives = True
+        self._body.on_damage = self._on_damage
+        for damage in self._body.damages:
+            self._on_damage(damage)
         for name in self._info.channels.keys() & self.system.graph.channels.keys():
             wanted = partial(self._want_one, name)
             self._watching.callback(self.system.graph.channels[name].on_wanted(wanted))
@@ -106,6 +114,7 @@ class Playback:
     async def __aexit__(self, *_: object) -> None:
         """Stand still; the log may be closed then."""
         self._body.on_waiting = lambda _: None
+        self._body.on_damage = lambda _: None
         self._clock.run(0)
         self._watching.close()
         if self._driver is not None:
@@ -140,6 +149,7 @@ class Playback:
             self._speed,
             self._playing,
             phase,
+            self._problem,
         )
 
     def observe(self, callback: Callable[[PlaybackState], None]) -> Callable[[], None]:
@@ -165,7 +175,8 @@ class Playback:
     # --- What it can be told -----------------------------------------------------------------------------------------
 
     def play(self) -> None:
-        """Go on; from the end, begin again."""
+        """Go on, behind what cannot be read here; from the end, begin again."""
+        self._problem = ""
         if self._ended and self._target is None:
             self._target = self._info.begin
         self._playing = True
@@ -188,9 +199,11 @@ class Playback:
         """Be at ``position`` (robot's clock, s; beyond an end: at that end), playing or standing as before.
 
         Returns once the scene there is shown, or that of a newer seek: of several in a row only the newest counts.
-        Raises LogError where the recording cannot be read; playback stays where it was.
+        What stood before a damaged part is shown within it, and it stands there (``problem``). Raises LogError where
+        the recording cannot be read at all; playback stays where it was.
         """
         self._check_alive()
+        self._problem = ""
         self._target = min(max(position, self._info.begin), self._end)
         await self._done(self._waiting)
 
@@ -200,6 +213,7 @@ class Playback:
         Raises LogError where the recording cannot be read.
         """
         self._check_alive()
+        self._problem = ""
         self._playing = False
         await self._done(self._steps)
 
@@ -238,6 +252,13 @@ class Playback:
     def _on_waiting(self, waits: bool) -> None:
         self._body_waits = waits
         self._run()
+
+    def _on_damage(self, damage: LogDamaged) -> None:
+        """Stand before what is missing, so that nobody takes it for a pause of the robot."""
+        self._problem = missing(damage, self._info)
+        log.warning("%s: %s", self._info.path.name, self._problem)
+        self._playing = False
+        self._tell()
 
     async def _drive(self) -> None:
         self._tell()

@@ -13,6 +13,7 @@ from app.errors import ConfigError
 from app.messages import DesiresRecord
 from app.modules.recording.recorder import Recorder
 from app.recording.control import RECORD
+from app.recording.damage import missing
 from app.recording.library import RecordingLibrary
 from app.recording.log import Log
 from app.replay.desires import CountedIds, RecordedDesires
@@ -87,6 +88,7 @@ class Replay:
         lines = list(self.log.info.notes)
         lines += [f"{name} does not run: {why}" for name, why in program.left_out.items() if why != NOT_ASKED]
         lines += [f"{port} gets nothing: the log has no {channel}" for port, channel in program.silent.items()]
+        lines += [f"the log is damaged: {missing(damage, self.log.info)}" for damage in self.body.damages]
         return lines
 
     def close(self) -> None:

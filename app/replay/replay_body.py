@@ -6,6 +6,7 @@ from collections.abc import Callable, Set
 from typing import Any, Protocol
 
 from app.link import RobotLink
+from app.recording.damage import LogDamaged
 
 
 class ReplayBody(RobotLink, Protocol):
@@ -24,6 +25,13 @@ class ReplayBody(RobotLink, Protocol):
         Channels that are no stream of the body are passed over.
         """
         ...
+
+    #: Called when the clock comes to a part of the recording that cannot be read; it goes on behind that.
+    on_damage: Callable[[LogDamaged], None]
+    #: Whether it lives on, silent to the end or to a seek, where the recording does not say what follows its damage.
+    survives: bool
+    #: What could not be read so far.
+    damages: list[LogDamaged]
 
     #: Called with True when it must wait for the file, with False when it goes on: time waits with it.
     on_waiting: Callable[[bool], None]

@@ -19,7 +19,8 @@ from app.cli import main
 from app.commands.arguments import find_log, moment, names, number, whole
 from app.commands.replay import _phi, _speed
 from app.errors import ConfigError
-from tests.replay.logs import lab_manifest, lab_messages, write_log
+from app.recording.damage import place
+from tests.replay.logs import BEGIN, damage, lab_manifest, lab_messages, write_log
 
 pytestmark = pytest.mark.blocking(reason="the virtual loop waits for threads by design")
 
@@ -59,6 +60,29 @@ def test_two_runs_write_the_same(recording: Path, tmp_path: Path, capsys: pytest
         told.append(values)
     assert told[0] == told[1]
     assert told[0]["end"] - told[0]["begin"] == pytest.approx(2.0)
+
+
+def test_behind_damage_it_goes_on_and_says_what_is_missing(
+    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "hurt.mcap"
+    path.write_bytes(recording.read_bytes())
+    begin, end = damage(path, BEGIN + 1.5)
+    told = []
+    for run in range(2):
+        file = tmp_path / f"{run}.json"
+        assert main(["replay", str(path), "--headless", "--json", str(file)]) == 0
+        values = json.loads(file.read_text())
+        del values["cost"]
+        told.append(values)
+    words = f"the log is damaged: {end - begin:.1f} s from {place(begin - BEGIN)} cannot be read"
+    assert words in capsys.readouterr().out
+    assert told[0] == told[1]
+    assert told[0]["notes"] == [words]
+    # What arrived at the very moment that the chunk begins may stand in the one before.
+    lost = sum(begin < m.at <= end for m in lab_messages(3.0) if m.channel == "odometry")
+    assert 0 <= 150 - lost - told[0]["channels"]["odometry"]["messages"] <= 1
+    assert lost > 10
 
 
 def test_a_replay_can_be_recorded_and_replayed_by_its_name(

@@ -14,10 +14,11 @@ import httpx
 import pytest
 
 from app.console.app import create_app
+from app.recording.mcap_log import McapLog
 from app.system import System
 from tests.console.live_client import Page, page
 from tests.console.program import build, served, write_page
-from tests.replay.logs import BEGIN, lab_log
+from tests.replay.logs import BEGIN, damage, lab_log, lab_manifest, lab_messages, write_log
 from tests.replay.playing import Played, played, prepare
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -66,7 +67,7 @@ async def test_a_page_is_told_what_it_sees(url: str, rest: httpx.AsyncClient) ->
         told = (await rest.get("/playback")).json()
         assert told == {
             "file": "memory.mcap", "begin": BEGIN, "end": END, "position": BEGIN,
-            "speed": 1.0, "playing": False, "phase": "paused",
+            "speed": 1.0, "playing": False, "phase": "paused", "problem": None,
         }  # fmt: skip
         assert hello["playback"] == told
         assert hello["robot"]["replayed"]
@@ -230,6 +231,32 @@ async def test_what_is_damaged_is_said(rest: httpx.AsyncClient, prepared: Any) -
     assert answer.status_code == 409
     assert answer.json()["type"] == "urn:hbba:problem:unreadable-recording"
     assert "hbba log repair" in answer.json()["detail"]
+
+
+async def test_a_damaged_part_is_told_and_everything_goes_on(tmp_path: Path) -> None:
+    path = tmp_path / "hurt.mcap"
+
+    def prepared() -> tuple[Any, McapLog, float]:
+        write_log(path, lab_messages(6.0), lab_manifest())
+        begin, _ = damage(path, BEGIN + 3.0)
+        return prepare(McapLog(path)), McapLog(path), begin
+
+    recording, past, begin = await asyncio.to_thread(prepared)
+    async with played(recording, past=past) as play:
+        static = await asyncio.to_thread(write_page, tmp_path)
+        app = create_app(play.replay.system, static_dir=static, early_view=False, playback=play.playback)
+        async with served(app) as url, page(url) as ann, httpx.AsyncClient(base_url=f"{url}/api/v1") as rest:
+            await patch(rest, speed=10.0, playing=True)
+            told = await ann.until("playback", lambda m: m["problem"] is not None)
+            assert re.fullmatch(r"\d\.\d s from 0:0\d\.\d cannot be read", told["problem"])
+            assert (told["phase"], told["playing"]) == ("paused", False)
+            assert (await rest.get("/playback")).json()["problem"] == told["problem"]
+            for position in (begin + 0.01, BEGIN + 1.0, begin + 0.01, BEGIN + 5.0):
+                await patch(rest, position=position)
+            assert (await patch(rest, playing=True))["problem"] is None
+            await ann.until("playback", lambda m: m["phase"] == "ended")
+    for log in (recording[0], past):
+        log.close()
 
 
 async def test_every_example_of_the_document_works(url: str) -> None:

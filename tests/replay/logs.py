@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import segno
+from mcap.reader import make_reader
 
 from app import paths
 from app.config import load_configuration
@@ -181,3 +182,15 @@ def write_log(path: Path, messages: list[Logged], manifest: Manifest) -> Path:
         file.write(logged.at, logged.channel, logged.message)
     file.close()
     return path
+
+
+def damage(path: Path, at: float) -> tuple[float, float]:
+    """Zero 200 bytes in the middle of the chunk that holds ``at`` (s); returns from when to when it holds messages."""
+    with path.open("rb") as file:
+        summary = make_reader(file).get_summary()
+    assert summary is not None
+    chunk = next(c for c in summary.chunk_indexes if c.message_start_time / 1e9 <= at <= c.message_end_time / 1e9)
+    with path.open("r+b") as file:
+        file.seek(chunk.chunk_start_offset + chunk.chunk_length // 2)
+        file.write(bytes(200))
+    return chunk.message_start_time / 1e9, chunk.message_end_time / 1e9

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 
@@ -27,8 +27,15 @@ class Played:
 
     async def phase(self, phase: str) -> PlaybackState:
         """Wait until it is in ``phase``."""
+        return await self._until(lambda state: state.phase == phase)
+
+    async def problem(self) -> PlaybackState:
+        """Wait until it has a problem."""
+        return await self._until(lambda state: state.problem != "")
+
+    async def _until(self, so: Callable[[PlaybackState], bool]) -> PlaybackState:
         async with asyncio.timeout(PATIENCE_S):
-            while (state := self.playback.state).phase != phase:
+            while not so(state := self.playback.state):
                 changed = asyncio.Event()
                 end = self.playback.observe(lambda _, changed=changed: changed.set())  # type: ignore[misc]
                 await changed.wait()
@@ -44,11 +51,18 @@ def prepare(log: Log) -> tuple[Log, ReplayClock, Replay]:
 
 @asynccontextmanager
 async def played(
-    prepared: tuple[Log, ReplayClock, Replay], *, playing: bool = False, speed: float | None = 1.0
+    prepared: tuple[Log, ReplayClock, Replay],
+    *,
+    playing: bool = False,
+    speed: float | None = 1.0,
+    past: Log | None = None,
 ) -> AsyncIterator[Played]:
-    """Play it."""
+    """Play it; ``past`` is the log's other handle, where it needs one."""
     log, clock, replay = prepared
-    async with replay, Playback(replay.system, replay.body, clock, log, playing=playing, speed=speed) as playback:
+    async with (
+        replay,
+        Playback(replay.system, replay.body, clock, past or log, playing=playing, speed=speed) as playback,
+    ):
         play = Played(playback, replay, clock, [], [])
         playback.observe(play.states.append)
         playback.on_jump(play.jumps.append)

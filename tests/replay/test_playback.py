@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import threading
 import time
+from collections.abc import Iterator
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from app.messages import Image, Landmark, Landmarks
-from app.recording.log import LogError, Logged
+from app.recording.damage import place
+from app.recording.log import Log, LogError, Logged
+from app.recording.mcap_log import McapLog
 from app.replay.playback import checked_speed
 from app.replay.replay import Replay
 from app.runtime.replay_clock import ReplayClock
-from tests.replay.logs import BEGIN, MemoryLog, lab_log, lab_manifest, lab_messages
+from tests.replay.logs import BEGIN, MemoryLog, damage, lab_log, lab_manifest, lab_messages, write_log
 from tests.replay.playing import played, prepare
 
 #: A busy computer may be so late (s); early it may not be.
@@ -347,3 +352,73 @@ async def test_it_begins_where_the_clock_stands(lab: Prepared) -> None:
         await play.phase("paused")
         assert play.playback.state.position == BEGIN + 2.0
         assert play.replay.system.graph.channels["odometry"].latest.stamp == BEGIN + 2.0
+
+
+@pytest.fixture
+def hurt(tmp_path: Path) -> Iterator[tuple[Prepared, Log, float, float]]:
+    """A recording with a damaged chunk, its other handle, and from when to when that chunk was."""
+    path = write_log(tmp_path / "hurt.mcap", lab_messages(6.0), lab_manifest())
+    begin, end = damage(path, BEGIN + 3.0)
+    log, past = McapLog(path), McapLog(path)
+    clock = ReplayClock(log.info.begin, log.info.end)
+    yield (log, clock, Replay(log, clock)), past, begin, end
+    log.close()
+    past.close()
+
+
+async def test_playback_stands_before_what_is_damaged_and_goes_on_behind_it(hurt: Any) -> None:
+    prepared, past, begin, end = hurt
+    async with played(prepared, playing=True, speed=10.0, past=past) as play, asyncio.timeout(20):
+        odometry = stamps(play, "odometry")
+        state = await play.phase("paused")
+        assert state.problem == f"{end - begin:.1f} s from {place(begin - BEGIN)} cannot be read"
+        assert begin <= state.position < end
+        assert max(odometry) < begin
+        assert odometry[-1] == pytest.approx(begin, abs=0.021)
+        play.playback.play()
+        assert play.playback.state.problem == ""
+        await play.phase("ended")
+        assert play.playback.state.problem == ""
+        assert not [stamp for stamp in odometry if begin <= stamp <= end]
+        assert odometry[-1] == pytest.approx(BEGIN + 5.98)
+        assert play.replay.notes()[-1].startswith("the log is damaged: ")
+
+
+async def test_in_a_damaged_part_stands_what_was_before_it_and_elsewhere_all_is_well(hurt: Any) -> None:
+    prepared, past, begin, end = hurt
+    async with played(prepared, past=past) as play, asyncio.timeout(20):
+        await play.playback.seek((begin + end) / 2)
+        await play.problem()
+        assert play.playback.state.phase == "paused"
+        odometry = play.replay.system.graph.channels["odometry"]
+        assert odometry.latest.stamp < begin
+        for position in (BEGIN + 1.0, BEGIN + 5.0):
+            await play.playback.seek(position)
+            assert play.playback.state.problem == ""
+            assert odometry.latest.stamp == pytest.approx(position)
+        play.playback.play()
+        await play.phase("ended")
+
+
+async def test_without_a_speed_it_stands_there_too(hurt: Any) -> None:
+    prepared, past, begin, end = hurt
+    async with played(prepared, playing=True, speed=None, past=past) as play, asyncio.timeout(20):
+        state = await play.phase("paused")
+        assert begin <= state.position <= end
+        assert state.problem
+        await play.playback.step()
+        assert play.playback.state.position > state.position
+
+
+async def test_where_nothing_can_be_read_on_it_stands_and_lives(torn: Prepared) -> None:
+    log = torn[0]
+    async with played(torn, playing=True, speed=10.0) as play, asyncio.timeout(20):
+        log.torn = True
+        play.replay.body._read_anew()
+        state = await play.phase("paused")
+        assert re.fullmatch(r"nothing from 0:0\d\.\d on can be read", state.problem)
+        log.torn = False
+        await play.playback.seek(BEGIN + 1.0)
+        assert play.playback.state.problem == ""
+        play.playback.play()
+        await play.phase("ended")

@@ -22,6 +22,10 @@ class PlaybackModel(Answer):
     speed: float | None = Field(description=_SPEED)
     playing: bool = Field(description="Whether time goes on, or will after the seek under way.")
     phase: Literal["playing", "paused", "ended", "seeking"]
+    problem: str | None = Field(
+        description="What cannot be read of the recording here, in words, why it stands.",
+        examples=["0.1 s from 0:07.5 cannot be read"],
+    )
 
 
 class PlaybackChange(Request):

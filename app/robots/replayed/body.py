@@ -18,6 +18,7 @@ from typing import Any
 
 from app.link import LinkFailed, RobotDescription
 from app.messages import Twist
+from app.recording.damage import LogDamaged
 from app.recording.log import Log, LogError, Logged
 from app.robots.replayed.source import LogSource, Place
 from app.runtime.clock import Clock
@@ -78,6 +79,12 @@ class ReplayedBody:
         self.on_waiting: Callable[[bool], None] = lambda _: None
         #: Called by :meth:`seek`, before anything of the new place is delivered.
         self.on_seek: Callable[[], None] = lambda: None
+        #: Called when the clock comes to a part of the log that cannot be read; it goes on behind that.
+        self.on_damage: Callable[[LogDamaged], None] = lambda _: None
+        #: Whether it lives on, silent to the end or to a seek, where the log does not say what follows its damage.
+        self.survives = False
+        #: What could not be read so far, each part once, in the order it was come to.
+        self.damages: list[LogDamaged] = []
         #: Messages delivered so far, whoever took them.
         self.delivered = 0
         self._receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in description.streams}
@@ -93,6 +100,7 @@ class ReplayedBody:
         self._pump: asyncio.Task[None] | None = None
         self._restart: asyncio.Handle | None = None
         self._asleep = False
+        self._told: set[tuple[float, float]] = set()
         self._failure: asyncio.Future[LinkFailed] | None = None
 
     # --- RobotLink ---------------------------------------------------------------------------------------------------
@@ -176,6 +184,7 @@ class ReplayedBody:
         self._at = math.nextafter(position, math.inf)
         self._passed.clear()
         self._open = {}
+        self._told.clear()
         self.finished.clear()
         self.on_seek()
         self._read_anew()
@@ -237,7 +246,12 @@ class ReplayedBody:
             await asyncio.wait({former})
         await self._released.wait()
         try:
-            await self._deliver_all(self._source())
+            try:
+                await self._deliver_all(self._source())
+            except LogError as failure:
+                if not self.survives:
+                    raise
+                await self._come_to(LogDamaged(str(failure), self._clock.now(), self.end))
             self._asleep = True
             await self._sleep_until(self.end)
         except LogError as failure:
@@ -266,7 +280,15 @@ class ReplayedBody:
         ahead: Future[list[Logged]] = self._reader.submit(source.piece)
         try:
             # The next piece is read while this one is delivered; it is waited for alike, however long it takes.
-            while piece := await self._read(ahead):
+            while True:
+                try:
+                    piece = await self._read(ahead)
+                except LogDamaged as damage:
+                    ahead = self._reader.submit(source.piece)
+                    await self._come_to(damage)
+                    continue
+                if not piece:
+                    return
                 ahead = self._reader.submit(source.piece)
                 self.on_piece(piece[0].at)
                 for logged in piece:
@@ -277,6 +299,19 @@ class ReplayedBody:
         finally:
             ahead.cancel()
             self._reader.submit(source.close)
+
+    async def _come_to(self, damage: LogDamaged) -> None:
+        """Tell of it when it is its time, once but for seeks."""
+        self._asleep = True
+        await self._sleep_until(damage.begin)
+        self._asleep = False
+        part = (damage.begin, damage.end)
+        if part in self._told:
+            return
+        self._told.add(part)
+        if all(part != (known.begin, known.end) for known in self.damages):
+            self.damages.append(damage)
+        self.on_damage(damage)
 
     async def _read(self, ahead: Future[list[Logged]]) -> list[Logged]:
         self.on_waiting(True)

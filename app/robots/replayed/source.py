@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Generator, Mapping
 from dataclasses import dataclass, field
 
-from app.recording.log import Log, Logged
+from app.recording.damage import LogDamaged
+from app.recording.log import Log, LogError, Logged
 from app.recording.writer import weight
 
 #: One piece spans no more than this (s of the log), nor more messages or memory: two are all that is held of a log.
@@ -37,9 +39,27 @@ class LogSource:
         self._end = end
         self._messages: Generator[Logged, None, None] | None = None
         self._next: Logged | None = None
+        self._failure: LogError | None = None
+        self._behind = -math.inf
 
     def piece(self) -> list[Logged]:
-        """The next messages, in the order of the log; none at the end. Raises LogError where the file is damaged."""
+        """The next messages, in the order of the log; none at the end.
+
+        Raises LogError where the file is damaged, once everything before the damage was given. After LogDamaged, the
+        next piece is what follows the damage.
+        """
+        try:
+            return self._piece()
+        except LogDamaged as damage:
+            if damage.behind <= self._behind:
+                raise LogError(str(damage)) from damage
+            self._behind, self._messages = damage.behind, None
+            raise
+
+    def _piece(self) -> list[Logged]:
+        if self._failure is not None:
+            failure, self._failure = self._failure, None
+            raise failure
         if self._messages is None:
             self._messages = self._read()
         piece: list[Logged] = []
@@ -48,14 +68,19 @@ class LogSource:
             piece.append(self._next)
             held = weight(self._next.message)
             self._next = None
-        for logged in self._messages:
-            if piece and logged.at - piece[0].at > PIECE_S:
-                self._next = logged
-                break
-            piece.append(logged)
-            held += weight(logged.message)
-            if len(piece) >= PIECE_MESSAGES or held >= PIECE_BYTES:
-                break
+        try:
+            for logged in self._messages:
+                if piece and logged.at - piece[0].at > PIECE_S:
+                    self._next = logged
+                    break
+                piece.append(logged)
+                held += weight(logged.message)
+                if len(piece) >= PIECE_MESSAGES or held >= PIECE_BYTES:
+                    break
+        except LogError as failure:
+            if not piece:
+                raise
+            self._failure = failure
         return piece
 
     def close(self) -> None:
@@ -67,7 +92,7 @@ class LogSource:
         if not self._channels:
             return
         place = self._place
-        begin = max(place.at, min(place.since.get(channel, place.at) for channel in self._channels))
+        begin = max(place.at, min(place.since.get(channel, place.at) for channel in self._channels), self._behind)
         passed = dict(place.passed)
         for logged in self._log.messages(begin, self._channels):
             if logged.at > self._end:

@@ -86,6 +86,11 @@ export function Transport() {
         </select>
         <Pace asked={state.speed} slow={slowerThanAsked(state, rate)} rate={playing ? rate : null} />
       </label>
+      {state.problem && (
+        <p class="transport-problem" role="status" data-testid="playback-problem">
+          The recording is damaged: {state.problem}.
+        </p>
+      )}
     </section>
   );
 }

@@ -66,6 +66,8 @@ export interface Playback {
   speed: number | null;
   playing: boolean;
   phase: "playing" | "paused" | "ended" | "seeking";
+  /** What cannot be read of the recording here, why it stands. */
+  problem?: string | null;
 }
 
 export interface Recorder {
