@@ -168,7 +168,8 @@ async def test_a_recording_that_takes_the_rings_place_throws_nothing_away(
         robot.feed("odometry", odometry(BEGIN + 1))
         await robot.taken("odometry", 101)
         async with asyncio.timeout(20):
-            while len(found := await asyncio.to_thread(files, tmp_path)) < 2:
+            # The file is there a moment before it is told.
+            while len(found := await asyncio.to_thread(files, tmp_path)) < 2 or "is saved as" not in caplog.text:
                 await robot.statuses.receive()
         robot.desire(False)
         await robot.until(lambda status: status.state == "idle")
