@@ -354,6 +354,7 @@ class RecorderStatus:
 
     ``state``: ``idle``; ``recording`` into one file; ``ring`` (the last minutes are kept); ``stopped`` by itself
     though still desired (``reason`` says why: disk full, disk too slow). ``name`` is the recording's, "" while idle.
+    ``duration_s``, ``bytes`` and ``messages`` are those of the file, or of what the ring holds now.
     ``dropped`` messages could not be queued for the disk; ``queued_bytes`` wait for it now.
     """
 

@@ -22,6 +22,7 @@ class FileSink:
         """Take the first of ``paths`` that does not exist yet; its folder is made. Raises OSError."""
         self._file = _first_free(paths, lambda path: McapFile(path, encoder, manifest, at, open_file=open_file))
         self.folder = self._file.path.parent
+        self.begin = at
 
     @property
     def name(self) -> str:

@@ -49,7 +49,7 @@ class RepairReport:
 
     ``out`` is the new file, None where there was nothing to repair (``healthy``) or only a look was asked for.
     ``finished``: the file has its summary and end. ``ended``: the end of its messages stands in it; without that, more
-    may have come after ``end``, and nothing tells how much. ``begin`` and ``end`` (robot's clock, s) of the ``messages``
+    may have come, and nothing tells how much. ``begin`` and ``end`` (robot's clock, s) of the ``messages``
     recovered, equal if there are none; ``orphans`` are messages whose channel nothing tells. ``unreadable_bytes`` of
     the file's ``bytes`` could not be read.
     """
@@ -187,7 +187,7 @@ class _Look:
 
     @property
     def ended(self) -> bool:
-        """Whether the messages come to their end within the file: what ends them stands there, or the file's own end."""
+        """Whether the messages come to their end within the file: what ends them is there, or the file's own end."""
         return self._data_ended or (len(self._data) >= 2 * len(MAGIC) and self._data[-len(MAGIC) :] == MAGIC)
 
     def _sound(self, part: Sound) -> None:

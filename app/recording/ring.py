@@ -62,6 +62,8 @@ class Ring:
         self._segment_s = segment_s
         self._open_file = open_file
         self._home, self._lock_file = make_home(folder, at)
+        #: Where the oldest segment begins (robot's clock, s).
+        self.begin = at
         self._begin = self._end = at
         self._state_path: Path
         self._file: McapFile
@@ -180,6 +182,7 @@ class Ring:
                     _delete(old)
             self._closed_bytes -= old.bytes
             self._closed_messages -= old.messages
+            self.begin = self._segments[0].begin if self._segments else self._begin
 
     def _delete_all(self) -> None:
         with self._guard:

@@ -51,6 +51,11 @@ class Sink(Protocol):
         ...
 
     @property
+    def begin(self) -> float:
+        """Where what is in it now begins (robot's clock, s)."""
+        ...
+
+    @property
     def bytes(self) -> int:
         """Bytes it takes on disk now."""
         ...
@@ -177,8 +182,9 @@ class RecordingWriter:
 
     @property
     def duration_s(self) -> float:
-        """Seconds from its beginning to the newest message taken."""
-        return max(0.0, self._newest - self.began)
+        """Seconds from the beginning of what it holds to the newest message taken."""
+        sink = self._sink
+        return max(0.0, self._newest - (self.began if sink is None else sink.begin))
 
     @property
     def over(self) -> bool:

@@ -76,6 +76,7 @@ def test_the_disk_holds_the_minutes_kept_and_one_segment_more(tmp_path: Path) ->
         most = max(most, turning.messages)
         on_disk = sum(path.stat().st_size for path in segments(tmp_path) if "state" not in path.name)
         assert turning.bytes == on_disk
+        assert turning.messages == round(10 * (BEGIN + begin + 5 - turning.begin))
     assert 600 <= most <= 710
     assert len(segments(tmp_path)) <= 2 * 8
     turning.close(discard=True)

@@ -100,6 +100,20 @@ def test_a_taken_name_is_left_alone(tmp_path: Path) -> None:
     assert writer.sink.name == "log-2"
 
 
+def test_how_long_a_ring_lasts_is_how_much_it_holds(tmp_path: Path) -> None:
+    writer = RecordingWriter(
+        lambda: Ring(tmp_path, encoder, MANIFEST, BEGIN, 30), Limits(least_free_bytes=0), lambda: BEGIN
+    )
+    for i in range(600):
+        writer.put(BEGIN + i / 10, "odometry", odometry(BEGIN + i / 10))
+    assert writer.call(lambda sink: sink.flush()).result(20) is None
+    assert writer.sink is not None
+    assert 300 <= writer.sink.messages <= 400
+    assert writer.duration_s == pytest.approx((writer.sink.messages - 1) / 10)
+    writer.finish(discard=True)
+    ended(writer)
+
+
 def test_others_see_that_a_file_is_being_written(tmp_path: Path) -> None:
     disk = Disk()
     sink = FileSink([tmp_path / "log.mcap"], encoder(), MANIFEST, BEGIN, disk.open)
