@@ -51,9 +51,10 @@ def _list(args: argparse.Namespace) -> int:
 
     library = RecordingLibrary(default_folder())
     try:
-        print_recordings(Catalog(library).recordings(), library)
+        recordings, free = Catalog(library).recordings(), library.free_bytes()
     except OSError as failure:
         raise ConfigError(f"{library.folder}: cannot be read: {failure.strerror or failure}") from None
+    print_recordings(recordings, library.folder, free)
     return 0
 
 

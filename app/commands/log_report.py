@@ -11,7 +11,6 @@ from typing import Any, Literal
 
 from app.recording.catalog import Recording
 from app.recording.foreign.remap import Remap
-from app.recording.library import RecordingLibrary
 from app.recording.log import LogError
 from app.recording.mcap_file import is_being_written
 from app.recording.mcap_reading import is_mcap
@@ -196,11 +195,10 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]], right: Collection[
     ]
 
 
-def print_recordings(recordings: Iterable[Recording], library: RecordingLibrary) -> None:
-    """The list, to standard output."""
-    found = list(recordings)
+def print_recordings(found: Sequence[Recording], folder: Path, free_bytes: int) -> None:
+    """The list of what was found in ``folder``, on a disk with ``free_bytes`` left, to standard output."""
     if not found:
-        print(f"There are no recordings in {library.folder} yet.")
+        print(f"There are no recordings in {folder} yet.")
         return
     rows = [
         (
@@ -214,7 +212,7 @@ def print_recordings(recordings: Iterable[Recording], library: RecordingLibrary)
         for each in found
     ]
     print(*table(("name", "began", "length", "size", "robot", "state"), rows, {2, 3}), sep="\n")
-    print(f"\n{len(found)} in {library.folder}, {size(library.free_bytes())} free")
+    print(f"\n{len(found)} in {folder}, {size(free_bytes)} free")
 
 
 def repair_lines(report: RepairReport) -> list[str]:
