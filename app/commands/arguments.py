@@ -20,6 +20,10 @@ def find_log(text: str) -> Path:
     """The file people mean: a path, or the bare name of a recording. Raises ConfigError."""
     from app.recording.library import RecordingLibrary, default_folder
 
+    if not text:
+        raise ConfigError(
+            "a log is named by its file or, for a recording of yours, by its bare name; this name is empty"
+        )
     path = Path(text)
     if path.exists():
         return path

@@ -191,7 +191,9 @@ def _find_mcap(text: str) -> Path:
     """As :func:`find_log`, but a single file. Raises ConfigError."""
     path = find_log(text)
     if path.is_dir():
-        inside = ", ".join(sorted(str(each) for each in path.glob("*.mcap"))) or "there is none in it"
+        from app.recording.open import some
+
+        inside = some(sorted(str(each) for each in path.glob("*.mcap"))) or "there is none in it"
         raise ConfigError(f"{path} is a folder; name an MCAP file: {inside}")
     return path
 

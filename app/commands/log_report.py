@@ -16,7 +16,7 @@ from app.recording.mcap_file import is_being_written
 from app.recording.mcap_reading import is_mcap
 from app.recording.open import open_log
 from app.recording.output import Progress, unwatched
-from app.recording.repair import RepairReport, examine
+from app.recording.repair import NOTHING, RepairReport, examine
 from app.recording.sizes import channel_bytes
 
 State = Literal["complete", "recording", "unfinished", "damaged"]
@@ -108,13 +108,15 @@ def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwat
 
 
 def _unreadable(path: Path, failure: LogError, progress: Progress) -> Contents:
-    """What can be told of an MCAP file that does not open. Raises ``failure`` where it is well, but not for us."""
+    """What can be told of an MCAP file that does not open. Raises LogError where that is nothing, or it is well."""
     found = examine(path, progress)
     if found.healthy:
         raise failure
     state: State = "damaged" if found.finished else "unfinished"
     if is_being_written(path):
         state = "recording"
+    elif not found.messages and not found.attachments:
+        raise LogError(f"{path}: {NOTHING}")
     return Contents(
         path=str(path),
         format="MCAP",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import zlib
+from collections.abc import Sequence
 from pathlib import Path
 
 from app.recording.foreign.remap import Remap, RemapError
@@ -53,7 +54,13 @@ def open_log(path: Path, remap: Remap | None = None) -> Log:
 def _instead(folder: Path) -> str:
     """Of a ROS 2 bag whose recording was cut short, the file itself may be readable."""
     files = [file.name for file in sorted(folder.iterdir()) if file.suffix in (".mcap", ".db3")]
-    return f"name {' or '.join(files)} in it instead; " if files else ""
+    return f"name one file in it instead: {some(files)}; " if files else ""
+
+
+def some(names: Sequence[str], most: int = 3) -> str:
+    """The first of ``names``, and how many there are besides."""
+    more = [f"… and {len(names) - most} more"] if len(names) > most else []
+    return ", ".join([*names[:most], *more])
 
 
 def _head(path: Path) -> bytes:
@@ -86,7 +93,7 @@ def _mcap(path: Path, head: bytes, remap: Remap | None) -> Log:
         whole = is_closed(file)
     if not _is_ours(path, head, whole):
         if not whole:
-            raise LogError(f"{path}: is an MCAP file without its end; 'mcap recover' of the MCAP tools makes it whole")
+            raise LogError(f"{path}: is an MCAP file without its end; hbba log repair {path} saves what is whole in it")
         return _ros(path, remap)
     if not whole:
         raise LogError(

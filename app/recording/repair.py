@@ -24,6 +24,9 @@ from app.recording.output import McapCopy, Progress, check_new, durable, replaci
 from app.recording.salvage import Broken, Sound
 from app.recording.stamps import SECOND, from_ns
 
+#: What there is to say of a file that begins as MCAP files do, and holds nothing more.
+NOTHING = "nothing in it can be read, nor recovered: it begins as a log does, but holds no message that is whole"
+
 #: A damaged chunk's word on its end is believed no further than this beyond the last message.
 _LONGEST_GAP_NS = 3600 * SECOND
 
@@ -94,7 +97,7 @@ def repair(
         if not report.messages and not report.attachments:
             if data[: len(MAGIC)] != MAGIC:
                 raise LogError(f"{path}: is no MCAP file; only these can be repaired")
-            raise LogError(f"{path}: nothing can be recovered: there is no whole record in it")
+            raise LogError(f"{path}: {NOTHING}")
         with replacing(target, force or in_place) as part, part.open("wb") as stream:
             _rewrite(data, found, stream, progress)
             durable(stream)

@@ -7,9 +7,12 @@ import errno
 import io
 import json
 import os
+import random
 import re
 import shutil
 import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import datetime
@@ -92,6 +95,19 @@ def test_the_list_says_size_length_and_state(
     assert f"2 in {library}" in out
 
 
+@pytest.mark.parametrize("arguments", [[], ["info", "tour"]])
+def test_who_reads_no_further_is_told_nothing(arguments: list[str], library: Path) -> None:
+    read, write = os.pipe()
+    os.close(read)
+    code = "import sys; from app.cli import main; sys.exit(main(['log', *sys.argv[1:]]))"
+    # Unbuffered, as a long list is: the first line finds nobody.
+    done = subprocess.run(
+        [sys.executable, "-u", "-c", code, *arguments], stdout=write, stderr=subprocess.PIPE, timeout=60, check=False
+    )
+    os.close(write)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
 def test_an_empty_library_is_said_to_be_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -161,12 +177,40 @@ def test_what_is_no_log_is_one_sentence(
 ) -> None:
     file = tmp_path / "thing.mcap"
     file.write_bytes(content)
-    for action in (["repair"], ["cut"], ["export"]):
+    for action in (["info"], ["repair"], ["cut"], ["export"]):
         assert hbba(*action, str(file), *(["png"] if action == ["export"] else [])) == 2
         error = capsys.readouterr().err
         assert error.startswith("hbba log: ")
         assert str(file) in error
         assert error.count("\n") == 1
+
+
+def test_junk_that_begins_as_a_log_is_not_sent_from_one_command_to_the_next(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "junk.mcap"
+    file.write_bytes(b"\x89MCAP0\r\n" + random.Random(1).randbytes(5000))
+    for action in ("info", "repair"):
+        assert hbba(action, str(file)) == 2
+        error = capsys.readouterr().err
+        assert f"{file}: nothing in it can be read" in error
+        assert "hbba log repair" not in error
+
+
+def test_a_log_without_a_name_is_said_to_have_none(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert hbba("info", "") == 2
+    assert "a log is named by its file" in capsys.readouterr().err
+
+
+def test_of_a_folder_full_of_logs_some_are_named(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for number in range(5):
+        shutil.copy(library / "tour.mcap", library / f"tour-{number}.mcap")
+    for action in ("info", "repair"):
+        assert hbba(action, str(library)) == 2
+        error = capsys.readouterr().err
+        assert "tour-2.mcap" in error
+        assert "tour-3.mcap" not in error
+        assert "and 3 more" in error
 
 
 def test_a_name_that_is_not_there_is_said(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -316,6 +360,12 @@ def test_every_kind_of_file_comes_out_of_a_recording(library: Path) -> None:
         "joints.csv", "kinect", "kinect-depth", "kinect-points", "kinect.mp4", "link_status.csv", "odometry.csv",
         "scan-points", "scan.csv",
     ]  # fmt: skip
+
+
+def test_a_file_in_place_of_the_folder_is_named(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("out").write_text("mine")
+    assert hbba("export", "tour", "csv", "-o", "out") == 2
+    assert capsys.readouterr().err == "hbba log: out is a file, no folder; -o names another\n"
 
 
 def test_a_log_without_sound_says_so(library: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -11,6 +11,7 @@ from app.recording.foreign.remap import Remap
 from app.recording.log import LogError
 from app.recording.mcap_log import McapLog
 from app.recording.open import open_log
+from app.recording.repair import repair
 from tests.recording.foreign.bags import Sent, header, write_ros2_mcap
 from tests.recording.mcap_files import drive, write_log
 
@@ -36,11 +37,15 @@ def test_a_recording_that_was_not_closed_is_to_be_repaired(tmp_path: Path) -> No
         open_log(path)
 
 
-def test_another_programs_mcap_without_its_end_is_not_ours_to_repair(tmp_path: Path) -> None:
+def test_another_programs_mcap_without_its_end_is_to_be_repaired_too(tmp_path: Path) -> None:
     path = write_ros2_mcap(tmp_path / "a.mcap", [ODOMETRY])
     path.write_bytes(path.read_bytes()[:-20])
-    with pytest.raises(LogError, match="mcap recover"):
+    with pytest.raises(LogError, match=r"hbba log repair .*a\.mcap"):
         open_log(path)
+    repair(path, None, in_place=True)
+    log = open_log(path)
+    assert "odometry" in log.info.channels
+    log.close()
 
 
 def test_channels_that_have_their_names_are_not_remapped(tmp_path: Path) -> None:

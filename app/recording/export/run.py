@@ -63,8 +63,10 @@ def export(log: Log, wish: Wish, progress: Progress = unwatched) -> Exported:
     channels = _chosen(log, wish, form)
     try:
         wish.folder.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise LogError(f"{wish.folder} is a file, no folder; -o names another") from None
     except OSError as failure:
-        raise disk_trouble(failure, wish.folder / "files") from failure
+        raise disk_trouble(failure, wish.folder) from failure
     target = Target(wish.folder, wish.force)
     rounds = 2 if form.surveys else 1
     try:
