@@ -185,6 +185,7 @@ async def test_the_writers_cpu_time_is_the_recorders(tmp_path: Path) -> None:
         await robot.record(1, name="one")
         before = meter.cpu_ns
         robot.desire(name="pictures")
+        await robot.until(lambda status: status.name == "pictures")
         for i in range(20):
             robot.feed("kinect", image(BEGIN + i, seed=i, scale=10))
         await robot.taken("kinect", 20)
