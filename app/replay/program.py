@@ -30,7 +30,7 @@ from app.replay.extract import extract
 from app.replay.options import ReplayOptions
 from app.robots.config import RobotConfig, load_robot_config
 from app.runtime.channel_table import ChannelSpec
-from app.runtime.graph import ModuleSpec, load_class
+from app.runtime.graph import Graph, ModuleSpec, load_class
 from app.runtime.module import Module
 from app.yaml_source import suggestion
 
@@ -60,8 +60,10 @@ class ReplayProgram:
     silent: Mapping[str, str]
 
 
-def prepare(log: Log, options: ReplayOptions, folder: Path) -> ReplayProgram:
+def prepare(log: Log, options: ReplayOptions, folder: Path, deaf: Mapping[str, str] | None = None) -> ReplayProgram:
     """Put the program together; the log's files are written under ``folder``, which must outlive the program.
+
+    ``deaf``: modules that stay out besides, with the reason in words (see :func:`deaf_modules`).
 
     Raises ConfigError for a mistake in the configuration or the options, LogError for files that cannot be.
     """
@@ -69,7 +71,7 @@ def prepare(log: Log, options: ReplayOptions, folder: Path) -> ReplayProgram:
     robot = load_robot_config(configuration.path(configuration.program.robot))
     facts = log.manifest.facts
     streams = _streams(log, configuration)
-    modules, left_out = _modules(configuration, options, streams)
+    modules, left_out = _modules(configuration, options, streams, deaf or {})
     if not modules:
         reasons = "; ".join(f"{name}: {why}" for name, why in left_out.items())
         raise ConfigError(f"no module of this program can run on it ({reasons})", str(log.info.path))
@@ -88,7 +90,7 @@ def prepare(log: Log, options: ReplayOptions, folder: Path) -> ReplayProgram:
     return ReplayProgram(
         replace(configuration, program=program, channels=channels),
         RobotDescription(
-            name=facts.get("robot") or robot.name,
+            name=facts.get("robot") or f"{log.info.path.name} ({log.info.format})",
             model_path=robot.model,
             limits=robot.limits.base(),
             streams=silent_streams(robot) | {s: _describe(log.info, configuration, s, c) for s, c in streams.items()},
@@ -99,6 +101,22 @@ def prepare(log: Log, options: ReplayOptions, folder: Path) -> ReplayProgram:
         left_out,
         silent,
     )
+
+
+def deaf_modules(program: ReplayProgram, graph: Graph) -> dict[str, str]:
+    """Modules of ``graph`` that attention can give nothing, since on none of their inputs anything can come; and why.
+
+    What is always open to a module (its robot's motion, an operator's hands) only goes with what it works on. A
+    motivation, which says nothing on channels, desires even where it hears nothing.
+    """
+    found = {}
+    for name, slot in graph.modules.items():
+        open_to = [p for p in slot.context.inputs.values() if p.connected and not p.always_open]
+        if open_to and slot.context.outputs and all(f"{name}.{port.name}" in program.silent for port in open_to):
+            channels = sorted({program.silent[f"{name}.{port.name}"] for port in open_to})
+            if not isinstance(slot.module, Recorder):
+                found[name] = f"the log has no {' and no '.join(channels)}"
+    return found
 
 
 def _configuration(log: Log, options: ReplayOptions, folder: Path) -> Configuration:
@@ -128,7 +146,7 @@ def _streams(log: Log, configuration: Configuration) -> dict[str, str]:
 
 
 def _modules(
-    configuration: Configuration, options: ReplayOptions, streams: Collection[str]
+    configuration: Configuration, options: ReplayOptions, streams: Collection[str], deaf: Mapping[str, str]
 ) -> tuple[dict[str, ModuleSpec], dict[str, str]]:
     """The modules that run, and those that do not with the reason."""
     everything = configuration.program.modules
@@ -142,7 +160,7 @@ def _modules(
     left_out: dict[str, str] = {}
     for name, spec in everything.items():
         module_class = load_class(spec.class_path)
-        why = _obstacle(name, module_class, options, streams)
+        why = _obstacle(name, module_class, options, streams) or deaf.get(name, "")
         if why:
             left_out[name] = why
         else:

@@ -19,7 +19,7 @@ from app.recording.log import Log
 from app.replay.desires import CountedIds, RecordedDesires
 from app.replay.options import ReplayOptions
 from app.replay.past import Past
-from app.replay.program import NOT_ASKED, ReplayProgram, prepare
+from app.replay.program import NOT_ASKED, ReplayProgram, deaf_modules, prepare
 from app.robots.replayed.body import ReplayedBody
 from app.runtime.clock import Clock
 from app.runtime.graph import Pin
@@ -50,26 +50,33 @@ class Replay:
         self._stack = AsyncExitStack()
         self._recording: str | None = None
         try:
-            self.program: ReplayProgram = prepare(log, self.options, Path(self._folder.name))
-            self.body = ReplayedBody(
-                log,
-                clock,
-                self.program.description,
-                self.program.streams,
-                begin=self.options.begin,
-                end=self.options.end,
-                hold=True,
-            )
             ids = CountedIds()
-            self.system = System(
-                self.program.configuration,
-                link=self.body,
-                clock=clock,
-                recordings=recordings,
-                new_id=ids,
-                partial=True,
-                reproducible=reproducible,
-            )
+            # Which inputs a module has is known once it stands; without those that would hear nothing, again.
+            deaf: dict[str, str] = {}
+            while True:
+                folder = Path(self._folder.name) / str(len(deaf))
+                self.program: ReplayProgram = prepare(log, self.options, folder, deaf)
+                self.body = ReplayedBody(
+                    log,
+                    clock,
+                    self.program.description,
+                    self.program.streams,
+                    begin=self.options.begin,
+                    end=self.options.end,
+                    hold=True,
+                )
+                self.system = System(
+                    self.program.configuration,
+                    link=self.body,
+                    clock=clock,
+                    recordings=recordings,
+                    new_id=ids,
+                    partial=True,
+                    reproducible=reproducible,
+                )
+                if not (more := deaf_modules(self.program, self.system.graph)):
+                    break
+                deaf |= more
             self._pin()
         except BaseException:
             self._folder.cleanup()

@@ -14,11 +14,12 @@ import httpx
 import pytest
 
 from app.console.app import create_app
+from app.messages import LaserScan, Odometry
 from app.recording.mcap_log import McapLog
 from app.system import System
 from tests.console.live_client import Page, page
 from tests.console.program import build, served, write_page
-from tests.replay.logs import BEGIN, damage, lab_log, lab_manifest, lab_messages, write_log
+from tests.replay.logs import BEGIN, MemoryLog, damage, lab_log, lab_manifest, lab_messages, write_log
 from tests.replay.playing import Played, played, prepare
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -231,6 +232,18 @@ async def test_what_is_damaged_is_said(rest: httpx.AsyncClient, prepared: Any) -
     assert answer.status_code == 409
     assert answer.json()["type"] == "urn:hbba:problem:unreadable-recording"
     assert "hbba log repair" in answer.json()["detail"]
+
+
+async def test_a_recording_without_pictures_or_a_robots_name_says_so(tmp_path: Path) -> None:
+    scans = MemoryLog([logged for logged in lab_messages(2.0) if isinstance(logged.message, Odometry | LaserScan)])
+    recording = await asyncio.to_thread(prepare, scans)
+    async with played(recording) as play:
+        static = await asyncio.to_thread(write_page, tmp_path)
+        app = create_app(play.replay.system, static_dir=static, early_view=False, playback=play.playback)
+        async with served(app) as url, page(url) as ann:
+            hello = await ann.until("hello")
+    assert hello["channels"] == {"camera": False}
+    assert hello["robot"]["name"] == "memory.mcap (memory)"
 
 
 async def test_a_damaged_part_is_told_and_everything_goes_on(tmp_path: Path) -> None:

@@ -90,7 +90,7 @@ def built(log: MemoryLog, options: ReplayOptions | None = None) -> Iterator[Repl
 
 
 def test_strategies_lose_what_is_not_there() -> None:
-    with built(scans_alone()) as replay:
+    with built(lab_log()) as replay:
         table = replay.system.table
     assert "Record" not in table.classes
     assert table["telepresence-2"].filters == {"CameraStream.images": 2, "PointCloudBuilder.images": 2}
@@ -99,6 +99,27 @@ def test_strategies_lose_what_is_not_there() -> None:
         assert alone.notes() == []
     assert table["telepresence-2"].filters == {"CameraStream.images": 2}
     assert table.classes == ("Telepresence",)
+
+
+def test_modules_that_would_hear_nothing_stay_out_with_their_strategies() -> None:
+    with built(scans_alone()) as replay:
+        notes, table = replay.notes(), replay.system.table
+        running = set(replay.system.graph.modules)
+        name = replay.system.link.description.name
+    for module in ("QRCodeDetector", "CameraStream", "PointCloudBuilder"):
+        assert f"{module} does not run: the log has no kinect" in notes
+    assert [note for note in notes if "gets nothing" in note] == [
+        "ScenarioCoordinator.landmarks gets nothing: the log has no landmarks"
+    ]
+    # What people feed may come or not, and what is desired may be desired in vain.
+    assert {"Teleop", "ScenarioCoordinator"} <= running
+    assert not {"FindQRCodes", "Telepresence"} & set(table.classes)
+    assert name == "memory.mcap (memory)"
+
+
+def test_a_module_alone_that_would_hear_nothing_is_refused() -> None:
+    with pytest.raises(ConfigError, match="QRCodeDetector: the log has no kinect"):
+        Replay(scans_alone(), VirtualClock(BEGIN), ReplayOptions(only=("QRCodeDetector",))).close()
 
 
 @pytest.mark.parametrize(

@@ -215,6 +215,13 @@ class Hub:
                 self._mark_stale("playback")
             await self._system.pace.sleep(PERIOD_S)
 
+    def _has_pictures(self) -> bool:
+        """Whether pictures may come: of a recording, if a module here makes them, or they were recorded."""
+        graph = self._system.graph
+        if self._playback is None or "camera_jpeg" in graph.producers:
+            return "camera_jpeg" in graph.channels
+        return "camera_jpeg" in graph.channels and "camera_jpeg" in self._playback.info.channels
+
     def _want_camera(self) -> None:
         wanted = any(viewer.camera for viewer in self._viewers.values())
         if wanted and self._camera is None and "camera_jpeg" in self._system.graph.channels:
@@ -292,7 +299,7 @@ class Hub:
                 "robot": reports.robot_json(system.link, replayed=self._playback is not None),
                 "scale": reports.scale_json(),
                 "classes": [desire_class_to_json(cls) for cls in system.classes.values()],
-                "channels": {"camera": "camera_jpeg" in system.graph.channels},
+                "channels": {"camera": self._has_pictures()},
                 "playback": None if self._playback is None else playback_json(self._playback),
             }
         )

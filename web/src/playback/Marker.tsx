@@ -10,12 +10,14 @@ export function Marker() {
   const begin = store.playback.value?.begin ?? 0;
   const file = (store.playback.value?.file ?? "").replace(/^.*[\\/]/, "");
   const robot = store.hello.value?.robot.name ?? "a robot";
+  // A log that does not say whose it is goes by its file and format.
+  const named = file === "" || !robot.startsWith(file);
   return (
     <p class="recording-marker" data-testid="recording-marker" title="Nothing in a recording can be driven or stopped">
       <FilmIcon />
       <span>
-        <b>Recording of {robot}</b>
-        <small>{[isDated(begin) ? dayTime(begin) : "", file].filter(Boolean).join(" · ")}</small>
+        <b>{named ? `Recording of ${robot}` : robot}</b>
+        <small>{[isDated(begin) ? dayTime(begin) : "", named ? file : "a recording"].filter(Boolean).join(" · ")}</small>
       </span>
     </p>
   );

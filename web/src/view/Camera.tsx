@@ -87,7 +87,11 @@ function useCameraState(): { text: string; old: boolean; empty: boolean } {
   const age = stamp !== null && now !== null ? now - stamp : null;
   const old = age !== null && age > OLD_S * Math.max(1, store.clock.rate);
   if (store.hello.value && store.hello.value.channels.camera === false)
-    return { text: "This robot has no camera.", old: false, empty: true };
+    return {
+      text: store.replay.value ? "This recording has no pictures." : "This robot has no camera.",
+      old: false,
+      empty: true,
+    };
   if (lane && lane.divisor === null && (age === null || old))
     return { text: `No picture. ${reasonText(lane.state, lane.text)}`, old, empty: true };
   if (age === null && store.replay.value)
