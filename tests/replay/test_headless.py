@@ -232,19 +232,26 @@ def test_a_recording_on_disk_is_relived_the_same_on_a_busy_computer(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("file", ["intel-corrected.log.gz", "freiburg-079-corrected.log.gz"])
-def test_a_public_laser_log_runs_through_our_modules(file: str) -> None:
+def test_a_public_laser_log_runs_through_our_modules(file: str, tmp_path: Path) -> None:
     if not (DATA / file).is_file():
         pytest.skip(f"the public laser logs are not there: {DATA} (set HBBA_REFERENCE_DATA)")
     log = open_log(DATA / file)
     try:
-        report = run_headless(log, ReplayOptions(end=log.info.begin + 120), digests=False)
+        options = ReplayOptions(end=log.info.begin + 120, record="again")
+        report = run_headless(log, options, digests=False, recordings=RecordingLibrary(tmp_path))
         expected = sum(1 for logged in log.messages(channels={"odometry"}) if logged.at <= report.end)
+        scans = sum(1 for logged in log.messages(channels={"scan"}) if logged.at <= report.end)
     finally:
         log.close()
-    assert "Kinect does not run: the log has no kinect" in report.notes
-    taken = report.modules["QRCodeDetector"].inputs["odometry"]
+    for module in ("Kinect", "QRCodeDetector"):
+        assert f"{module} does not run: the log has no kinect" in report.notes
+    taken = report.modules["Recorder"].inputs["odometry"]
     assert taken.taken == expected > 100
     assert taken.dropped == 0
+    assert report.channels["scan"].messages == scans > 20
+    again = McapLog(tmp_path / "again.mcap")
+    assert (again.info.channels["odometry"].count, again.info.channels["scan"].count) == (expected, scans)
+    again.close()
     assert all(module.restarts == 0 for module in report.modules.values())
 
 
