@@ -79,7 +79,7 @@ def create_app(
         attention_router(system),
         robot_router(system, hub),
         program_router(system, hub),
-        recordings_router(system, replays),
+        recordings_router(system, replays, None if playback is None else playback.info.path),
         viewers_router(hub, view),
         session_router(door),
         playback_router(playback),

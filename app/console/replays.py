@@ -56,6 +56,10 @@ class Replays:
         child = self._child
         return None if child is None or child.ended or child.url is None else (child.name, child.url)
 
+    def replays(self, name: str) -> bool:
+        """Whether a replay of the recording ``name`` runs, or is about to."""
+        return self._child is not None and not self._child.ended and self._child.name == name
+
     async def start(self, name: str, path: Path) -> str:
         """Replay the recording ``name`` at ``path`` instead of any other; returns its URL once it is up.
 

@@ -234,6 +234,28 @@ async def test_what_is_damaged_is_said(rest: httpx.AsyncClient, prepared: Any) -
     assert "hbba log repair" in answer.json()["detail"]
 
 
+async def test_what_is_played_is_not_deleted_under_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HBBA_RECORDINGS", str(tmp_path))
+
+    def prepared() -> Any:
+        for name in ("tour", "other"):
+            write_log(tmp_path / f"{name}.mcap", lab_messages(1.0), lab_manifest())
+        return prepare(McapLog(tmp_path / "tour.mcap")), McapLog(tmp_path / "tour.mcap")
+
+    recording, past = await asyncio.to_thread(prepared)
+    async with played(recording, past=past) as play:
+        static = await asyncio.to_thread(write_page, tmp_path)
+        app = create_app(play.replay.system, static_dir=static, early_view=False, playback=play.playback)
+        async with served(app) as url, httpx.AsyncClient(base_url=f"{url}/api/v1") as rest:
+            refused = await rest.delete("/recordings/tour")
+            assert refused.status_code == 409
+            assert refused.json()["type"] == "urn:hbba:problem:recording-replayed"
+            assert "end the replay first" in refused.json()["detail"]
+            assert (await rest.delete("/recordings/other")).status_code == 204
+    for log in (recording[0], past):
+        log.close()
+
+
 async def test_a_recording_without_pictures_or_a_robots_name_says_so(tmp_path: Path) -> None:
     scans = MemoryLog([logged for logged in lab_messages(2.0) if isinstance(logged.message, Odometry | LaserScan)])
     recording = await asyncio.to_thread(prepare, scans)

@@ -38,8 +38,8 @@ T = TypeVar("T")
 Name = Annotated[str, Path(description="The recording's name.", examples=["tour"])]
 
 
-def recordings_router(system: System, replays: Replays) -> APIRouter:
-    """Routes of ``/recordings``."""
+def recordings_router(system: System, replays: Replays, played: FilePath | None = None) -> APIRouter:
+    """Routes of ``/recordings``; ``played`` is the file of the recording that this console is a replay of."""
     router = APIRouter(tags=["recordings"])
     catalog = Catalog(system.recordings)
     report = RecorderReport(system)
@@ -165,8 +165,17 @@ def recordings_router(system: System, replays: Replays) -> APIRouter:
         "/recordings/{name}", status_code=204, summary="Delete a recording", responses=problems(404, 409, 422)
     )
     async def delete_recording(name: Name) -> Response:
-        """For good. One that is being written is refused: stop first."""
-        await _closed(name)
+        """For good. One that is being written is refused: stop first; so is one that is being replayed, here or in a
+        replay that was started here: end that first."""
+        path = await _closed(name)
+        if replays.replays(name):
+            raise Problem(
+                409,
+                "recording-replayed",
+                f"{name} is being replayed: end the replay first, with DELETE /api/v1/recordings/{name}/replay.",
+            )
+        if played is not None and await _on_disk(_same, path, played):
+            raise Problem(409, "recording-replayed", f"{name} is what this console replays: end the replay first.")
         try:
             await _on_disk(catalog.delete, name)
         except FileNotFoundError:
@@ -226,6 +235,13 @@ def recordings_router(system: System, replays: Replays) -> APIRouter:
             raise Problem(409, "recording-exists", f"There is a recording called {name} already; choose another name.")
 
     return router
+
+
+def _same(path: FilePath, other: FilePath) -> bool:
+    try:
+        return path.samefile(other)
+    except FileNotFoundError:
+        return False
 
 
 def _recording_json(recording: Recording, report: RecorderReport) -> dict[str, Any]:

@@ -409,9 +409,12 @@ async def test_a_replay_is_reached_as_this_console_is(client: httpx.AsyncClient,
     assert started.status_code == 201
     assert started.json() == {"name": "tour", "url": "http://localhost:4711/#token=secret"}
     assert (await listed(client))["replay"] == {"name": "tour", "url": "http://127.0.0.1:4711/#token=secret"}
+    refused = is_problem(await client.delete("/recordings/tour"), 409, "recording-replayed")
+    assert "DELETE /api/v1/recordings/tour/replay" in refused["detail"]
     assert (await client.delete("/recordings/tour/replay")).status_code == 204
     assert (await listed(client))["replay"] is None
     is_problem(await client.delete("/recordings/tour/replay"), 404, "no-such-replay")
+    assert (await client.delete("/recordings/tour")).status_code == 204
 
 
 async def test_a_replay_ends_with_its_console(app: FastAPI, tour: bytes) -> None:
