@@ -16,7 +16,7 @@ HEAD = """\
 The last full run of `hbba bench --markdown docs/benchmarks.md` ({date}). Ours and the peer's run in turn, in the same
 run on the same machine; *ours* and *peer* are medians, *ours/peer* is the median over the rounds where both ran, and
 *spread* is the interquartile range of ours over its median. Absolute figures are those of this machine and its other
-work: trust the ratios.
+work: trust the ratios. Of throughput and of *times real time* more is better, of times and CPU less.
 
 - Machine: {machine}
 - Versions: {versions}
