@@ -5,7 +5,9 @@ from __future__ import annotations
 import asyncio
 import errno
 import os
+import threading
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -13,7 +15,7 @@ from app.messages import EventRecord, Odometry
 from app.recording.control import RecorderUnavailable
 from app.recording.library import RecordingLibrary
 from app.recording.log import LogError
-from app.recording.ring import Ring
+from app.recording.ring import Hold, Ring
 from app.recording.ring_folder import leftovers
 from tests.recording.disks import BEGIN, MANIFEST, Disk, encoder, odometry
 
@@ -180,16 +182,29 @@ async def test_a_recording_that_takes_the_rings_place_throws_nothing_away(
     assert await asyncio.to_thread(leftovers, robot.library.ring_folder) == []
 
 
-async def test_a_saving_under_way_is_not_robbed_by_the_recording_that_follows(tmp_path: Path, disk: Disk) -> None:
+async def test_a_saving_under_way_is_not_robbed_by_the_recording_that_follows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun, go_on, save = threading.Event(), threading.Event(), Hold.save
+
+    def slow(*args: Any) -> Path:
+        begun.set()
+        assert go_on.wait(20)
+        return save(*args)
+
+    monkeypatch.setattr(Hold, "save", slow)
     async with Robot(tmp_path) as robot:
         await turning(robot)
-        disk.unblock.clear()
         saving = asyncio.create_task(robot.control.save_ring(name="seen"))
-        async with asyncio.timeout(20):
-            while not disk.waiting:  # noqa: ASYNC110  # the writer's thread is in the middle of it
-                await asyncio.sleep(0)
+        assert await asyncio.to_thread(begun.wait, 20)
         robot.desire(name="over")
-        disk.unblock.set()
+        async with asyncio.timeout(20):
+            while not await asyncio.to_thread(leftovers, robot.library.ring_folder):
+                await robot.statuses.receive()
+        # The ring has ended, and time goes by in which it could be taken away.
+        ended = robot.clock.now()
+        await robot.until(lambda status: status.stamp > ended + 0.3)
+        go_on.set()
         assert await saving == "seen"
         async with asyncio.timeout(20):
             while len(found := await asyncio.to_thread(files, tmp_path)) < 3:
