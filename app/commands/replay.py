@@ -40,8 +40,10 @@ def add_parser(subparsers: Any) -> None:
     )
     parser.add_argument("file", metavar="FILE", help="a log, or the name of one of your recordings")
     parser.add_argument(
-        "--speed", type=_speed, metavar="X", help="times real time, or max (default: 1 with the console, else max)"
-    )
+        "--speed", type=_speed, metavar="X",
+        help="times real time: 0.1 to 20 with the console, 0.1 to 100 without; or max (default: 1 with the console, "
+        "else max)",
+    )  # fmt: skip
     parser.add_argument("--from", dest="begin", type=moment, metavar="T", help="begin here (default: the log's begin)")
     parser.add_argument("--to", dest="end", type=moment, metavar="T", help="end here (default: the log's end)")
     parser.add_argument("--only", type=names, metavar="A,B", help="run only these modules; the rest comes from the log")
@@ -204,6 +206,8 @@ async def _live(
             for task in tasks:
                 task.cancel()
             await asyncio.gather(*tasks, return_exceptions=True)
+            if replay.recorded:
+                print(f"recorded as {replay.recorded}")
 
 
 async def _failed(replay: Replay) -> None:

@@ -21,6 +21,8 @@ def print_report(report: ReplayReport, console: Console | None = None) -> None:
         console.print(table)
     took = f"{report.log_s:.1f} s of {report.file.name} in {report.wall_s:.1f} s"
     console.print(f"{took}: {report.times_real_time:.1f} times real time", highlight=False, markup=False)
+    if report.recorded:
+        console.print(f"recorded as {report.recorded}", highlight=False, markup=False)
 
 
 def _channels(report: ReplayReport) -> Table:

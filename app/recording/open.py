@@ -9,6 +9,7 @@ from pathlib import Path
 
 from app.recording.foreign.remap import Remap, RemapError
 from app.recording.log import Log, LogError
+from app.recording.mcap_file import is_being_written
 from app.recording.mcap_layout import CHANNEL, FACTS, NAME
 from app.recording.mcap_reading import DAMAGE, MAGIC, RECORD_HEAD, is_closed
 
@@ -96,6 +97,8 @@ def _mcap(path: Path, head: bytes, remap: Remap | None) -> Log:
             raise LogError(f"{path}: is an MCAP file without its end; hbba log repair {path} saves what is whole in it")
         return _ros(path, remap)
     if not whole:
+        if is_being_written(path):
+            raise LogError(f"{path}: is still being recorded; stop that first")
         raise LogError(
             f"{path}: was not closed, since its writer was stopped; make it whole with: hbba log repair {path}"
         )

@@ -104,6 +104,7 @@ async def _relive(replay: Replay, journal: _Journal, speed: float | None) -> Rep
                 notes=tuple(replay.notes()),
                 wall_s=time.monotonic() - wall,
                 cpu_s=time.process_time() - cpu,
+                recorded=replay.recorded,
             )
 
 

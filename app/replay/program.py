@@ -152,10 +152,7 @@ def _modules(
     everything = configuration.program.modules
     for name in options.only or ():
         if name not in everything:
-            raise ConfigError(
-                f"there is no module {name!r}; {suggestion(name, list(everything))}",
-                configuration.program_document.file,
-            )
+            raise ConfigError(f"there is no module {name!r}; {suggestion(name, list(everything))}", "--only")
     kept: dict[str, ModuleSpec] = {}
     left_out: dict[str, str] = {}
     for name, spec in everything.items():

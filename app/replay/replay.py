@@ -10,7 +10,7 @@ from types import TracebackType
 
 from app.attention.desires import InvalidDesire, Source
 from app.errors import ConfigError
-from app.messages import DesiresRecord
+from app.messages import DesiresRecord, RecorderStatus
 from app.modules.recording.recorder import Recorder
 from app.recording.control import RECORD
 from app.recording.damage import missing
@@ -49,6 +49,8 @@ class Replay:
         self._folder = TemporaryDirectory(prefix="hbba-replay-")
         self._stack = AsyncExitStack()
         self._recording: str | None = None
+        #: What the recording of the replay is called, once it is begun.
+        self.recorded = ""
         try:
             ids = CountedIds()
             # Which inputs a module has is known once it stands; without those that would hear nothing, again.
@@ -146,7 +148,7 @@ class Replay:
                 filters.pin(name, Pin(divisor, offset))
             filters.delay(offset)
         except (KeyError, ValueError) as failure:
-            raise ConfigError(str(failure.args[0]), self.program.configuration.program_document.file) from None
+            raise ConfigError(str(failure.args[0]), "--phi") from None
 
     def _connect(self, stack: AsyncExitStack) -> None:
         """Have the channels that nobody here produces, and desires, come from the log."""
@@ -171,9 +173,15 @@ class Replay:
         finally:
             end()
 
+    def _note_recording(self, status: RecorderStatus) -> None:
+        self.recorded = status.name or self.recorded
+
     def _record(self) -> None:
         if self.options.record is None:
             return
+        for channel in self.system.graph.channels.values():
+            if channel.message_type is RecorderStatus:
+                channel.observe(self._note_recording)
         try:
             self._recording = self.system.workspace.add(
                 RECORD,

@@ -72,6 +72,8 @@ class ReplayReport:
     notes: tuple[str, ...]
     wall_s: float
     cpu_s: float
+    #: What the recording of the replay is called; "" where it was not recorded.
+    recorded: str = ""
 
     @property
     def log_s(self) -> float:

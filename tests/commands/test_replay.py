@@ -15,11 +15,15 @@ from pathlib import Path
 
 import pytest
 
+from app import paths
 from app.cli import main
 from app.commands.arguments import find_log, moment, names, number, whole
 from app.commands.replay import _phi, _speed
+from app.config import load_configuration
 from app.errors import ConfigError
 from app.recording.damage import place
+from app.recording.mcap_file import McapFile
+from app.recording.ros.encoder import Encoder
 from tests.replay.logs import BEGIN, damage, lab_manifest, lab_messages, write_log
 
 pytestmark = pytest.mark.blocking(reason="the virtual loop waits for threads by design")
@@ -91,6 +95,9 @@ def test_a_replay_can_be_recorded_and_replayed_by_its_name(
     monkeypatch.setenv("HBBA_RECORDINGS", str(tmp_path))
     assert main(["replay", str(recording), "--headless", "--record", "again"]) == 0
     assert (tmp_path / "again.mcap").is_file()
+    assert capsys.readouterr().out.splitlines()[-1] == "recorded as again"
+    assert main(["replay", str(recording), "--headless", "--record", "again"]) == 0
+    assert capsys.readouterr().out.splitlines()[-1] == "recorded as again-2"
     told = tmp_path / "told.json"
     assert main(["replay", "again", "--headless", "--json", str(told)]) == 0
     assert json.loads(told.read_text())["channels"]["odometry"]["messages"] == 150
@@ -101,8 +108,8 @@ def test_a_replay_can_be_recorded_and_replayed_by_its_name(
     [
         (["nowhere.mcap", "--headless"], "no file nowhere.mcap, and no recording of that name"),
         (["../../etc/x", "--headless"], "no file ../../etc/x"),
-        (["{log}", "--headless", "--only", "QRCodeDetecter"], "did you mean 'QRCodeDetector'"),
-        (["{log}", "--headless", "--phi", "QRCodeDetector.image=2"], "no filter 'QRCodeDetector.image'"),
+        (["{log}", "--headless", "--only", "QRCodeDetecter"], "--only: there is no module 'QRCodeDetecter'; did you"),
+        (["{log}", "--headless", "--phi", "QRCodeDetector.image=2"], "--phi: no filter 'QRCodeDetector.image'"),
         (["{log}", "--headless", "--from", "9"], "the log has"),
         (["{log}", "--headless", "--from", "2", "--to", "1"], "must be later"),
         (["{log}", "--json", "x.json"], "add --headless"),
@@ -117,6 +124,7 @@ def test_a_mistake_is_one_sentence(
     assert main(["replay", *(argument.format(**places) for argument in arguments)]) == 2
     errors = capsys.readouterr().err
     assert words in errors
+    assert "hbba-replay-" not in errors
     assert errors.startswith("hbba replay: ")
     assert "Traceback" not in errors
 
@@ -128,6 +136,20 @@ def test_an_unfinished_recording_says_what_helps(
     cut.write_bytes(recording.read_bytes()[:-500])
     assert main(["replay", str(cut), "--headless"]) == 2
     assert "hbba log repair" in capsys.readouterr().err
+
+
+def test_a_recording_in_progress_is_said_to_be(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "now.mcap"
+    file = McapFile(path, Encoder(load_configuration(paths.config_dir() / "lab.yaml").channels), lab_manifest(), BEGIN)
+    assert main(["replay", str(path), "--headless"]) == 2
+    assert "now.mcap: is still being recorded; stop that first" in capsys.readouterr().err
+    file.close()
+
+
+def test_the_range_of_speeds_is_said(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["replay", "--help"])
+    assert "0.1 to 20 with the console, 0.1 to 100 without" in " ".join(capsys.readouterr().out.split())
 
 
 def test_times_speeds_and_divisors_as_people_write_them() -> None:
