@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Coroutine, Set
+from collections.abc import Callable, Coroutine, Mapping, Sequence, Set
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
 
@@ -19,7 +19,7 @@ from app.messages import (
     OperatorDrive,
     Twist,
 )
-from app.recording.log import Log, Logged
+from app.recording.log import Indexed, Log, Logged
 from app.replay.past import ACCUMULATED, Past
 from app.replay.replay_body import ReplayBody
 from app.runtime.replay_clock import ReplayClock
@@ -56,6 +56,9 @@ class Places:
         #: What the recording tells of its attention in the minute before the last jump: the messages of
         #: ``OF_ATTENTION``, in order, from those that stood when that minute began.
         self.attention: list[Any] = []
+        self._log = log
+        #: When channels spoke in that minute, where the recording's index tells (see ``Indexed``).
+        self.spoken: Mapping[str, Sequence[tuple[float, float]]] | None = None
 
     def open(self) -> None:
         """Be ready to read."""
@@ -134,6 +137,8 @@ class Places:
         """What modules that begin at ``position`` must know at once, what was desired there, and attention before."""
         past = self._past
         attention = [logged.message for logged in past.since(position - ATTENTION_S, position, OF_ATTENTION)]
+        if isinstance(self._log, Indexed):
+            self.spoken = self._log.spoken(position - ATTENTION_S, position)
         return past.of_types(ACCUMULATED, position), past.of_types((DesiresRecord,), position), attention
 
     def _scene(self, position: float, channels: Set[str]) -> list[Logged]:

@@ -172,6 +172,15 @@ class Playback:
         and Divisors in their order, first those that stood when that minute began."""
         return self._places.attention
 
+    def spoke(self, channel: str, begin: float, end: float) -> bool:
+        """Whether ``channel`` said anything from ``begin`` to ``end`` (s), in the minute before the last jump.
+
+        True where the recording cannot tell without being gone through.
+        """
+        if (spoken := self._places.spoken) is None:
+            return True
+        return any(first <= end and last >= begin for first, last in spoken.get(channel, ()))
+
     # --- What it can be told -----------------------------------------------------------------------------------------
 
     def play(self) -> None:

@@ -13,11 +13,12 @@ from mcap.writer import Writer
 
 from app.messages import Image
 from app.recording import mcap_layout, mcap_log
-from app.recording.log import Log, LogError, Logged
+from app.recording.log import Indexed, Log, LogError, Logged
 from app.recording.manifest import YAML, AttachedFile, Manifest
 from app.recording.mcap_log import McapLog
 from tests.recording.mcap_files import BEGIN, CHANNELS, drive, spec, write_log
 from tests.recording.ros.messages import same
+from tests.replay import logs
 
 
 @pytest.fixture(scope="module")
@@ -243,8 +244,26 @@ def test_a_damaged_chunk_is_said_with_its_place_and_what_helps(
     path = tmp_path / "damaged.mcap"
     path.write_bytes(data)
     log = McapLog(path)
-    with pytest.raises(LogError, match=r"damaged\.mcap is damaged: .* from 0:0\d\.\d cannot be read\. `hbba log repair"):
+    with pytest.raises(
+        LogError, match=r"damaged\.mcap is damaged: .* from 0:0\d\.\d cannot be read\. `hbba log repair"
+    ):
         list(log.messages())
+    log.close()
+
+
+def test_when_channels_spoke_is_known_without_reading(tmp_path: Path) -> None:
+    messages = logs.lab_messages(4.0)
+    log = McapLog(logs.write_log(tmp_path / "lab.mcap", messages, logs.lab_manifest()))
+    assert isinstance(log, Indexed)
+    spoken = log.spoken(logs.BEGIN, logs.BEGIN + 4.0)
+    assert set(spoken) == {logged.channel for logged in messages}
+    for logged in messages:
+        assert any(begin - 1e-6 <= logged.at <= end + 1e-6 for begin, end in spoken[logged.channel])
+    driven = [logged.at for logged in messages if logged.channel == "operator_drive"]
+    assert not any(begin > driven[-1] or end < driven[0] for begin, end in spoken["operator_drive"])
+    assert spoken["operator_drive"][0] == pytest.approx((driven[0], driven[-1]))
+    assert len(spoken["odometry"]) == 1
+    assert "operator_drive" not in log.spoken(logs.BEGIN + 3.5, logs.BEGIN + 4.0)
     log.close()
 
 

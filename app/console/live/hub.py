@@ -98,7 +98,7 @@ class Hub:
     def _on_jump(self, position: float) -> None:
         self.link_status = None
         assert self._playback is not None
-        self._sampler.begin_anew(position, self._playback.attention)
+        self._sampler.begin_anew(position, self._playback.attention, self._playback.spoke)
         self._new_events.clear()
         jump = encode_text({"type": "jump", "stamp": position})
         frames = {kind: frame for kind, frame in self._standing_frames().items() if kind != "load"}

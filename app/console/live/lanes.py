@@ -112,6 +112,13 @@ class LaneSampler:
         """The filters (``Module.port``) that the lanes tell of."""
         return self._windows.keys()
 
+    def channel(self, name: str) -> str | None:
+        """The channel that the filter ``Module.port`` is on; None where nothing is connected."""
+        module, _, port = name.partition(".")
+        context = self._graph.modules[module].context
+        end = context.inputs[port] if port in context.inputs else context.outputs[port]
+        return None if end.channel is None else end.channel.name
+
     def rows(
         self,
         strongest: Mapping[str, Wanted],

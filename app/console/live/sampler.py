@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from app.console import reports
 from app.console.live import lane_history
 from app.console.live.lanes import LaneSampler
-from app.console.live.recorded_lanes import recorded_lanes
+from app.console.live.recorded_lanes import Spoke, recorded_lanes
 from app.console.playback import rate
 from app.console.wire import encode_text
 from app.messages import Exploitation, Landmarks, LinkStatus, Odometry
@@ -93,12 +93,13 @@ class Sampler:
             due = min(max(due, now - lane_history.PERIOD_S), now) + lane_history.PERIOD_S
             await clock.sleep_until(due)
 
-    def begin_anew(self, stamp: float, attention: Sequence[Any]) -> None:
-        """Time has jumped to ``stamp``: the past is now what the recording tells of its ``attention`` before."""
+    def begin_anew(self, stamp: float, attention: Sequence[Any], spoke: Spoke) -> None:
+        """Time has jumped to ``stamp``: the past is now what the recording tells of its ``attention`` before, and of
+        when channels ``spoke``."""
         self._lanes.forget()
         self._history.forget()
         begin = stamp - RECORDED_S
-        for at, rows in recorded_lanes(self._lanes, attention, begin, stamp, lane_history.PERIOD_S):
+        for at, rows in recorded_lanes(self._lanes, attention, begin, stamp, lane_history.PERIOD_S, spoke):
             self._history.add(at, rows)
         self._exploitation = None
         self._odometry = None

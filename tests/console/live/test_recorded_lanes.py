@@ -62,6 +62,25 @@ def test_what_was_desired_and_let_through_is_told_from_when_it_was_so(lanes: Lan
     assert lane(told[10.5], "Teleoperation")["rate"] == 0.0
 
 
+def test_where_a_channel_did_not_speak_nothing_was_offered(lanes: LaneSampler) -> None:
+    records = [
+        DesiresRecord(5.0, (wish("Teleoperation", 4, 4),)),
+        intention(5.0, ("drive-by-hand",), (ReasonRecord("Teleoperation", "fulfilled", 4, 4, 4, "at its best"),)),
+        Divisors(5.0, ("Teleop.twist",), (1.0,)),
+    ]
+    channel = lanes.channel("Teleop.twist")
+    asked = []
+
+    def spoke(name: str, begin: float, end: float) -> bool:
+        asked.append(name)
+        return name != channel or begin <= 10.2 <= end
+
+    told = dict(recorded_lanes(lanes, records, 9.0, 13.0, 0.5, spoke))
+    assert channel in asked
+    rates = {stamp: lane(rows, "Teleoperation")["rate"] for stamp, rows in told.items()}
+    assert rates == {9.0: None, 9.5: None, 10.0: None, 10.5: 1.0, 11.0: 1.0, 11.5: None, 12.0: None, 12.5: None}
+
+
 def test_before_the_first_record_nothing_is_told(lanes: LaneSampler) -> None:
     assert list(recorded_lanes(lanes, [], 0.0, 60.0, 0.5)) == []
     told = list(recorded_lanes(lanes, [DesiresRecord(58.3, ())], 0.0, 60.0, 0.5))
