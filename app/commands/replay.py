@@ -97,7 +97,7 @@ def run(args: argparse.Namespace) -> int:
             return _with_console(args, log, options, opened, stack)
     except (LinkFailed, LogError) as failure:
         print(f"hbba replay: {failure}", file=sys.stderr)
-        return 1 if isinstance(failure, LinkFailed) else 2
+        return 2
 
 
 def _options(args: argparse.Namespace, log: Log) -> ReplayOptions:
@@ -152,7 +152,7 @@ def _with_console(
 ) -> int:
     from app.console.security import check_token, is_loopback, new_token
     from app.console.server import listen
-    from app.replay.playback import FASTEST
+    from app.replay.playback_state import FASTEST
     from app.replay.replay import Replay
     from app.runtime.replay_clock import ReplayClock
 

@@ -6,14 +6,14 @@ import asyncio
 import logging
 from collections.abc import Callable, Iterable, Sequence, Set
 from contextlib import ExitStack
-from dataclasses import dataclass
 from functools import partial
-from typing import Any, Literal, TypeVar
+from typing import Any, TypeVar
 
 from app.attention.intention import Intention
 from app.recording.damage import LogDamaged, missing
 from app.recording.log import Log, LogError, LogInfo
 from app.replay.places import Places
+from app.replay.playback_state import Phase, PlaybackState, checked_speed
 from app.replay.replay_body import ReplayBody
 from app.runtime.filter import CLOSED
 from app.runtime.replay_clock import ReplayClock
@@ -21,29 +21,7 @@ from app.system import System
 
 T = TypeVar("T")
 
-Phase = Literal["playing", "paused", "ended", "seeking"]
-
-SLOWEST = 0.1
-FASTEST = 20.0
-
 log = logging.getLogger("hbba.playback")
-
-
-@dataclass(frozen=True, slots=True)
-class PlaybackState:
-    """Where playback is. ``position``, ``begin`` and ``end``: robot's clock (s); ``speed`` None: as fast as possible.
-
-    ``playing``: time goes on now or will after the seek under way. ``problem``: what cannot be read here, in words, why
-    it stands; "" where all is well.
-    """
-
-    position: float
-    begin: float
-    end: float
-    speed: float | None
-    playing: bool
-    phase: Phase
-    problem: str = ""
 
 
 class Playback:
@@ -396,13 +374,6 @@ class Playback:
             await self._places.show(channels, lambda: self._playing or bool(self._steps) or self._target is not None)
         except LogError as failure:
             log.error("cannot show what stands here: %s", failure)
-
-
-def checked_speed(speed: float | None) -> float | None:
-    """``speed`` if it may be. Raises ValueError saying what is allowed."""
-    if speed is not None and not SLOWEST <= speed <= FASTEST:
-        raise ValueError(f"a speed is from {SLOWEST:g} to {FASTEST:g}, or none for as fast as possible, not {speed!r}")
-    return speed
 
 
 def _listed(observers: list[T], callback: T) -> Callable[[], None]:

@@ -8,7 +8,8 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 
 from app.recording.log import Log
-from app.replay.playback import Playback, PlaybackState
+from app.replay.playback import Playback
+from app.replay.playback_state import PlaybackState
 from app.replay.replay import Replay
 from app.runtime.replay_clock import ReplayClock
 

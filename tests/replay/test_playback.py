@@ -17,7 +17,7 @@ from app.messages import Image, Landmark, Landmarks
 from app.recording.damage import place
 from app.recording.log import Log, LogError, Logged
 from app.recording.mcap_log import McapLog
-from app.replay.playback import checked_speed
+from app.replay.playback_state import checked_speed
 from app.replay.replay import Replay
 from app.runtime.replay_clock import ReplayClock
 from tests.replay.logs import BEGIN, MemoryLog, damage, lab_log, lab_manifest, lab_messages, write_log
