@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -13,6 +15,8 @@ from app.console.app import create_app
 from app.console.live.hub import Hub
 from app.system import System
 from tests.console.program import Body, build, served, write_page
+from tests.console.scripted_recorder import ScriptedRecorder
+from tests.replay.playing import Played, played
 
 
 @pytest.fixture
@@ -66,5 +70,29 @@ async def client(app: FastAPI) -> AsyncIterator[httpx.AsyncClient]:
 @pytest.fixture
 async def url(app: FastAPI) -> AsyncIterator[str]:
     """The console really served."""
+    async with served(app) as url:
+        yield url
+
+
+@pytest.fixture
+def recorder(system: System) -> ScriptedRecorder:
+    """The Recorder at work."""
+    module = system.graph.modules["Recorder"].module
+    assert isinstance(module, ScriptedRecorder)
+    return module
+
+
+@pytest.fixture
+async def play(prepared: Any) -> AsyncIterator[Played]:
+    """The recording that a test calls ``prepared``, standing at its beginning."""
+    async with played(prepared) as play:
+        yield play
+
+
+@pytest.fixture
+async def replay_url(play: Played, tmp_path: Path) -> AsyncIterator[str]:
+    """Its console."""
+    static = await asyncio.to_thread(write_page, tmp_path)
+    app = create_app(play.replay.system, static_dir=static, early_view=False, playback=play.playback)
     async with served(app) as url:
         yield url

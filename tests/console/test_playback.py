@@ -33,25 +33,9 @@ def prepared() -> Any:
 
 
 @pytest.fixture
-async def play(prepared: Any) -> AsyncIterator[Played]:
-    """... standing at the beginning."""
-    async with played(prepared) as play:
-        yield play
-
-
-@pytest.fixture
-async def url(play: Played, tmp_path: Path) -> AsyncIterator[str]:
-    """Its console."""
-    static = await asyncio.to_thread(write_page, tmp_path)
-    app = create_app(play.replay.system, static_dir=static, early_view=False, playback=play.playback)
-    async with served(app) as url:
-        yield url
-
-
-@pytest.fixture
-async def rest(url: str) -> AsyncIterator[httpx.AsyncClient]:
+async def rest(replay_url: str) -> AsyncIterator[httpx.AsyncClient]:
     """REST."""
-    async with httpx.AsyncClient(base_url=f"{url}/api/v1", timeout=10) as client:
+    async with httpx.AsyncClient(base_url=f"{replay_url}/api/v1", timeout=10) as client:
         yield client
 
 
@@ -62,8 +46,8 @@ async def patch(rest: httpx.AsyncClient, **change: Any) -> dict[str, Any]:
     return told
 
 
-async def test_a_page_is_told_what_it_sees(url: str, rest: httpx.AsyncClient) -> None:
-    async with page(url) as ann:
+async def test_a_page_is_told_what_it_sees(replay_url: str, rest: httpx.AsyncClient) -> None:
+    async with page(replay_url) as ann:
         hello = await ann.until("hello")
         told = (await rest.get("/playback")).json()
         assert told == {
@@ -76,8 +60,8 @@ async def test_a_page_is_told_what_it_sees(url: str, rest: httpx.AsyncClient) ->
         assert await ann.until("playback") == {"type": "playback", **told}
 
 
-async def test_it_plays_and_stands_and_the_page_lives_on(url: str, rest: httpx.AsyncClient) -> None:
-    async with page(url) as ann:
+async def test_it_plays_and_stands_and_the_page_lives_on(replay_url: str, rest: httpx.AsyncClient) -> None:
+    async with page(replay_url) as ann:
         await patch(rest, playing=True)
         first = await ann.until("playback", lambda m: m["playing"])
         later = [await ann.until("playback") for _ in range(5)]
@@ -100,8 +84,8 @@ async def test_it_plays_and_stands_and_the_page_lives_on(url: str, rest: httpx.A
         assert (await rest.get("/playback")).json()["position"] == told["position"]
 
 
-async def test_speed_and_end(url: str, rest: httpx.AsyncClient) -> None:
-    async with page(url) as ann:
+async def test_speed_and_end(replay_url: str, rest: httpx.AsyncClient) -> None:
+    async with page(replay_url) as ann:
         began = time.monotonic()
         await patch(rest, playing=True, speed=20)
         ended = await ann.until("playback", lambda m: m["phase"] == "ended")
@@ -130,8 +114,8 @@ async def after_jump(ann: Page, stamp: float) -> dict[str, list[dict[str, Any]]]
     return found
 
 
-async def test_lanes_landmarks_and_pose_follow_a_seek_forth_and_back(url: str, rest: httpx.AsyncClient) -> None:
-    async with page(url) as ann:
+async def test_lanes_landmarks_and_pose_follow_a_seek_forth_and_back(replay_url: str, rest: httpx.AsyncClient) -> None:
+    async with page(replay_url) as ann:
         await patch(rest, playing=True, speed=20)
         await ann.until("playback", lambda m: m["position"] > BEGIN + 3)
         for position, classes in ((BEGIN + 2.5, {"script", "ada"}), (BEGIN + 0.4, set()), (BEGIN + 4.0, {"script"})):
@@ -160,18 +144,18 @@ async def test_lanes_landmarks_and_pose_follow_a_seek_forth_and_back(url: str, r
             assert came == ([pytest.approx(BEGIN + 2.0, abs=0.5)] if position > BEGIN + 2 else [])
 
 
-async def test_a_page_that_comes_while_time_stands_sees_the_scene(url: str, rest: httpx.AsyncClient) -> None:
+async def test_a_page_that_comes_while_time_stands_sees_the_scene(replay_url: str, rest: httpx.AsyncClient) -> None:
     await patch(rest, position=BEGIN + 1.5)
-    async with page(url) as ann:
+    async with page(replay_url) as ann:
         assert len(await ann.picture()) > 500
         status = await ann.until("status", lambda m: m["odometry"] is not None)
         assert status["stamp"] == BEGIN + 1.5
-    async with page(url, "Bob") as bob:
+    async with page(replay_url, "Bob") as bob:
         assert len(await bob.picture()) > 500, "and so does the next"
 
 
-async def test_steps(url: str, rest: httpx.AsyncClient) -> None:
-    async with page(url) as ann:
+async def test_steps(replay_url: str, rest: httpx.AsyncClient) -> None:
+    async with page(replay_url) as ann:
         await patch(rest, position=BEGIN + 4.0)
         positions = [(await rest.post("/playback/step")).json()["position"] for _ in range(3)]
         assert positions == pytest.approx([BEGIN + 4.027, BEGIN + 4.127, BEGIN + 4.227], abs=1e-5)
@@ -180,18 +164,18 @@ async def test_steps(url: str, rest: httpx.AsyncClient) -> None:
         assert (await ann.until("status", lambda m: m["stamp"] == positions[-1]))["odometry"]["x"] > 0.42
 
 
-async def test_dragging_is_answered_once_it_is_there(url: str, rest: httpx.AsyncClient) -> None:
-    async with page(url) as ann:
+async def test_dragging_is_answered_once_it_is_there(replay_url: str, rest: httpx.AsyncClient) -> None:
+    async with page(replay_url) as ann:
         answers = await asyncio.gather(*(patch(rest, position=BEGIN + i / 10) for i in range(1, 40)))
         assert {answer["position"] for answer in answers} == {BEGIN + 3.9}
         assert (await rest.get("/playback")).json()["position"] == BEGIN + 3.9
         await ann.until("jump", lambda m: m["stamp"] == BEGIN + 3.9)
 
 
-async def test_nobody_drives_or_stops_a_recording(url: str, rest: httpx.AsyncClient, play: Played) -> None:
+async def test_nobody_drives_or_stops_a_recording(replay_url: str, rest: httpx.AsyncClient, play: Played) -> None:
     hands = play.replay.system.graph.channels["operator_drive"]
     before = hands.published
-    async with page(url) as ann:
+    async with page(replay_url) as ann:
         for kind, content in (
             ("drive", {"seq": 1, "held": True, "linear": 0.5, "angular": 0.0}),
             ("take_control", {}),
@@ -246,7 +230,7 @@ async def test_what_is_played_is_not_deleted_under_it(tmp_path: Path, monkeypatc
     async with played(recording, past=past) as play:
         static = await asyncio.to_thread(write_page, tmp_path)
         app = create_app(play.replay.system, static_dir=static, early_view=False, playback=play.playback)
-        async with served(app) as url, httpx.AsyncClient(base_url=f"{url}/api/v1") as rest:
+        async with served(app) as replay_url, httpx.AsyncClient(base_url=f"{replay_url}/api/v1") as rest:
             refused = await rest.delete("/recordings/tour")
             assert refused.status_code == 409
             assert refused.json()["type"] == "urn:hbba:problem:recording-replayed"
@@ -262,7 +246,7 @@ async def test_a_recording_without_pictures_or_a_robots_name_says_so(tmp_path: P
     async with played(recording) as play:
         static = await asyncio.to_thread(write_page, tmp_path)
         app = create_app(play.replay.system, static_dir=static, early_view=False, playback=play.playback)
-        async with served(app) as url, page(url) as ann:
+        async with served(app) as replay_url, page(replay_url) as ann:
             hello = await ann.until("hello")
     assert hello["channels"] == {"camera": False}
     assert hello["robot"]["name"] == "memory.mcap (memory)"
@@ -280,7 +264,11 @@ async def test_a_damaged_part_is_told_and_everything_goes_on(tmp_path: Path) -> 
     async with played(recording, past=past) as play:
         static = await asyncio.to_thread(write_page, tmp_path)
         app = create_app(play.replay.system, static_dir=static, early_view=False, playback=play.playback)
-        async with served(app) as url, page(url) as ann, httpx.AsyncClient(base_url=f"{url}/api/v1") as rest:
+        async with (
+            served(app) as replay_url,
+            page(replay_url) as ann,
+            httpx.AsyncClient(base_url=f"{replay_url}/api/v1") as rest,
+        ):
             await patch(rest, speed=10.0, playing=True)
             told = await ann.until("playback", lambda m: m["problem"] is not None)
             assert re.fullmatch(r"\d\.\d s from 0:0\d\.\d cannot be read", told["problem"])
@@ -294,23 +282,27 @@ async def test_a_damaged_part_is_told_and_everything_goes_on(tmp_path: Path) -> 
         log.close()
 
 
-async def test_every_example_of_the_document_works(url: str) -> None:
+async def test_every_example_of_the_document_works(replay_url: str) -> None:
     text = await asyncio.to_thread((DOCS / "rest.md").read_text, "utf-8")
     script = "\n".join(re.findall(r"```bash\n(.*?)```", text, re.DOTALL))
     assert script.count("/playback") >= 5
     process = await asyncio.create_subprocess_exec(
-        "sh", "-euc", f"HBBA={url}/api/v1\n{script}", stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.PIPE
+        "sh",
+        "-euc",
+        f"HBBA={replay_url}/api/v1\n{script}",
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.PIPE,
     )
     out, err = await process.communicate()
     assert process.returncode == 0, err.decode()
     assert b'"phase":"paused"' in out
 
 
-async def test_every_field_is_described(url: str, rest: httpx.AsyncClient) -> None:
+async def test_every_field_is_described(replay_url: str, rest: httpx.AsyncClient) -> None:
     text = await asyncio.to_thread((DOCS / "live-stream.md").read_text, "utf-8")
     section = text.split("## On a recording\n")[1].split("\n## ")[0]
     rows = dict(re.findall(r"^\| `(\w+)` \| (.*) \|$", section, flags=re.MULTILINE))
-    async with page(url) as ann:
+    async with page(replay_url) as ann:
         _, playback, jump = await asyncio.gather(
             patch(rest, position=BEGIN + 1), ann.until("playback"), ann.until("jump")
         )
@@ -327,7 +319,11 @@ def robot(tmp_path: Path) -> System:
 
 async def test_a_robot_has_no_transport(robot: System, tmp_path: Path) -> None:
     static = await asyncio.to_thread(write_page, tmp_path / "page")
-    async with robot, served(create_app(robot, static_dir=static, early_view=False)) as url, page(url) as ann:
+    async with (
+        robot,
+        served(create_app(robot, static_dir=static, early_view=False)) as url,
+        page(url) as ann,
+    ):
         hello = await ann.until("hello")
         assert hello["playback"] is None
         assert not hello["robot"]["replayed"]
@@ -341,13 +337,13 @@ async def test_a_robot_has_no_transport(robot: System, tmp_path: Path) -> None:
                 assert answer.json()["type"] == "urn:hbba:problem:not-a-replay"
 
 
-async def test_whoever_watches_changes_no_intention(play: Played, url: str) -> None:
+async def test_whoever_watches_changes_no_intention(play: Played, replay_url: str) -> None:
     """One more desire would make other intentions than the robot had: the pictures come past attention."""
     system = play.replay.system
     before = system.translator.current
     closed = system.graph.filters.divisors()
     assert closed["CameraStream.images"] == math.inf
-    async with page(url) as ann:
+    async with page(replay_url) as ann:
         await ann.until("lanes")
         assert system.graph.filters.divisors()["CameraStream.images"] == 1
         assert system.graph.filters.divisors()["PointCloudBuilder.images"] == 1

@@ -21,14 +21,6 @@ def built(tmp_path: Path) -> tuple[System, Body]:
     return build(tmp_path, recorder=True)
 
 
-@pytest.fixture
-def recorder(system: System) -> ScriptedRecorder:
-    """The Recorder at work."""
-    module = system.graph.modules["Recorder"].module
-    assert isinstance(module, ScriptedRecorder)
-    return module
-
-
 async def test_a_newcomer_is_told_and_so_is_every_change(url: str, system: System, recorder: ScriptedRecorder) -> None:
     async with page(url) as ann, httpx.AsyncClient(base_url=f"{url}/api/v1") as client:
         first = await ann.until("recorder")

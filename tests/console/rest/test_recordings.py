@@ -28,14 +28,6 @@ def built(tmp_path: Path) -> tuple[System, Body]:
 
 
 @pytest.fixture
-def recorder(system: System) -> ScriptedRecorder:
-    """The Recorder at work."""
-    module = system.graph.modules["Recorder"].module
-    assert isinstance(module, ScriptedRecorder)
-    return module
-
-
-@pytest.fixture
 def tour(built: tuple[System, Body]) -> bytes:
     """A recording called ``tour`` lies in the folder."""
     path = built[0].recordings.path("tour")

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import math
-from collections.abc import AsyncIterator, Callable
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
 import pytest
 
-from app.console.app import create_app
-from tests.console.program import served, write_page
 from tests.console.view.test_relay import Viewer, looking, unpack
 from tests.replay.logs import BEGIN, lab_log
-from tests.replay.playing import Played, played, prepare
+from tests.replay.playing import Played, prepare
 
 pytestmark = pytest.mark.filterwarnings("default::DeprecationWarning")
 
@@ -23,22 +20,6 @@ pytestmark = pytest.mark.filterwarnings("default::DeprecationWarning")
 def prepared() -> Any:
     """Some seconds of the lab; somebody wanted the cloud from 1 s to 3 s."""
     return prepare(lab_log(5.0))
-
-
-@pytest.fixture
-async def play(prepared: Any) -> AsyncIterator[Played]:
-    """... standing at the beginning."""
-    async with played(prepared) as play:
-        yield play
-
-
-@pytest.fixture
-async def url(play: Played, tmp_path: Path) -> AsyncIterator[str]:
-    """Its console."""
-    static = await asyncio.to_thread(write_page, tmp_path)
-    app = create_app(play.replay.system, static_dir=static, early_view=False, playback=play.playback)
-    async with served(app) as url:
-        yield url
 
 
 async def told(viewer: Viewer, kind: str, node: str, field: str, holds: Callable[[Any], bool]) -> None:
@@ -61,9 +42,9 @@ async def gone(viewer: Viewer, metres: float) -> None:
     await told(viewer, "SetPositionMessage", "/odom", "position", lambda p: abs(math.hypot(p[0], p[1]) - metres) < 0.01)
 
 
-async def test_the_scene_follows_a_recording_forth_and_back(url: str, play: Played) -> None:
+async def test_the_scene_follows_a_recording_forth_and_back(replay_url: str, play: Played) -> None:
     await play.playback.seek(BEGIN + 1.5)
-    async with looking(url) as viewer:
+    async with looking(replay_url) as viewer:
         # Time stands: all of this is shown because somebody looks.
         await viewer.until(
             ("SetPositionMessage", "/odom"),
