@@ -154,3 +154,67 @@ class CameraModel:
         x = (pixels[..., 0] - self.cx) / self.fx * depth
         y = (pixels[..., 1] - self.cy) / self.fy * depth
         return np.stack((x, y, depth), axis=-1)
+
+    def rays(self, pixels: FloatArray) -> FloatArray:
+        """Unit vectors (..., 3) in the optical frame along which ``pixels`` (..., 2) look."""
+        x = (pixels[..., 0] - self.cx) / self.fx
+        y = (pixels[..., 1] - self.cy) / self.fy
+        rays = np.stack((x, y, np.ones_like(x)), axis=-1)
+        return np.asarray(rays / np.linalg.norm(rays, axis=-1, keepdims=True))
+
+
+@dataclass(frozen=True, slots=True)
+class FisheyeModel:
+    """An equidistant fisheye camera: the angle θ off the optical axis grows evenly from the image's middle outwards.
+
+    u = cx + fx θ cos φ and v = cy + fy θ sin φ, φ being the direction around the axis, from x (right) towards y (down);
+    ``fx`` and ``fy`` (px per rad) differ where the lens stretches the circle to fill the sensor. It is OpenCV's and
+    ROS's ``equidistant`` model (Kannala and Brandt, 2006) without higher terms. Nothing is seen beyond ``theta_max``
+    (rad). Pixels as in :class:`CameraModel`.
+    """
+
+    width: int
+    height: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    theta_max: float = math.pi / 2
+
+    @staticmethod
+    def from_fov(width: int, height: int, horizontal: float, vertical: float) -> FisheyeModel:
+        """A lens whose fields of view (full angles, rad) fill the image's width and height; the wider is its limit."""
+        return FisheyeModel(
+            width,
+            height,
+            width / horizontal,
+            height / vertical,
+            0.5 * (width - 1),
+            0.5 * (height - 1),
+            0.5 * max(horizontal, vertical),
+        )
+
+    def project(self, points: FloatArray) -> FloatArray:
+        """Pixels (..., 2) of ``points`` (..., 3) in the optical frame; NaN beyond ``theta_max``, and at the origin."""
+        across = np.hypot(points[..., 0], points[..., 1])
+        theta = np.arctan2(across, points[..., 2])
+        seen = (theta <= self.theta_max) & ((across > 0) | (points[..., 2] > 0))
+        # Towards the axis θ / sin θ goes to 1.
+        stretch = np.where(across > 0, theta / np.where(across > 0, across, 1.0), 0.0)
+        stretch = np.where(seen, stretch, np.nan)
+        return np.stack(
+            (self.fx * stretch * points[..., 0] + self.cx, self.fy * stretch * points[..., 1] + self.cy), axis=-1
+        )
+
+    def rays(self, pixels: FloatArray) -> FloatArray:
+        """Unit vectors (..., 3) in the optical frame along which ``pixels`` (..., 2) look; NaN beyond ``theta_max``."""
+        x = (pixels[..., 0] - self.cx) / self.fx
+        y = (pixels[..., 1] - self.cy) / self.fy
+        theta = np.hypot(x, y)
+        theta = np.where(theta <= self.theta_max, theta, np.nan)
+        shrink = np.sinc(theta / np.pi)
+        return np.stack((shrink * x, shrink * y, np.cos(theta)), axis=-1)
+
+    def back_project(self, pixels: FloatArray, distance: FloatArray) -> FloatArray:
+        """Points (..., 3) in the optical frame of ``pixels`` (..., 2) at ``distance`` (...), m along the ray."""
+        return np.asarray(self.rays(pixels) * np.asarray(distance)[..., None])

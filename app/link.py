@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from app.messages import Twist
+from app.messages import Audio, Twist
 
 
 class LinkFailed(Exception):
@@ -46,14 +46,17 @@ class RobotDescription:
     limits: BaseLimits
     streams: dict[str, StreamDescription]
     simulated: bool
+    #: Whether :meth:`RobotLink.play` is heard.
+    loudspeaker: bool = False
 
 
 class RobotLink(Protocol):
     """A body. All methods are called on the event loop and return at once unless they are ``async``.
 
     Streams every body has: ``odometry`` (Odometry), ``joints`` (JointState), ``status`` (LinkStatus). Sensor
-    streams depend on the body: ``kinect`` (Image with depth), ``hokuyo`` (LaserScan). ``ground_truth``
-    (GroundTruth) exists only in a simulated world whose configuration turns it on.
+    streams depend on the body: ``kinect`` (Image with depth), ``imv`` (Image, fisheye), ``camera`` (Image), ``hokuyo``
+    (LaserScan), ``microphones`` (Audio). ``ground_truth`` (GroundTruth) and ``scene_truth`` (SceneTruth) exist only in
+    a simulated world whose configuration turns them on.
     """
 
     @property
@@ -89,6 +92,13 @@ class RobotLink(Protocol):
 
     def command(self, twist: Twist) -> None:
         """Give the base a velocity; the guard lets it stand for 200 ms, clamps it and ramps towards it."""
+        ...
+
+    def play(self, audio: Audio) -> None:
+        """Play one frame of one channel through the loudspeaker, after those given before; a body without swallows it.
+
+        At most half a second waits to be played: of more, the oldest is dropped.
+        """
         ...
 
     def e_stop(self, reason: str) -> None:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
 
-from app.geometry import CameraModel, Pose2, Pose3, wrap_angle
+from app.geometry import CameraModel, FisheyeModel, Pose2, Pose3, wrap_angle
 
 angles = st.floats(-1e4, 1e4)
 metres = st.floats(-100, 100)
@@ -164,3 +164,41 @@ def test_what_is_not_in_front_has_no_pixel() -> None:
     pixels = camera.project(np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [1.0, 1.0, -1.0]]))
     assert pixels[0] == pytest.approx((319.5, 239.5))
     assert np.isnan(pixels[1:]).all()
+
+
+fisheyes = st.builds(
+    FisheyeModel.from_fov, st.integers(16, 2000), st.integers(16, 2000), st.floats(0.5, 3.1), st.floats(0.5, 3.1)
+)
+
+
+@given(fisheyes, st.floats(0, 0.999), st.floats(-math.pi, math.pi), st.floats(0.1, 50))
+def test_a_fisheye_sees_again_what_it_projected(camera: FisheyeModel, part: float, phi: float, distance: float) -> None:
+    theta = part * camera.theta_max
+    ray = np.array([math.sin(theta) * math.cos(phi), math.sin(theta) * math.sin(phi), math.cos(theta)])
+    pixel = camera.project(distance * ray)
+    assert np.allclose(camera.rays(pixel), ray, atol=1e-9)
+    assert np.allclose(camera.back_project(pixel, np.array(distance)), distance * ray, atol=1e-7)
+    assert np.allclose(camera.project(camera.rays(pixel)), pixel, atol=1e-6)
+
+
+@given(fisheyes)
+def test_a_fisheye_is_blind_beyond_its_widest_angle(camera: FisheyeModel) -> None:
+    theta = camera.theta_max + 0.01
+    beyond = np.array([math.sin(theta), 0.0, math.cos(theta)])
+    assert np.isnan(camera.project(np.stack([beyond, np.zeros(3), [0.0, 0.0, -1.0]]))).all()
+    assert np.isnan(camera.rays(np.array([camera.cx + 1.01 * camera.theta_max * camera.fx, camera.cy]))).all()
+
+
+def test_the_panoramic_camera_fills_its_sensor_with_the_hemisphere_in_front() -> None:
+    camera = FisheyeModel.from_fov(1024, 768, math.pi, math.pi)
+    right, down, ahead = (camera.project(np.array(p)) for p in ([1.0, 0, 0], [0, 1.0, 0], [0, 0, 1.0]))
+    assert np.allclose(right, [1023.5, 383.5])
+    assert np.allclose(down, [511.5, 767.5])
+    assert np.allclose(ahead, [511.5, 383.5])
+
+
+@given(cameras, arrays(np.float64, (7, 2), elements=st.floats(0, 2000)))
+def test_rays_point_where_the_pixels_look(camera: CameraModel, pixels: np.ndarray) -> None:
+    rays = camera.rays(pixels)
+    assert np.allclose(np.linalg.norm(rays, axis=-1), 1.0)
+    assert np.allclose(camera.project(rays), pixels, atol=1e-6)

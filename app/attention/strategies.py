@@ -215,18 +215,26 @@ def load_strategies(
     *,
     classes: Iterable[str],
     ports: Mapping[str, Collection[str]] | None = None,
+    undivided: Collection[str] = (),
     calibration: Calibration | None = None,
 ) -> StrategyTable:
     """Read strategy files, in the order given, into one table.
 
     ``classes`` are the desire classes there are; ``ports`` maps each module to its ports (None: not checked);
+    ``undivided`` are filters that open or close and may not decimate (sound, whose every frame counts);
     ``calibration`` says what calibrated costs are (None: what they are without one). A
     resource may be declared in several files if they agree. Raises ConfigError, with file and line, for an unknown
     class, module, port or resource, a name given twice, or a number out of its range.
     """
     documents = [load_yaml(path) for path in paths]
     files = [document.validate(StrategyFile) for document in documents]
-    return build_table(list(zip(documents, files, strict=True)), classes=classes, ports=ports, calibration=calibration)
+    return build_table(
+        list(zip(documents, files, strict=True)),
+        classes=classes,
+        ports=ports,
+        undivided=undivided,
+        calibration=calibration,
+    )
 
 
 def build_table(
@@ -234,6 +242,7 @@ def build_table(
     *,
     classes: Iterable[str],
     ports: Mapping[str, Collection[str]] | None = None,
+    undivided: Collection[str] = (),
     calibration: Calibration | None = None,
 ) -> StrategyTable:
     """The table of several read files; checks as :func:`load_strategies` does."""
@@ -258,7 +267,7 @@ def build_table(
                 raise document.error(
                     f"strategy {item.name!r} is already declared at {table[item.name].location}", (*at, "name")
                 )
-            _check_names(document, at, item, known, resources, ports)
+            _check_names(document, at, item, known, resources, ports, undivided)
             costs = _costs(document, at, item, calibration)
             for key, value in (("utility", item.utility), *((f"requires.{c}", v) for c, v in item.requires.items())):
                 _check_amount(document, (*at, *key.split(".", 1)), value)
@@ -306,6 +315,7 @@ def _check_names(
     classes: list[str],
     resources: Mapping[str, Resource],
     ports: Mapping[str, Collection[str]] | None,
+    undivided: Collection[str],
 ) -> None:
     """Refuse a class, resource, module or port that does not exist, and a strategy that requires its own class."""
     name = item.name
@@ -332,6 +342,10 @@ def _check_names(
         where = (*at, "filters", filter_name)
         if not (module and dot and port):
             raise document.error(f"strategy {name!r}: a filter is named Module.port, not {filter_name!r}", where)
+        if filter_name in undivided and item.filters[filter_name] not in (1, CLOSED):
+            raise document.error(
+                f"strategy {name!r} decimates {filter_name}, whose channel may not be decimated: 1 or off", where
+            )
         if ports is None:
             continue
         if module not in ports:

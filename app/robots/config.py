@@ -111,6 +111,47 @@ class KinectConfig(_Model):
     color_noise: NotNegative = Field(default=2.0, description="1-sigma, grey levels")
 
 
+class ImvConfig(_Model):
+    """Stream ``imv``: colour of the full hemisphere in front, through an equidistant fisheye (thesis 4.2).
+
+    The lens stretches the circle to fill the sensor, as panomorph lenses do: ``fov_deg`` are the full horizontal and
+    vertical fields of view along the image's middle lines.
+    """
+
+    rate_hz: Positive = 10.0
+    link: str = "imv_optical_frame"
+    width: Annotated[int, Field(ge=16, le=4096)] = 1024
+    height: Annotated[int, Field(ge=16, le=4096)] = 768
+    fov_deg: tuple[Annotated[float, Field(gt=0, le=180)], Annotated[float, Field(gt=0, le=180)]] = (180.0, 180.0)
+    color_noise: NotNegative = Field(default=2.0, description="1-sigma, grey levels")
+
+
+class MicrophonesConfig(_Model):
+    """Stream ``microphones``: frames of samples taken together (thesis 4.2).
+
+    ``positions`` (m) are in ``link``. ``noise_db`` is a microphone's own noise, ``sensitivity_db`` the level
+    at 1 m of a talker of ordinary loudness (65 dB SPL there), both in dB of full scale.
+    """
+
+    rate: Annotated[int, Field(ge=8000, le=192000)] = 48000
+    frame_samples: Annotated[int, Field(ge=64, le=8192)] = 512
+    link: str = "torso_link"
+    positions: Annotated[tuple[tuple[float, float, float], ...], Field(min_length=1, max_length=32)] = (
+        (0.085, 0.11, 0.46), (0.085, -0.11, 0.46), (-0.085, -0.11, 0.46), (-0.085, 0.11, 0.46),
+        (0.085, 0.11, 0.25), (0.085, -0.11, 0.25), (-0.085, -0.11, 0.25), (-0.085, 0.11, 0.25),
+    )  # fmt: skip
+    noise_db: float = -75.0
+    sensitivity_db: float = -32.0
+
+
+class LoudspeakerConfig(_Model):
+    """The robot's loudspeaker, ``position`` (m) in ``link``; ``gain_db`` is its level at 1 m for a full-scale sound."""
+
+    link: str = "torso_link"
+    position: tuple[float, float, float] = (0.1, 0.0, 0.36)
+    gain_db: float = -20.0
+
+
 class StatusConfig(_Model):
     """Streams ``status`` and, where configuration turns it on, ``ground_truth``."""
 
@@ -125,6 +166,8 @@ class StreamsConfig(_Model):
     status: StatusConfig = StatusConfig()
     kinect: KinectConfig | None = KinectConfig()
     hokuyo: HokuyoConfig | None = HokuyoConfig()
+    imv: ImvConfig | None = None
+    microphones: MicrophonesConfig | None = None
 
 
 class StartPose(_Model):
@@ -136,7 +179,7 @@ class StartPose(_Model):
 
 
 class RobotConfig(_Model):
-    """One body. ``model`` and ``world`` are paths; :func:`load_robot_config` takes them relative to the file itself."""
+    """One body. :func:`load_robot_config` takes ``model``, ``world`` and ``scenario`` relative to the file itself."""
 
     kind: Literal["simulated"] = "simulated"
     name: str = "IRL-1/TR"
@@ -145,6 +188,8 @@ class RobotConfig(_Model):
     limits: LimitsConfig = LimitsConfig()
     base: BaseConfig = BaseConfig()
     streams: StreamsConfig = StreamsConfig()
+    loudspeaker: LoudspeakerConfig | None = None
+    scenario: Path | None = Field(default=None, description="who and what else is in the world (config/scenarios)")
     ground_truth: bool = Field(default=False, description="offer the true pose, for tests and experiments only")
     seed: int = 1
     start: StartPose = StartPose()
@@ -159,6 +204,8 @@ def load_robot_config(path: Path | str) -> RobotConfig:
     config = document.validate(RobotConfig)
     here = Path(path).resolve().parent
     paths = {"model": (here / config.model).resolve(), "world": (here / config.world).resolve()}
+    if config.scenario is not None:
+        paths["scenario"] = (here / config.scenario).resolve()
     for key, file in paths.items():
         if not file.is_file():
             raise document.error(f"{key}: there is no file {file}", (key,))

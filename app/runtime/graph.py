@@ -228,7 +228,7 @@ class Graph:
     def attend(self, names: Collection[str]) -> None:
         """Hand the filters ``names`` (``Module.port``) over to attention: they close until an intention opens them.
 
-        Raises the graph's wiring error for an input that must stay open or whose channel may not be decimated.
+        Raises the graph's wiring error for an input that must stay open.
         """
         for name in sorted(names):
             self._check_attended(name)
@@ -252,8 +252,6 @@ class Graph:
             key = ("modules", module, "inputs", port_name)
             if port.always_open:
                 raise self._error("this input must stay open, no strategy may filter it", key)
-            if not self.specs[port.channel.name].decimable:
-                raise self._error(f"channel {port.channel.name} may not be decimated, yet a strategy filters it", key)
 
     def ports(self) -> dict[str, set[str]]:
         """The filtered ports of each module: its outputs and its connected inputs."""
@@ -261,6 +259,10 @@ class Graph:
             name: {*slot.context.outputs, *(p.name for p in slot.context.inputs.values() if p.connected)}
             for name, slot in self.modules.items()
         }
+
+    def undivided(self) -> set[str]:
+        """The inputs ``Module.port`` whose channel may not be decimated: open or closed, nothing between."""
+        return {name for name, channel in self.inputs().items() if not self.specs[channel].decimable}
 
     def inputs(self) -> dict[str, str]:
         """The channel of every connected input ``Module.port``."""

@@ -183,3 +183,14 @@ def test_a_part_of_a_program_keeps_what_it_can_serve(table: StrategyTable, there
 def test_the_whole_program_keeps_its_table(tmp_path: Path) -> None:
     table = load(tmp_path, GOOD)
     assert trimmed(table, PORTS) == table
+
+
+def test_what_may_not_be_decimated_is_opened_or_closed(tmp_path: Path) -> None:
+    path = tmp_path / "sound.yaml"
+    text = "strategies:\n  - {name: hear, class: SLAM, utility: 8, filters: {SLAM2D.scans: %s}}\n"
+    for allowed in ("1", "off"):
+        path.write_text(text % allowed)
+        load_strategies([path], classes=CLASSES, ports=PORTS, undivided={"SLAM2D.scans"})
+    path.write_text(text % "2")
+    with pytest.raises(ConfigError, match=r"sound\.yaml:2.*may not be decimated: 1 or off"):
+        load_strategies([path], classes=CLASSES, ports=PORTS, undivided={"SLAM2D.scans"})

@@ -16,7 +16,7 @@ from app import paths
 from app.config import load_configuration
 from app.console.server import listen, serve, url_of
 from app.link import BaseLimits, LinkFailed, RobotDescription, StreamDescription
-from app.messages import Image, JointState, LaserScan, LinkStatus, Odometry, Twist
+from app.messages import Audio, Image, JointState, LaserScan, LinkStatus, Odometry, Twist
 from app.recording.library import RecordingLibrary
 from app.system import System
 
@@ -140,6 +140,8 @@ class Body:
 
     def command(self, twist: Twist) -> None:
         self.commands.append(twist)
+
+    def play(self, audio: Audio) -> None: ...
 
     def e_stop(self, reason: str) -> None:
         self.stops.append(reason)

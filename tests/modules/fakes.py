@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from app.link import BaseLimits, LinkFailed, RobotDescription, RobotLink, StreamDescription
-from app.messages import Image, JointState, LaserScan, LinkStatus, Odometry, Twist
+from app.messages import Audio, Image, JointState, LaserScan, LinkStatus, Odometry, Twist
 from app.runtime.channel import Subscription
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import VirtualClock
@@ -55,6 +55,8 @@ class FakeLink:
 
     def command(self, twist: Twist) -> None:
         self.commands.append((self.now(), twist))
+
+    def play(self, audio: Audio) -> None: ...
 
     def e_stop(self, reason: str) -> None: ...
 

@@ -190,9 +190,13 @@ def test_attended_filters_begin_closed_and_all_others_open(build: Build) -> None
 
 def test_what_attention_may_not_touch_is_refused(build: Build) -> None:
     assert "B.inputs.safety: this input must stay open" in refused(build, *WIRED, attended=("B.safety",))
+
+
+def test_inputs_of_what_may_not_be_decimated_open_and_close(build: Build) -> None:
     modules, channels = WIRED
-    said = refused(build, modules, {**channels, "n": {"decimable": False}}, attended=("B.numbers",))
-    assert "channel n may not be decimated, yet a strategy filters it" in said
+    graph = build(modules, {**channels, "n": {"decimable": False}}, attended=("B.numbers",))
+    assert graph.undivided() == {"B.numbers", "B.safety"}
+    assert graph.filters.divisors()["B.numbers"] == CLOSED
 
 
 @pytest.mark.parametrize(

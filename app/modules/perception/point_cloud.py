@@ -7,11 +7,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import CameraModel, Pose3
+from app.geometry import CameraModel, FisheyeModel, Pose3
 from app.messages import Image
 
 
-def grid_step(camera: CameraModel, max_points: int) -> int:
+def grid_step(camera: CameraModel | FisheyeModel, max_points: int) -> int:
     """The smallest pixel step at which a grid over the image has at most ``max_points`` points."""
     step = max(1, math.isqrt(camera.width * camera.height // max_points))
     while math.ceil(camera.width / step) * math.ceil(camera.height / step) > max_points:

@@ -28,7 +28,9 @@ def detect(image: Image, upscale: bool = True) -> tuple[QRCode, ...]:
     grey = np.asarray(cv2.cvtColor(image.color, cv2.COLOR_RGB2GRAY), np.uint8)
     codes = []
     for text, corners in decode(grey, upscale):
-        p_CQ = None if image.depth is None else locate(corners, image.depth, image.camera)
+        p_CQ = None
+        if image.depth is not None and isinstance(image.camera, CameraModel):
+            p_CQ = locate(corners, image.depth, image.camera)
         p_BQ = None
         if p_CQ is not None:
             x, y, z = image.X_BC.transform(p_CQ).tolist()

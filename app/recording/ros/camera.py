@@ -61,6 +61,8 @@ class ImageConverter:
 
     def encode(self, message: Image, stamp_ns: int) -> list[Record]:
         """Colour, depth if there is any, camera, transform, info. Raises cv2.error for what JPEG cannot hold."""
+        if not isinstance(message.camera, CameraModel):
+            raise TypeError("only pinhole cameras can be recorded")
         depth = message.depth
         shape = () if depth is None else depth.shape
         known = (message.frame, message.camera, shape)

@@ -17,7 +17,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
 from app.link import LinkFailed, RobotDescription
-from app.messages import Twist
+from app.messages import Audio, Twist
 from app.recording.damage import LogDamaged
 from app.recording.log import Log, LogError, Logged
 from app.robots.replayed.source import LogSource, Place
@@ -157,6 +157,9 @@ class ReplayedBody:
 
     def command(self, twist: Twist) -> None:
         """What was driven was driven: goes nowhere."""
+
+    def play(self, audio: Audio) -> None:
+        """A recording is heard by nobody there."""
 
     def e_stop(self, reason: str) -> None:
         """Nothing moves: goes nowhere."""

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from typing import Any
 
 from app.link import LinkFailed, RobotDescription, StreamDescription
-from app.messages import GroundTruth, Image, JointState, LaserScan, LinkStatus, Odometry, Twist, read_only
+from app.messages import Audio, GroundTruth, Image, JointState, LaserScan, LinkStatus, Odometry, Twist, read_only
 from app.robots.config import RobotConfig
 from app.robots.simulated import wire
 from app.robots.simulated.gl import check_gl, gl_environment
@@ -121,6 +121,11 @@ class SimulatedLink:
             self.commands_dropped += 1
             return
         self._session.send(wire.Drive(twist.stamp, twist.linear_mps, twist.angular_radps))
+
+    def play(self, audio: Audio) -> None:
+        """Play one frame through the loudspeaker."""
+        if self._session is not None and self._session.unsent_bytes <= _UNSENT_BYTES:
+            self._session.send(wire.Play(audio))
 
     def e_stop(self, reason: str) -> None:
         """Latch the emergency stop, also beyond a restart of the link."""

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.geometry import Pose3
+from app.messages import Audio
 from app.robots.config import RobotConfig
 from app.robots.simulated.world_config import WorldConfig
 
@@ -50,6 +51,13 @@ class Drive:
     stamp: float
     linear_mps: float
     angular_radps: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Play:
+    """Program to link: sound for the loudspeaker."""
+
+    audio: Audio
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,91 @@
+"""Every message that crosses a channel: frozen, slotted dataclasses, passed by reference, never copied.
+
+Conventions (ARCHITECTURE.md, *Words*): SI units, radians, seconds; right-handed frames, x forward, y left, z up
+(REP 103/105: ``odom -> base_link -> ...``); camera optical frames x right, y down, z forward. ``stamp`` is the
+robot's clock at *capture*, seconds since the Unix epoch. Arrays are read-only: whoever makes a message passes its
+arrays through :func:`read_only`. Poses are named by monogram: ``X_WB`` is the pose of B in W, ``p_WB`` its
+translation; O is ``odom``, B ``base_link``, C a camera's optical frame, L the laser, M a microphone, A the array of
+them, Q a QR code, F a face, S a sound source.
+"""
+
+from __future__ import annotations
+
+from app.messages.base import Message, read_only
+from app.messages.driving import Exploitation, LinkStatus, OperatorDrive, Twist
+from app.messages.percepts import (
+    EncodedImage,
+    Face,
+    Faces,
+    Landmark,
+    Landmarks,
+    LoudNoise,
+    PointCloud,
+    QRCode,
+    QRCodes,
+    SeparatedSound,
+    SoundSource,
+    SoundSources,
+)
+from app.messages.records import (
+    DesireRecord,
+    DesiresRecord,
+    Divisors,
+    EventRecord,
+    IntentionRecord,
+    LoadRecord,
+    LogLine,
+    ModuleRecord,
+    ReasonRecord,
+    RecorderStatus,
+)
+from app.messages.sensors import (
+    Audio,
+    GroundTruth,
+    Image,
+    JointState,
+    LaserScan,
+    Odometry,
+    PersonTruth,
+    SceneTruth,
+    SoundTruth,
+)
+
+__all__ = [
+    "Audio",
+    "DesireRecord",
+    "DesiresRecord",
+    "Divisors",
+    "EncodedImage",
+    "EventRecord",
+    "Exploitation",
+    "Face",
+    "Faces",
+    "GroundTruth",
+    "Image",
+    "IntentionRecord",
+    "JointState",
+    "Landmark",
+    "Landmarks",
+    "LaserScan",
+    "LinkStatus",
+    "LoadRecord",
+    "LogLine",
+    "LoudNoise",
+    "Message",
+    "ModuleRecord",
+    "Odometry",
+    "OperatorDrive",
+    "PersonTruth",
+    "PointCloud",
+    "QRCode",
+    "QRCodes",
+    "ReasonRecord",
+    "RecorderStatus",
+    "SceneTruth",
+    "SeparatedSound",
+    "SoundSource",
+    "SoundSources",
+    "SoundTruth",
+    "Twist",
+    "read_only",
+]

@@ -1,0 +1,58 @@
+"""Commands to the body, and what became of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class OperatorDrive:
+    """What an operator's hands say: ``linear`` and ``angular`` in [-1, 1] of the robot's limits (forward, left).
+
+    ``held`` is the dead-man: False means stop, whatever the rest says. ``stamp`` is the robot's clock at arrival,
+    ``sequence`` grows by one with each command of one operator session.
+    """
+
+    stamp: float
+    operator: str
+    sequence: int
+    held: bool
+    linear: float
+    angular: float
+
+
+@dataclass(frozen=True, slots=True)
+class Twist:
+    """A velocity command for the base: forward m/s and turn rad/s (left positive)."""
+
+    stamp: float
+    linear_mps: float
+    angular_radps: float
+
+
+@dataclass(frozen=True, slots=True)
+class Exploitation:
+    """Which behavior's command the arbiter let through: ``behavior`` is None when nobody drives."""
+
+    stamp: float
+    behavior: str | None
+    twist: Twist
+
+
+@dataclass(frozen=True, slots=True)
+class LinkStatus:
+    """What the robot's link and its guard report, at 20 Hz.
+
+    ``guard`` is one of ``idle`` (no command ever or a zero one), ``driving``, ``stale_command`` (no fresh command:
+    zero), ``e_stopped`` (latched: zero), ``sensor_failure``. ``reason`` says it to people. ``command_age_s`` is the
+    age of the newest command at the guard, None before the first. ``applied`` is the twist the wheels are given now.
+    ``world_rate`` is simulated time over real time (1.0 on hardware).
+    """
+
+    stamp: float
+    guard: str
+    reason: str
+    e_stopped: bool
+    command_age_s: float | None
+    applied: Twist
+    world_rate: float

@@ -1,0 +1,162 @@
+"""What perceptions make of what the body senses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.geometry import Pose2
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class QRCode:
+    """One decoded code: ``corners`` (4, 2) float32 px, from the code's upper left, clockwise as printed.
+
+    ``p_BQ`` is its centre in ``base_link`` at the message's stamp, None where its depth could not be measured.
+    """
+
+    text: str
+    corners: NDArray[np.float32]
+    p_BQ: tuple[float, float, float] | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class QRCodes:
+    """All codes of one image (possibly none), ``frame`` being the camera's name."""
+
+    stamp: float
+    frame: str
+    codes: tuple[QRCode, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Landmark:
+    """Repeated sightings of one code merged: ``p_OQ`` in ``odom`` (m) with standard deviation ``sigma_m``."""
+
+    text: str
+    p_OQ: tuple[float, float, float]
+    sigma_m: float
+    sightings: int
+    first_seen: float
+    last_seen: float
+
+
+@dataclass(frozen=True, slots=True)
+class Landmarks:
+    """Every landmark known so far, in the order of first sight; published when one is added or moves."""
+
+    stamp: float
+    landmarks: tuple[Landmark, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PointCloud:
+    """Coloured points of one depth image.
+
+    ``points`` (N, 3) float32, m in ``base_link`` at ``stamp``; ``colors`` (N, 3) uint8, RGB.
+
+    ``X_OB`` is the pose of that ``base_link`` in ``odom`` at the same ``stamp``: drawn with it, a cloud stays where
+    it was seen however late it comes (thesis 3.4: the cloud was drawn with a newer head pose than its own).
+    """
+
+    stamp: float
+    points: NDArray[np.float32]
+    colors: NDArray[np.uint8]
+    X_OB: Pose2
+
+
+@dataclass(frozen=True, slots=True)
+class EncodedImage:
+    """A JPEG of a camera's image for people to look at, ``width`` x ``height`` px."""
+
+    stamp: float
+    frame: str
+    jpeg: bytes
+    width: int
+    height: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Face:
+    """One face in one image.
+
+    ``track`` keeps its number while the face stays in view, over frames and over both cameras; ``score`` in [0, 1].
+    ``box`` is left, top, width, height (px); ``landmarks`` (5, 2) float32 px: right eye, left eye, nose, right and left
+    corner of the mouth (the person's right). ``p_BF`` is the middle of the face in ``base_link`` at the message's stamp
+    and ``covariance`` (3, 3) float64 its, m^2; ``range_m`` from the camera with standard deviation ``range_sigma_m``.
+    """
+
+    track: int
+    score: float
+    box: tuple[float, float, float, float]
+    landmarks: NDArray[np.float32]
+    p_BF: tuple[float, float, float]
+    covariance: NDArray[np.float64]
+    range_m: float
+    range_sigma_m: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Faces:
+    """All faces of one image (possibly none), ``frame`` being the camera's name."""
+
+    stamp: float
+    frame: str
+    faces: tuple[Face, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class LoudNoise:
+    """A frame of sound much louder than those before it: ``ratio`` of its energy to their moving mean (thesis 4.2).
+
+    ``level_db`` is the frame's level, dB of full scale. ``stamp`` is the time of the frame's first sample.
+    """
+
+    stamp: float
+    ratio: float
+    level_db: float
+
+
+@dataclass(frozen=True, slots=True)
+class SoundSource:
+    """A sound being tracked: ``direction`` (unit vector) from the microphones' middle, in ``base_link``'s axes.
+
+    ``track`` keeps its number from birth to death. ``power`` in [0, 1] is how strongly the microphones agree on the
+    direction; ``level_db`` how loud it is, dB of full scale. ``active`` whether it sounds now; ``speech`` in [0, 1] is
+    the probability that it is a voice, NaN while nobody has judged. ``range_m`` from the microphones' middle, with
+    standard deviation ``range_sigma_m``, supposes a standing person's mouth (the height Gaussian).
+    """
+
+    track: int
+    direction: tuple[float, float, float]
+    power: float
+    level_db: float
+    active: bool
+    speech: float
+    range_m: float
+    range_sigma_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class SoundSources:
+    """All sound sources tracked at ``stamp``, possibly none; ``p_BA`` (m): the microphones' middle, in B."""
+
+    stamp: float
+    p_BA: tuple[float, float, float]
+    sources: tuple[SoundSource, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SeparatedSound:
+    """Tracked sources each by itself: column i of ``samples`` (N, K) int16 is source ``tracks[i]``.
+
+    Fields otherwise as in ``Audio``; ``rate`` may be lower than the microphones'.
+    """
+
+    stamp: float
+    tracks: tuple[int, ...]
+    samples: NDArray[np.int16]
+    rate: int
+    first_sample: int

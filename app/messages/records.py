@@ -1,0 +1,140 @@
+"""What the program tells of itself.
+
+Recorded and replayed as any other message; nothing acts on them. A closed filter's divisor is inf."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class DesireRecord:
+    """One desire as it stood: ``params`` is JSON; ``expires`` (robot's clock, s) is +inf for one that never does."""
+
+    id: str
+    cls: str
+    intensity: float
+    utility: float
+    security: bool
+    params: str
+    source_kind: str
+    source_name: str
+    created: float
+    expires: float
+
+
+@dataclass(frozen=True, slots=True)
+class DesiresRecord:
+    """Every desire in the Intention Workspace after a change of it."""
+
+    stamp: float
+    desires: tuple[DesireRecord, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ReasonRecord:
+    """How a desired class fared: ``state``, the utility it has, the one ``wanted``, the ``best`` there is, in words."""
+
+    cls: str
+    state: str
+    utility: float
+    wanted: float
+    best: float
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class IntentionRecord:
+    """An intention put in force, and again once its reasons are complete.
+
+    ``strategies`` selected; classes ``fulfilled`` and security desires ``relaxed``; Ω and its ``bound`` (+inf where
+    none is known); ``resources[i]`` is used ``used[i]`` of ``capacities[i]``; ``parameters`` is P' as JSON, by module.
+    """
+
+    stamp: float
+    strategies: tuple[str, ...]
+    fulfilled: tuple[str, ...]
+    relaxed: tuple[str, ...]
+    omega: float
+    bound: float
+    proven: bool
+    solve_time_s: float
+    resources: tuple[str, ...]
+    used: tuple[float, ...]
+    capacities: tuple[float, ...]
+    parameters: str
+    reasons: tuple[ReasonRecord, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Divisors:
+    """φ of every filter that attention controls, after a change: ``divisors[i]`` (inf: closed) of ``filters[i]``."""
+
+    stamp: float
+    filters: tuple[str, ...]
+    divisors: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class LoadRecord:
+    """CPU over the last window of ``window_s``: ``cpu[i]`` % of a core for ``modules[i]``, ``process`` in all."""
+
+    stamp: float
+    window_s: float
+    modules: tuple[str, ...]
+    cpu: tuple[float, ...]
+    process: float
+
+
+@dataclass(frozen=True, slots=True)
+class ModuleRecord:
+    """A module's state changed: ``status`` as ``app.runtime.supervisor`` names it, ``problem`` in words."""
+
+    stamp: float
+    module: str
+    status: str
+    restarts: int
+    problem: str
+
+
+@dataclass(frozen=True, slots=True)
+class EventRecord:
+    """One event of the timeline: ``data`` is JSON, ``text`` a sentence for people."""
+
+    stamp: float
+    kind: str
+    subject: str
+    text: str
+    data: str
+
+
+@dataclass(frozen=True, slots=True)
+class LogLine:
+    """One line of the program's log: ``level`` as in ``logging`` (10 debug … 50 critical), ``source`` its logger."""
+
+    stamp: float
+    level: int
+    source: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class RecorderStatus:
+    """What the Recorder does, each second and at every change.
+
+    ``state``: ``idle``; ``recording`` into one file; ``ring`` (the last minutes are kept); ``stopped`` by itself
+    though still desired (``reason`` says why: disk full, disk too slow). ``name`` is the recording's, "" while idle.
+    ``duration_s``, ``bytes`` and ``messages`` are those of the file, or of what the ring holds now.
+    ``dropped`` messages could not be queued for the disk; ``queued_bytes`` wait for it now.
+    """
+
+    stamp: float
+    state: str
+    name: str
+    began: float
+    duration_s: float
+    bytes: int
+    messages: int
+    dropped: int
+    queued_bytes: int
+    reason: str
