@@ -2,24 +2,35 @@
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────┐
     │ ScenarioCoordinator    in   landmarks  Landmarks (m in odom), as they come; may be absent│
+    │                        in   noises     LoudNoise, as they come; may be absent            │
+    │                        in   sources    SoundSources, as they come; may be absent         │
     │                        writes desires into the Intention Workspace                       │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
 At start it posts its desires in one transaction, when it stops it takes back those that still stand. By default the
-thesis's desires at the start of the tour-guide configuration, for the classes there are: FindQRCodes (i 8, u 1) and
-Teleoperation (i 8, u 1, security). A code found for the first time is logged.
+thesis's desires at the start of the tour-guide configuration, of the classes that there are: FindQRCodes, LocateFaces
+and DetectNoises (i 8, u 1) and Teleoperation (i 8, u 1, security). A code found for the first time is logged.
+
+A loud noise makes it desire LocateVoices (i 8, u 1) for ``listen_s``; for as long as a voice is located meanwhile, that
+is renewed (thesis 4.4): a cheap ear that is always open wakes a dear one.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
 from app.attention.desires import Source
 from app.attention.workspace import IntentionWorkspace, UnknownDesire
-from app.messages import Landmarks
+from app.messages import Landmarks, LoudNoise, SoundSources
 from app.runtime.module import Module, ModuleContext, Settings
+
+LISTEN = "LocateVoices"
+_BEAT_S = 0.25
+#: Renewed this much before its end, so that it does not lapse between two beats.
+_AHEAD_S = 2 * _BEAT_S
 
 
 class DesireSettings(BaseModel):
@@ -34,17 +45,26 @@ class DesireSettings(BaseModel):
     params: dict[str, Any] = Field(default_factory=dict, description="as the class declares them")
 
 
+USUAL = (
+    DesireSettings(cls="FindQRCodes"),
+    DesireSettings(cls="LocateFaces"),
+    DesireSettings(cls="DetectNoises"),
+    DesireSettings(cls="Teleoperation", security=True),
+)
+
+
 class ScenarioCoordinatorSettings(Settings):
     """Settings of ScenarioCoordinator."""
 
-    desires: tuple[DesireSettings, ...] = (
-        DesireSettings(cls="FindQRCodes"),
-        DesireSettings(cls="Teleoperation", security=True),
+    desires: tuple[DesireSettings, ...] | None = Field(
+        None, description="what it desires from start to stop; none said: the usual ones, of the classes there are"
     )
+    listen_s: float = Field(5.0, ge=1, description="a loud noise makes it listen so long, a voice so long again")
+    voice: float = Field(0.5, ge=0, le=1, description="a source at least this probably speech is a voice")
 
 
 class ScenarioCoordinator(Module):
-    """Posts the scenario's desires and takes them back."""
+    """Posts the scenario's desires and takes them back; listens when something was heard."""
 
     title = "Scenario coordinator"
     Settings = ScenarioCoordinatorSettings
@@ -52,10 +72,17 @@ class ScenarioCoordinator(Module):
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        self._desires = self.settings.desires
         self.landmarks = self.input("landmarks", Landmarks)
+        self.noises = self.input("noises", LoudNoise, capacity=8)
+        self.sources = self.input("sources", SoundSources)
         self.on(self.landmarks, self._notice)
+        self.on(self.noises, self._startle)
+        self.on(self.sources, self._hear)
+        self.every(_BEAT_S, self._keep_listening)
         self._posted: list[str] = []
+        self._listening: str | None = None
+        self._ends = -math.inf
+        self._voice_heard = False
         self._known = 0
 
     async def start(self) -> None:
@@ -64,36 +91,75 @@ class ScenarioCoordinator(Module):
         Raises UnknownDesireClass or InvalidDesire, which name what is wrong, for a desire that cannot be.
         """
         workspace = self.service(IntentionWorkspace)
-        source = Source("motivation", self.name)
+        wanted = self.settings.desires
+        if wanted is None:
+            wanted = tuple(desire for desire in USUAL if desire.cls in workspace.classes)
         posted = []
         with workspace.transaction():
-            for wanted in self._desires:
-                desire = workspace.add(
-                    wanted.cls,
-                    intensity=wanted.intensity,
-                    utility=wanted.utility,
-                    security=wanted.security,
-                    params=wanted.params,
-                    source=source,
+            for desire in wanted:
+                added = workspace.add(
+                    desire.cls,
+                    intensity=desire.intensity,
+                    utility=desire.utility,
+                    security=desire.security,
+                    params=desire.params,
+                    source=self._source,
                 )
-                posted.append(desire.id)
+                posted.append(added.id)
         self._posted = posted
 
     async def stop(self) -> None:
         """Take back what was posted and still stands."""
-        if not self._posted:
+        posted = [*self._posted, *([self._listening] if self._listening is not None else [])]
+        if not posted:
             return
         workspace = self.service(IntentionWorkspace)
         with workspace.transaction():
-            for desire_id in self._posted:
+            for desire_id in posted:
                 try:
                     workspace.remove(desire_id)
                 except UnknownDesire:
                     self.log.info("desire %s was already gone", desire_id)
-        self._posted = []
+        self._posted, self._listening = [], None
+
+    @property
+    def _source(self) -> Source:
+        return Source("motivation", self.name)
 
     async def _notice(self, message: Landmarks) -> None:
         for landmark in message.landmarks[self._known :]:
             x, y, _ = landmark.p_OQ
             self.log.info("found QR code %r at x %.2f m, y %.2f m in odom", landmark.text, x, y)
         self._known = max(self._known, len(message.landmarks))
+
+    async def _startle(self, noise: LoudNoise) -> None:
+        self._listen(because=f"a noise {noise.ratio:.0f} times louder than before")
+
+    async def _hear(self, heard: SoundSources) -> None:
+        # A source that nobody has judged yet may be a voice.
+        self._voice_heard |= any(s.active and not s.speech < self.settings.voice for s in heard.sources)
+
+    async def _keep_listening(self) -> None:
+        if self._listening is None or self.clock.now() < self._ends - _AHEAD_S:
+            return
+        if self._voice_heard:
+            self._listen(because="a voice")
+        elif self.clock.now() >= self._ends:
+            self._listening = None  # it expires by itself
+
+    def _listen(self, because: str) -> None:
+        """Desire LocateVoices from now on for ``listen_s``, whether it is desired already or not."""
+        workspace = self.service(IntentionWorkspace)
+        if LISTEN not in workspace.classes:
+            return
+        listen_s = self.settings.listen_s
+        self._voice_heard = False
+        self._ends = self.clock.now() + listen_s
+        if self._listening is not None:
+            try:
+                workspace.change(self._listening, ttl=listen_s)
+                return
+            except UnknownDesire:
+                pass  # it expired, or somebody withdrew it
+        self.log.info("listens for voices: heard %s", because)
+        self._listening = workspace.add(LISTEN, intensity=8, utility=1, ttl=listen_s, source=self._source).id
