@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from app.commands import bench, calibrate, check, doctor, log, replay, run, solve
+from app.commands import bench, calibrate, check, detect, doctor, log, replay, run, solve
 
 #: What ``argparse`` gives for adding a command; its own type is private and generic.
 Subparsers = Any
@@ -32,5 +32,6 @@ COMMANDS: Mapping[str, Command] = {
     "check": check,
     "solve": solve,
     "calibrate": calibrate,
+    "detect": detect,
     "bench": bench,
 }

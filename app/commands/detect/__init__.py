@@ -1,0 +1,44 @@
+"""``hbba detect``: the robot's perceptions on anyone's files, each in a file of its own beside this one."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+from app.commands.detect import faces
+
+
+class Detector(Protocol):
+    """What each file here offers."""
+
+    def add_parser(self, kinds: Any) -> None:
+        """Declare the word after ``hbba detect``, its help and arguments."""
+        ...
+
+    def run(self, args: argparse.Namespace) -> int:
+        """Do it and return the exit code. May raise ConfigError for a person's mistake."""
+        ...
+
+
+#: What can be detected, by the word after ``hbba detect``.
+DETECTORS: Mapping[str, Detector] = {
+    "faces": faces,
+}
+
+
+def add_parser(subparsers: Any) -> None:
+    """Declare ``hbba detect`` and what it can detect."""
+    parser = subparsers.add_parser(
+        "detect",
+        help="find faces and the like in your own files",
+        description="Run the robot's perceptions on files of yours.",
+    )
+    kinds = parser.add_subparsers(dest="what", metavar="WHAT", required=True)
+    for detector in DETECTORS.values():
+        detector.add_parser(kinds)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Do it and return the exit code. May raise ConfigError for a person's mistake."""
+    return DETECTORS[args.what].run(args)

@@ -1,0 +1,74 @@
+"""The photographs that people name on the command line: files and folders, read upright."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.errors import ConfigError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+#: Endings under which photographs are looked for in folders; a file that is named is read whatever its ending.
+SUFFIXES = frozenset({".jpg", ".jpeg", ".png", ".webp", ".bmp", ".tif", ".tiff", ".ppm", ".pgm"})
+
+
+class NoImage(Exception):
+    """A file that cannot be read as an image; the message names it and says why."""
+
+
+def find_images(paths: Iterable[Path]) -> list[Path]:
+    """The files among ``paths``, and all photographs in the folders and below, in the order of their names.
+
+    Raises ConfigError where there is no such file or folder, or no photograph in a folder.
+    """
+    found: list[Path] = []
+    for path in paths:
+        if path.is_dir():
+            inside = sorted(p for p in path.rglob("*") if p.suffix.lower() in SUFFIXES and p.is_file())
+            if not inside:
+                endings = ", ".join(sorted(SUFFIXES))
+                raise ConfigError(f"{path}: there is no image in this folder or below (looked for {endings})")
+            found += inside
+        elif path.exists():
+            found.append(path)
+        else:
+            raise ConfigError(f"there is no file or folder {path}")
+    return list(dict.fromkeys(found))
+
+
+def read_image(path: Path) -> NDArray[np.uint8]:
+    """The image (H, W, 3) uint8 RGB, turned upright as its EXIF orientation says. Raises NoImage."""
+    import cv2
+    import numpy as np
+
+    try:
+        raw = np.frombuffer(path.read_bytes(), np.uint8)
+    except OSError as failure:
+        raise NoImage(f"{path}: cannot be read: {failure.strerror or failure}") from None
+    try:
+        image = cv2.imdecode(raw, cv2.IMREAD_COLOR) if raw.size else None
+    except cv2.error as failure:
+        raise NoImage(f"{path}: cannot be read as an image: {failure.err}") from None
+    if image is None:
+        raise NoImage(f"{path}: is no image that can be read here (JPEG, PNG, WebP, BMP, TIFF, PNM)")
+    return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), np.uint8)
+
+
+def each_image(paths: list[Path], title: str, command: str) -> Iterator[tuple[Path, NDArray[np.uint8] | None, str]]:
+    """Each file with its image, or None and what is wrong with it (also said on standard error); shows progress."""
+    from app.commands.progress import shown
+
+    with shown(title) as progress:
+        for done, path in enumerate(paths):
+            progress(done, len(paths), path.name)
+            try:
+                yield path, read_image(path), ""
+            except NoImage as failure:
+                print(f"{command}: {failure}", file=sys.stderr)
+                yield path, None, str(failure).removeprefix(f"{path}: ")
+        progress(len(paths), len(paths))
