@@ -12,7 +12,7 @@ from app.attention.calibration import calibration_file
 from app.config import Configuration
 from app.errors import ConfigError
 from app.recording.manifest import YAML, AttachedFile, Manifest
-from app.robots.config import load_robot_config
+from app.robots.factory import body_files, load_body
 from app.runtime.graph import Graph
 
 
@@ -43,12 +43,11 @@ def snapshot(configuration: Configuration, graph: Graph, robot: str) -> Manifest
 
 
 def _body_files(robot_file: Path) -> list[Path]:
-    """Model and world of the body; none where the file does not describe one, since the link came from elsewhere."""
+    """What describes the body; nothing where the file does not, since the link came from elsewhere."""
     try:
-        body = load_robot_config(robot_file)
+        return [*body_files(load_body(robot_file))]
     except ConfigError:
         return []
-    return [body.model, body.world]
 
 
 def stream_facts(graph: Graph) -> dict[str, str]:

@@ -24,8 +24,7 @@ from app.modules.desire_classes import desire_classes
 from app.recording.control import RecorderControl
 from app.recording.library import RecordingLibrary, default_folder
 from app.recording.manifest import Manifest
-from app.robots.config import load_robot_config
-from app.robots.factory import create_link
+from app.robots.factory import create_link, load_body
 from app.runtime.channel_table import ChannelTable
 from app.runtime.clock import Clock, RealClock
 from app.runtime.freshness import FreshnessWatch
@@ -74,7 +73,7 @@ class System:
         self.clock: Clock = clock or real
         #: What paces work for people, which goes on while a recording's time stands; else the robot's clock itself.
         self.pace: Clock = self.clock.pace if isinstance(self.clock, ReplayClock) else self.clock
-        self.link = link or create_link(load_robot_config(configuration.path(program.robot)), real.offset)
+        self.link = link or create_link(load_body(configuration.path(program.robot)), real.offset)
         self.classes = DesireClasses(desire_classes())
         self.workspace = IntentionWorkspace(self.classes, self.clock.now, new_id=new_id)
         self.timeline = Timeline(program.attention.history, self.clock.now)

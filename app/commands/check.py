@@ -72,11 +72,13 @@ def _program(path: Path) -> None:
 
 
 def _robot(path: Path) -> None:
-    from app.robots.config import load_robot_config
+    from app.robots.devices.config import DevicesConfig
+    from app.robots.factory import load_body
 
-    robot = load_robot_config(path)
+    robot = load_body(path)
     _robot_model(robot.model)
-    _world(robot.world)
+    if not isinstance(robot, DevicesConfig):
+        _world(robot.world)
 
 
 def _robot_model(path: Path) -> str:
@@ -91,6 +93,12 @@ def _world(path: Path) -> None:
     from app.yaml_source import parse
 
     parse(path, WorldConfig)
+
+
+def _array(path: Path) -> None:
+    from app.modules.perception.voices.array import load_array
+
+    load_array(path)
 
 
 def _problem(path: Path) -> None:
@@ -162,6 +170,7 @@ def _calibration(path: Path) -> None:
 _KINDS: tuple[tuple[str, frozenset[str], Callable[[Path], None]], ...] = (
     ("program", frozenset({"modules", "robot"}), _program),
     ("robot", frozenset({"model", "world", "base"}), _robot),
+    ("array of microphones", frozenset({"positions"}), _array),
     ("problem", frozenset({"desires"}), _problem),
     ("calibration", frozenset({"relations"}), _calibration),
     ("world", frozenset({"walls", "materials", "wall_height"}), _world),

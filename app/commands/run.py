@@ -19,10 +19,12 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
-from app import logs, paths
+from app import logs
+from app.commands.body import add_body_options, chosen
 
 if TYPE_CHECKING:
     from app.config import Configuration
+    from app.robots.factory import Body
 
 #: Everything has stopped by then, or is made to.
 STOP_WITHIN_S = 2.0
@@ -38,6 +40,7 @@ def add_parser(subparsers: Any) -> None:
         description="Start the robot and its console; Ctrl-C stops both. Options win over the configuration.",
     )
     parser.add_argument("--config", type=Path, metavar="FILE", help="the program to run (default: the simulated lab)")
+    add_body_options(parser)
     add_console_options(parser)
 
 
@@ -55,12 +58,11 @@ def add_console_options(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run until a signal comes or the body fails. Raises ConfigError."""
-    from app.config import load_configuration
     from app.console.security import check_token, is_loopback, new_token
     from app.console.server import listen
     from app.link import LinkFailed
 
-    configuration = load_configuration(args.config or paths.config_dir() / "lab.yaml")
+    configuration, body = chosen(args)
     console = configuration.program.console
     host = args.host or console.host
     token = args.token or console.token or (None if is_loopback(host) else new_token())
@@ -68,7 +70,7 @@ def run(args: argparse.Namespace) -> int:
     try:
         with listen(host, console.port if args.port is None else args.port) as listener:
             logs.configure(args.log_level, as_json=args.log_json)
-            live = _live(configuration, listener, token, open_browser=args.open)
+            live = _live(configuration, body, listener, token, open_browser=args.open)
             return asyncio.run(until_stopped(live, Stopping()))
     except LinkFailed as failure:
         print(f"hbba run: {failure}", file=sys.stderr)
@@ -92,13 +94,15 @@ async def until_stopped(live: Coroutine[Any, Any, None], stopping: Stopping) -> 
 
 
 async def _live(
-    configuration: Configuration, listener: socket.socket, token: str | None, *, open_browser: bool
+    configuration: Configuration, body: Body, listener: socket.socket, token: str | None, *, open_browser: bool
 ) -> None:
     """Bring everything up, say where, wait for the end, take everything down. Raises LinkFailed, ConfigError."""
     import cv2
 
     from app.console.app import create_app
     from app.console.server import address_of, serve
+    from app.robots.factory import create_link
+    from app.runtime.clock import RealClock
     from app.system import System
 
     cv2.setNumThreads(1)  # modules have their own threads; OpenCV's pool would only fight them for the cores
@@ -106,7 +110,8 @@ async def _live(
     host, port = address_of(listener)
     announce = announcer("HBBA is up", host, port, token, open_browser=open_browser)
     log.info("starting", extra={"configuration": configuration.program_document.file})
-    system = System(configuration)
+    clock = RealClock()
+    system = System(configuration, link=create_link(body, clock.offset), clock=clock)
     app = create_app(system, token=token, host=host)  # takes long enough to be felt by who drives
     async with system:
         console = asyncio.create_task(serve(app, host, port, listener=listener, started=announce), name="console")

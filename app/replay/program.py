@@ -16,19 +16,16 @@ from app.messages import (
     Divisors,
     EventRecord,
     IntentionRecord,
-    JointState,
-    LinkStatus,
     LoadRecord,
     LogLine,
     ModuleRecord,
-    Odometry,
     RecorderStatus,
 )
 from app.modules.recording.recorder import Recorder
 from app.recording.log import Log, LogInfo
 from app.replay.extract import extract
 from app.replay.options import ReplayOptions
-from app.robots.config import RobotConfig, load_robot_config
+from app.robots.factory import load_body, standing_streams
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.graph import Graph, ModuleSpec, load_class
 from app.runtime.module import Module
@@ -68,7 +65,7 @@ def prepare(log: Log, options: ReplayOptions, folder: Path, deaf: Mapping[str, s
     Raises ConfigError for a mistake in the configuration or the options, LogError for files that cannot be.
     """
     configuration = _configuration(log, options, folder)
-    robot = load_robot_config(configuration.path(configuration.program.robot))
+    robot = load_body(configuration.path(configuration.program.robot))
     facts = log.manifest.facts
     streams = _streams(log, configuration)
     modules, left_out = _modules(configuration, options, streams, deaf or {})
@@ -93,7 +90,7 @@ def prepare(log: Log, options: ReplayOptions, folder: Path, deaf: Mapping[str, s
             name=facts.get("robot") or f"{log.info.path.name} ({log.info.format})",
             model_path=robot.model,
             limits=robot.limits.base(),
-            streams=silent_streams(robot) | {s: _describe(log.info, configuration, s, c) for s, c in streams.items()},
+            streams=standing_streams(robot) | {s: _describe(log.info, configuration, s, c) for s, c in streams.items()},
             simulated=False,
         ),
         streams,
@@ -224,16 +221,6 @@ def _mean_rate(log: LogInfo, channel: str) -> float | None:
     """Messages a second over the whole log; None where there are too few to tell."""
     count = log.channels[channel].count
     return (count - 1) / log.duration_s if count > 1 and log.duration_s > 0 else None
-
-
-def silent_streams(robot: RobotConfig) -> dict[str, StreamDescription]:
-    """The streams that every body has, whether the log says anything on them or not."""
-    rates = robot.streams
-    return {
-        "odometry": StreamDescription("odometry", Odometry, rates.odometry.rate_hz),
-        "joints": StreamDescription("joints", JointState, rates.joints.rate_hz),
-        "status": StreamDescription("status", LinkStatus, rates.status.rate_hz),
-    }
 
 
 def _describe(info: LogInfo, configuration: Configuration, stream: str, channel: str) -> StreamDescription:

@@ -2,22 +2,66 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from app.errors import ConfigError
-from app.link import RobotLink
-from app.robots.config import RobotConfig
+from app.link import RobotLink, StreamDescription
+from app.messages import JointState, LinkStatus, Odometry
+from app.robots.config import RobotConfig, load_robot_config
+from app.robots.devices.config import JOINTS_HZ, ODOMETRY_HZ, STATUS_HZ, DevicesConfig, load_devices_config
 from app.robots.model import load_model
 from app.robots.simulated.link import SimulatedLink
 from app.robots.simulated.world_config import WorldConfig
-from app.yaml_source import parse
+from app.yaml_source import load_yaml, parse
+
+Body = RobotConfig | DevicesConfig
 
 
-def create_link(robot_config: RobotConfig, clock_offset: float) -> RobotLink:
+def load_body(path: Path | str) -> Body:
+    """Read the body that the file describes, of whatever kind. Raises ConfigError (file, line, key)."""
+    data = load_yaml(path).data
+    if isinstance(data, dict) and data.get("kind") == "devices":
+        return load_devices_config(path)
+    return load_robot_config(path)
+
+
+def standing_streams(body: Body) -> dict[str, StreamDescription]:
+    """The streams that every body has."""
+    rates = (ODOMETRY_HZ, JOINTS_HZ, STATUS_HZ)
+    if isinstance(body, RobotConfig):
+        rates = (body.streams.odometry.rate_hz, body.streams.joints.rate_hz, body.streams.status.rate_hz)
+    types = {"odometry": Odometry, "joints": JointState, "status": LinkStatus}
+    return {
+        name: StreamDescription(name, kind, rate_hz) for (name, kind), rate_hz in zip(types.items(), rates, strict=True)
+    }
+
+
+def body_files(body: Body) -> tuple[Path, ...]:
+    """The files that the body's own file names and a recording must have to be understood."""
+    if isinstance(body, DevicesConfig):
+        return (body.model,)
+    return (body.model, body.world, *((body.scenario,) if body.scenario is not None else ()))
+
+
+def create_link(robot_config: Body, clock_offset: float) -> RobotLink:
     """The body that ``robot_config`` asks for, not yet started; ``clock_offset`` + ``time.monotonic()`` is its clock.
 
     Raises ConfigError (file, line, key) if its model or its world is wrong.
     """
+    if isinstance(robot_config, DevicesConfig):
+        return _devices(robot_config, clock_offset)
     _check_model(robot_config)
     return SimulatedLink(robot_config, parse(robot_config.world, WorldConfig), clock_offset)
+
+
+def _devices(config: DevicesConfig, clock_offset: float) -> RobotLink:
+    from app.robots.devices.link import DevicesLink  # with libraries for sound, which a simulated body does without
+
+    model = load_model(config.model)
+    for device in (config.camera, config.microphones):
+        if device is not None and device.link not in model.links:
+            raise ConfigError(f"has no link {device.link!r} for a device of {config.name}", str(config.model))
+    return DevicesLink(config, model, clock_offset)
 
 
 def _check_model(robot: RobotConfig) -> None:

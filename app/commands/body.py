@@ -1,0 +1,59 @@
+"""Which body a command runs: the program's own, or another that its options name."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app import paths
+
+if TYPE_CHECKING:
+    from app.config import Configuration
+    from app.robots.factory import Body
+
+
+def add_body_options(parser: argparse.ArgumentParser) -> None:
+    """The options that choose a body, its devices and what is around it."""
+    parser.add_argument("--robot", type=Path, metavar="FILE", help="the body to run, such as config/robots/webcam.yaml")
+    parser.add_argument("--camera", metavar="SOURCE", help="of a body of devices: a number, a video, pictures")
+    parser.add_argument("--microphones", metavar="SOURCE", help="of a body of devices: an input's name, a sound file")
+
+
+def chosen(args: argparse.Namespace) -> tuple[Configuration, Body]:
+    """The program and the body that ``args`` ask for. Raises ConfigError.
+
+    ``--robot`` alone runs the program which that body's file names, with ``--config`` that program in that body.
+    """
+    from app.config import load_configuration
+    from app.errors import ConfigError
+    from app.robots.devices.config import DevicesConfig
+    from app.robots.factory import load_body
+
+    body = load_body(args.robot) if args.robot is not None else None
+    program = args.config
+    if program is None:
+        named = body.program if isinstance(body, DevicesConfig) else None
+        program = named or paths.config_dir() / "lab.yaml"
+    configuration = load_configuration(program)
+    if args.robot is not None:
+        in_it = configuration.program.model_copy(update={"robot": args.robot.resolve()})
+        configuration = replace(configuration, program=in_it)
+    if body is None:
+        body = load_body(configuration.path(configuration.program.robot))
+    for option in ("camera", "microphones"):
+        source = getattr(args, option)
+        if source is None:
+            continue
+        if not isinstance(body, DevicesConfig):
+            raise ConfigError(
+                f"is for a body of devices, and {body.name} is none: --robot config/robots/webcam.yaml", f"--{option}"
+            )
+        device = getattr(body, option)
+        if device is None:
+            raise ConfigError(f"{body.name} has no {option} to be replaced", f"--{option}")
+        if Path(source).exists():
+            source = str(Path(source).resolve())
+        body = body.model_copy(update={option: type(device).model_validate(device.model_dump() | {"source": source})})
+    return configuration, body

@@ -1,0 +1,108 @@
+"""Configuration of a body of devices: the models of ``config/robots/webcam.yaml`` and its like."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+
+from app.link import BaseLimits
+from app.yaml_source import load_yaml
+
+Positive = Annotated[float, Field(gt=0)]
+
+#: Bodies without wheels stand still, and say so this often.
+ODOMETRY_HZ, JOINTS_HZ, STATUS_HZ = 20.0, 5.0, 20.0
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class CameraConfig(_Model):
+    """Stream ``camera``: colour without depth.
+
+    ``source`` is a camera's number (0 is the first) or device, a video file, a picture, or a folder of pictures. A
+    file's pictures come at ``rate_hz`` (none: a video's own, 15 Hz for pictures), over again when they are through
+    unless ``loop`` is off. ``width`` and ``height`` are asked of a camera; what it gives is what it gives.
+    """
+
+    source: int | str = 0
+    rate_hz: Positive | None = None
+    width: Annotated[int, Field(ge=16, le=7680)] = 640
+    height: Annotated[int, Field(ge=16, le=4320)] = 480
+    horizontal_fov_deg: Annotated[float, Field(gt=1, lt=170)] = 60.0
+    link: str = "camera_optical_frame"
+    loop: bool = True
+
+    @field_validator("source", mode="before")
+    @classmethod
+    def _number(cls, source: Any) -> Any:
+        return int(source) if isinstance(source, str) and source.isdecimal() else source
+
+
+class SoundConfig(_Model):
+    """Stream ``microphones``: frames of samples of all channels, 16 bit.
+
+    ``source`` is ``default``, the name or number of an input of this computer, or a sound file (1 to 8 channels; at its
+    own rate, over again when it is through unless ``loop`` is off). ``positions`` (m) are the microphones' in ``link``;
+    none: all at its origin, which is enough to hear but not to locate.
+    """
+
+    source: int | str = "default"
+    rate: Annotated[int, Field(ge=8000, le=192000)] = 48000
+    frame_samples: Annotated[int, Field(ge=64, le=8192)] = 512
+    channels: Annotated[int, Field(ge=1, le=32)] = 1
+    positions: tuple[tuple[float, float, float], ...] | None = None
+    link: str = "microphone_link"
+    loop: bool = True
+
+    @field_validator("source", mode="before")
+    @classmethod
+    def _number(cls, source: Any) -> Any:
+        return int(source) if isinstance(source, str) and source.isdecimal() else source
+
+
+class SpeakerConfig(_Model):
+    """The loudspeaker: ``default``, or the name or number of an output of this computer."""
+
+    source: int | str = "default"
+
+
+class DevicesConfig(_Model):
+    """One body of devices. :func:`load_devices_config` takes ``model``, ``program`` and files relative to its file."""
+
+    kind: Literal["devices"]
+    name: str = "This computer"
+    model: Path
+    program: Path | None = Field(default=None, description="what `hbba run --robot` runs on it")
+    camera: CameraConfig | None = None
+    microphones: SoundConfig | None = None
+    loudspeaker: SpeakerConfig | None = None
+
+    @property
+    def limits(self) -> BaseLimits:
+        """Nothing moves; limits are positive by contract, and nobody will reach them."""
+        return BaseLimits(1e-3, 1e-3, 1e-3, 1e-3)
+
+
+def load_devices_config(path: Path | str) -> DevicesConfig:
+    """Read the file; raises ConfigError (file, line, key), also for a model or a program that is missing.
+
+    Sources that are files are taken relative to the file; whether they are there is found out when they are opened.
+    """
+    document = load_yaml(path)
+    config = document.validate(DevicesConfig)
+    here = Path(path).resolve().parent
+    update: dict[str, Any] = {"model": (here / config.model).resolve()}
+    if config.program is not None:
+        update["program"] = (here / config.program).resolve()
+    for key, file in update.items():
+        if not file.is_file():
+            raise document.error(f"{key}: there is no file {file}", (key,))
+    for key in ("camera", "microphones"):
+        device = getattr(config, key)
+        if device is not None and isinstance(device.source, str) and (here / device.source).exists():
+            update[key] = device.model_copy(update={"source": str((here / device.source).resolve())})
+    return config.model_copy(update=update)

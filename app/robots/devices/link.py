@@ -1,0 +1,185 @@
+"""A body of this computer's devices: what they give on streams; nothing that moves, so nothing to be guarded."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+from collections.abc import Callable
+from typing import Any
+
+from app.geometry import Pose2
+from app.link import LinkFailed, RobotDescription, StreamDescription
+from app.messages import Audio, Image, JointState, LinkStatus, Odometry, Twist
+from app.robots.devices.config import JOINTS_HZ, ODOMETRY_HZ, STATUS_HZ, DevicesConfig
+from app.robots.devices.player import Player
+from app.robots.devices.reader import Reader
+from app.robots.devices.streams import Ear, Eye
+from app.robots.model import RobotModel
+
+NO_WHEELS = "This body has no wheels."
+_MOST_PICTURES, _MOST_FRAMES = 2, 94
+
+
+class DevicesLink:
+    """Implements ``app.link.RobotLink``; ``clock_offset`` (s) makes the robot's clock of ``time.monotonic()``."""
+
+    def __init__(self, config: DevicesConfig, model: RobotModel, clock_offset: float) -> None:
+        self._config = config
+        self._offset = clock_offset
+        self._receivers: dict[str, list[Callable[[Any], None]]] = {}
+        self._readers: dict[str, Reader[Any]] = {}
+        self._wanted: set[str] = set()
+        self._tasks: list[asyncio.Task[None]] = []
+        self._failure: asyncio.Future[LinkFailed] | None = None
+        self._player = Player(config.loudspeaker) if config.loudspeaker is not None else None
+        self._e_stop: str | None = None
+        streams = {
+            "odometry": StreamDescription("odometry", Odometry, ODOMETRY_HZ),
+            "joints": StreamDescription("joints", JointState, JOINTS_HZ),
+            "status": StreamDescription("status", LinkStatus, STATUS_HZ),
+        }
+        if config.camera is not None:
+            eye = Eye(config.camera, model.pose(config.camera.link), self._now)
+            self._readers["camera"] = Reader(
+                "camera", eye.open, lambda image: self._deliver("camera", image),
+                pause_s=eye.pause_s, most_waiting=_MOST_PICTURES,
+            )  # fmt: skip
+            streams["camera"] = StreamDescription("camera", Image, config.camera.rate_hz or 15.0)
+        if config.microphones is not None:
+            ear = Ear(config.microphones, model.pose(config.microphones.link), self._now)
+            self._readers["microphones"] = Reader(
+                "microphones", ear.open, lambda audio: self._deliver("microphones", audio),
+                pause_s=ear.pause_s, most_waiting=_MOST_FRAMES,
+            )  # fmt: skip
+            rate_hz = config.microphones.rate / config.microphones.frame_samples
+            streams["microphones"] = StreamDescription("microphones", Audio, rate_hz)
+        self._receivers = {name: [] for name in streams}
+        self._description = RobotDescription(
+            config.name,
+            config.model,
+            config.limits,
+            streams,
+            simulated=False,
+            loudspeaker=config.loudspeaker is not None,
+        )
+
+    @property
+    def description(self) -> RobotDescription:
+        """What this body is; known before :meth:`start`."""
+        return self._description
+
+    async def start(self) -> None:
+        """Open the devices. One that cannot be opened is said and tried again; LinkFailed if none can."""
+        self._failure = asyncio.get_running_loop().create_future()
+        problems = await asyncio.gather(*(reader.start() for reader in self._readers.values()))
+        if problems and all(problems):
+            await self._release()
+            raise LinkFailed(f"{self._config.name} can neither see nor hear: {'; '.join(problems)}.")
+        for name, reader in self._readers.items():
+            reader.want(name in self._wanted)
+        for period_s, tell in (
+            (1 / ODOMETRY_HZ, self._stand),
+            (1 / JOINTS_HZ, self._pose),
+            (1 / STATUS_HZ, self._report),
+        ):
+            self._tasks.append(asyncio.create_task(_repeat(period_s, tell), name=f"devices {tell.__name__}"))
+        if self._player is not None:
+            self._player.start()
+
+    async def stop(self) -> None:
+        """Let go of all devices; idempotent."""
+        await self._release()
+
+    async def wait_failed(self) -> LinkFailed:
+        """Devices that vanish are waited for: it never fails as a whole."""
+        if self._failure is None:
+            return LinkFailed("The devices were not started.")
+        return await asyncio.shield(self._failure)
+
+    def attach(self, stream: str, receive: Callable[[Any], None]) -> Callable[[], None]:
+        """Call ``receive(message)`` on the loop for each message of ``stream``; returns the detacher."""
+        receivers = self._of(stream)
+        receivers.append(receive)
+
+        def detach() -> None:
+            with contextlib.suppress(ValueError):
+                receivers.remove(receive)
+
+        return detach
+
+    def demand(self, stream: str, wanted: bool) -> None:
+        """Tell whether anybody listens to ``stream``: a device nobody wants is not read, and soon let go of."""
+        self._of(stream)
+        (self._wanted.add if wanted else self._wanted.discard)(stream)
+        if stream in self._readers:
+            self._readers[stream].want(wanted)
+
+    def command(self, twist: Twist) -> None:
+        """There are no wheels."""
+
+    def play(self, audio: Audio) -> None:
+        """Play one frame through the loudspeaker, if there is one."""
+        if self._player is not None:
+            self._player.play(audio)
+
+    def e_stop(self, reason: str) -> None:
+        """Latch the emergency stop, that people see what they pressed."""
+        self._e_stop = self._e_stop or reason
+
+    def clear_e_stop(self) -> None:
+        """Release the latch."""
+        self._e_stop = None
+
+    async def _release(self) -> None:
+        tasks, self._tasks = self._tasks, []
+        for task in tasks:
+            task.cancel()
+        if tasks:
+            await asyncio.wait(tasks)
+        await asyncio.gather(*(reader.stop() for reader in self._readers.values()))
+        if self._player is not None:
+            self._player.stop()
+
+    def _of(self, stream: str) -> list[Callable[[Any], None]]:
+        if stream not in self._receivers:
+            raise KeyError(f"{self._config.name} has no stream {stream!r}; it has {', '.join(self._receivers)}")
+        return self._receivers[stream]
+
+    def _now(self) -> float:
+        return time.monotonic() + self._offset
+
+    def _stand(self) -> None:
+        self._deliver("odometry", Odometry(self._now(), Pose2(), 0.0, 0.0))
+
+    def _pose(self) -> None:
+        self._deliver("joints", JointState(self._now(), (), ()))
+
+    def _report(self) -> None:
+        now = self._now()
+        guard = "idle" if self._e_stop is None else "e_stopped"
+        status = LinkStatus(
+            stamp=now,
+            guard=guard,
+            reason=self._e_stop or NO_WHEELS,
+            e_stopped=self._e_stop is not None,
+            command_age_s=None,
+            applied=Twist(now, 0.0, 0.0),
+            world_rate=1.0,
+        )
+        self._deliver("status", status)
+
+    def _deliver(self, stream: str, message: Any) -> None:
+        for receive in tuple(self._receivers[stream]):
+            try:
+                receive(message)
+            except Exception as failure:  # noqa: BLE001  # one receiver's fault must not cut the others off, nor pass in silence
+                asyncio.get_running_loop().call_exception_handler(
+                    {"message": f"a receiver of {stream} raised", "exception": failure}
+                )
+
+
+async def _repeat(period_s: float, tell: Callable[[], None]) -> None:
+    while True:
+        tell()
+        await asyncio.sleep(period_s)

@@ -1,0 +1,176 @@
+"""Where pictures come from: a camera, a video, pictures on disk. Blocking; each lives in a thread of its own."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Protocol
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from app.robots.devices.config import CameraConfig
+
+Picture = NDArray[np.uint8]
+PICTURE_SUFFIXES = {".bmp", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp"}
+DEFAULT_RATE_HZ = 15.0
+
+
+class Unavailable(Exception):
+    """A device or file cannot be opened or gives nothing any more; the message says which, and what to do."""
+
+
+class Pictures(Protocol):
+    """A source of pictures."""
+
+    #: Whether it comes at its own pace (a camera); else whoever reads it waits ``1 / rate_hz`` between two.
+    live: bool
+    rate_hz: float
+
+    def read(self) -> Picture | None:
+        """The next picture (H, W, 3) uint8 RGB; None at the end. Raises Unavailable."""
+        ...
+
+    def close(self) -> None:
+        """Let go of the device or file."""
+        ...
+
+
+def open_pictures(config: CameraConfig) -> Pictures:
+    """What ``config.source`` names, opened. Raises Unavailable."""
+    source = config.source
+    if isinstance(source, str):
+        path = Path(source)
+        if path.is_dir():
+            files = sorted(file for file in path.iterdir() if file.suffix.lower() in PICTURE_SUFFIXES)
+            if not files:
+                raise Unavailable(f"there are no pictures ({', '.join(sorted(PICTURE_SUFFIXES))}) in {source}")
+            return _Stills(files, config)
+        if path.suffix.lower() in PICTURE_SUFFIXES:
+            return _Stills([path], config)
+        if path.is_file():
+            return _Video(path, config)
+        if not source.startswith("/dev/"):
+            raise Unavailable(f"there is no file {source}")
+    return _Camera(source, config)
+
+
+class _Camera:
+    live = True
+
+    def __init__(self, source: int | str, config: CameraConfig) -> None:
+        self._name = f"camera {source}"
+        self._capture = _capture(source)
+        if self._capture is None:
+            raise Unavailable(
+                f"{self._name} cannot be opened: is it there, free, and may you use it? `hbba doctor` lists cameras; "
+                "--camera FILE takes a video or a picture instead"
+            )
+        self._capture.set(cv2.CAP_PROP_FRAME_WIDTH, config.width)
+        self._capture.set(cv2.CAP_PROP_FRAME_HEIGHT, config.height)
+        if config.rate_hz is not None:
+            self._capture.set(cv2.CAP_PROP_FPS, config.rate_hz)
+        self.rate_hz = config.rate_hz or float(self._capture.get(cv2.CAP_PROP_FPS)) or 30.0
+
+    def read(self) -> Picture | None:
+        assert self._capture is not None
+        there, picture = self._capture.read()
+        if not there:
+            raise Unavailable(f"{self._name} gives no more pictures")
+        return _rgb(picture)
+
+    def close(self) -> None:
+        if self._capture is not None:
+            self._capture.release()
+
+
+class _Video:
+    live = False
+
+    def __init__(self, path: Path, config: CameraConfig) -> None:
+        self._path = path
+        self._loop = config.loop
+        capture = _capture(str(path))
+        if capture is None:
+            raise Unavailable(f"{path} cannot be read as a video or a picture")
+        self._capture = capture
+        fps = float(capture.get(cv2.CAP_PROP_FPS))
+        self.rate_hz = config.rate_hz or (fps if 0.1 <= fps <= 240 else DEFAULT_RATE_HZ)
+
+    def read(self) -> Picture | None:
+        there, picture = self._capture.read()
+        if not there and self._loop:
+            self._capture.release()
+            again = _capture(str(self._path))
+            if again is None:
+                raise Unavailable(f"{self._path} cannot be read any more")
+            self._capture = again
+            there, picture = again.read()
+        return _rgb(picture) if there else None
+
+    def close(self) -> None:
+        self._capture.release()
+
+
+class _Stills:
+    live = False
+
+    def __init__(self, files: list[Path], config: CameraConfig) -> None:
+        self.rate_hz = config.rate_hz or DEFAULT_RATE_HZ
+        self._pictures = self._each(files, config.loop)
+        # A folder with a broken picture is told at once, not in the middle.
+        self._kept = {file: _picture(file) for file in files[:1]}
+
+    def _each(self, files: list[Path], loop: bool) -> Iterator[Picture]:
+        while True:
+            for file in files:
+                if file not in self._kept:
+                    if len(self._kept) > 1:
+                        self._kept.pop(next(iter(self._kept)))
+                    self._kept[file] = _picture(file)
+                yield self._kept[file]
+            if not loop:
+                return
+
+    def read(self) -> Picture | None:
+        picture = next(self._pictures, None)
+        # A still picture is the same array every time, but nobody may write into what others may still look at.
+        return None if picture is None else picture.copy()
+
+    def close(self) -> None:
+        self._kept.clear()
+
+
+class Pace:
+    """Waits so that what it paces comes ``rate_hz`` times a second, without hurrying after a stall."""
+
+    def __init__(self, rate_hz: float) -> None:
+        self._period_s = 1.0 / rate_hz
+        self._due = time.monotonic()
+
+    def wait_s(self, now: float) -> float:
+        """Seconds (>= 0) from ``now`` (monotonic) to the next; the one after that is due a period later."""
+        self._due = max(self._due + self._period_s, now)
+        return self._due - now
+
+
+def _capture(source: int | str) -> cv2.VideoCapture | None:
+    capture = cv2.VideoCapture(source)
+    if not capture.isOpened():
+        capture.release()
+        return None
+    return capture
+
+
+def _picture(file: Path) -> Picture:
+    data = np.fromfile(file, np.uint8)
+    picture = cv2.imdecode(data, cv2.IMREAD_COLOR) if data.size else None
+    if picture is None:
+        raise Unavailable(f"{file} is no picture")
+    return _rgb(picture)
+
+
+def _rgb(picture: NDArray[np.generic]) -> Picture:
+    return np.asarray(cv2.cvtColor(np.asarray(picture), cv2.COLOR_BGR2RGB), np.uint8)

@@ -1,0 +1,64 @@
+"""The loudspeaker's thread: plays frames one after the other."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections import deque
+
+from app.messages import Audio
+from app.robots.devices.config import SpeakerConfig
+from app.robots.devices.pictures import Unavailable
+from app.robots.devices.sound import Speaker
+
+#: At most so much waits to be played: of more, the oldest is dropped.
+QUEUED_S = 0.5
+
+log = logging.getLogger("hbba.devices")
+
+
+class Player:
+    """Opens the loudspeaker with the first frame; says once why it cannot."""
+
+    def __init__(self, config: SpeakerConfig) -> None:
+        self._config = config
+        self._condition = threading.Condition()
+        self._frames: deque[Audio] = deque()
+        self._ending = False
+
+    def start(self) -> None:
+        """Begin to wait for frames."""
+        threading.Thread(target=self._run, name="loudspeaker", daemon=True).start()
+
+    def stop(self) -> None:
+        """End, silent at once."""
+        with self._condition:
+            self._ending = True
+            self._condition.notify()
+
+    def play(self, audio: Audio) -> None:
+        """Queue one frame."""
+        with self._condition:
+            self._frames.append(audio)
+            while len(self._frames) > 1 and sum(len(f.samples) / f.rate for f in self._frames) > QUEUED_S:
+                self._frames.popleft()
+            self._condition.notify()
+
+    def _run(self) -> None:
+        speaker: Speaker | None = None
+        while (audio := self._next()) is not None:
+            try:
+                if speaker is None or speaker.rate != audio.rate:
+                    speaker = Speaker(self._config, audio.rate)
+                speaker.write(audio.samples[:, 0])
+            except Unavailable as failure:
+                log.warning("%s", failure)
+                return
+        if speaker is not None:
+            speaker.close()
+
+    def _next(self) -> Audio | None:
+        with self._condition:
+            while not self._frames and not self._ending:
+                self._condition.wait()
+            return None if self._ending else self._frames.popleft()

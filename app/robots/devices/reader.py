@@ -1,0 +1,170 @@
+"""A thread that reads one device while somebody wants what it gives, and hands it to the event loop."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import threading
+import time
+from collections.abc import Callable
+from typing import Generic, Protocol, TypeVar
+
+from app.robots.devices.pictures import Unavailable
+
+T = TypeVar("T")
+Item = TypeVar("Item", covariant=True)
+
+#: A live device is let go of when nobody has wanted it for so long: then a camera's light goes out.
+LINGER_S = 5.0
+RETRY_S = 3.0
+
+log = logging.getLogger("hbba.devices")
+
+
+class Source(Protocol[Item]):
+    """An open device or file."""
+
+    live: bool
+
+    def read(self) -> Item | None:
+        """Wait for the next of what it gives; None at the end. Raises Unavailable."""
+        ...
+
+    def close(self) -> None: ...
+
+
+class Reader(Generic[T]):
+    """Opens, reads, hands on, closes, and tries again when a device is lost.
+
+    ``take(item)`` is called on the loop with each item, unless ``most_waiting`` of them wait there already: then the
+    item is dropped and counted. ``pause_s()`` says how long to wait after reading one of a file, whose pace is ours.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        open_source: Callable[[], Source[T]],
+        take: Callable[[T], None],
+        *,
+        pause_s: Callable[[], float],
+        most_waiting: int,
+    ) -> None:
+        self.name = name
+        self.dropped = 0
+        self._open_source = open_source
+        self._take = take
+        self._pause_s = pause_s
+        self._most_waiting = most_waiting
+        self._waiting = 0
+        self._condition = threading.Condition()
+        self._wanted = False
+        self._ending = False
+        self._told = ""
+        self._thread: threading.Thread | None = None
+
+    async def start(self) -> str:
+        """Begin; returns "" once the device is open, or why it cannot be (it is tried again while it is wanted)."""
+        loop = asyncio.get_running_loop()
+        opened: asyncio.Future[str] = loop.create_future()
+        self._thread = threading.Thread(target=self._run, args=(loop, opened), name=self.name, daemon=True)
+        self._thread.start()
+        return await opened
+
+    def want(self, wanted: bool) -> None:
+        """Whether what it gives is to be read."""
+        with self._condition:
+            self._wanted = wanted
+            self._condition.notify()
+
+    async def stop(self) -> None:
+        """End, letting go of the device. A device that blocks is left to die with the program."""
+        with self._condition:
+            self._ending = True
+            self._condition.notify()
+        if self._thread is not None:
+            await asyncio.get_running_loop().run_in_executor(None, self._thread.join, 0.5)
+
+    def _run(self, loop: asyncio.AbstractEventLoop, opened: asyncio.Future[str]) -> None:
+        source, problem = self._try_open()
+        _tell(loop, lambda: None if opened.cancelled() else opened.set_result(problem))
+        while not self._ending:
+            if source is None:
+                self._wait(RETRY_S if self._wanted else None)
+                if self._asked:
+                    source, _ = self._try_open()
+            elif not self._wanted:
+                self._wait(LINGER_S if source.live else None)
+                if not self._asked and source.live:
+                    source.close()
+                    source = None
+            else:
+                source = self._read(loop, source)
+        if source is not None:
+            source.close()
+
+    @property
+    def _asked(self) -> bool:
+        return self._wanted and not self._ending
+
+    def _read(self, loop: asyncio.AbstractEventLoop, source: Source[T]) -> Source[T] | None:
+        try:
+            item = source.read()
+        except Unavailable as failure:
+            self._say(str(failure))
+            source.close()
+            return None
+        if item is None:
+            self._say(f"{self.name}: that was all of it")
+            with self._condition:
+                while not self._ending:
+                    self._condition.wait()
+            return source
+        if self._waiting >= self._most_waiting:
+            self.dropped += 1
+        else:
+            self._waiting += 1
+            _tell(loop, lambda: self._hand(item))
+        if not source.live:
+            self._wait_out(self._pause_s())
+        return source
+
+    def _hand(self, item: T) -> None:
+        self._waiting -= 1
+        self._take(item)
+
+    def _try_open(self) -> tuple[Source[T] | None, str]:
+        try:
+            source = self._open_source()
+        except Unavailable as failure:
+            self._say(str(failure))
+            return None, str(failure)
+        if self._told:
+            log.info("%s is there again", self.name)
+        self._told = ""
+        return source, ""
+
+    def _say(self, problem: str) -> None:
+        """A bad state is said once, on entering."""
+        if problem != self._told:
+            self._told = problem
+            log.warning("%s", problem)
+
+    def _wait(self, timeout_s: float | None) -> None:
+        """Until something changes, or ``timeout_s`` has passed."""
+        with self._condition:
+            if not self._ending:
+                self._condition.wait(timeout_s)
+
+    def _wait_out(self, seconds: float) -> None:
+        """So long, unless it ends."""
+        until = time.monotonic() + seconds
+        with self._condition:
+            while not self._ending and (left := until - time.monotonic()) > 0:
+                self._condition.wait(left)
+
+
+def _tell(loop: asyncio.AbstractEventLoop, call: Callable[[], object]) -> None:
+    try:
+        loop.call_soon_threadsafe(call)
+    except RuntimeError:  # the loop is closed: nobody listens any more
+        log.debug("the event loop is gone")

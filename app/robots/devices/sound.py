@@ -1,0 +1,146 @@
+"""Where sound comes from and goes to: microphones and loudspeakers of this computer, or a file. Blocking."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import ModuleType
+from typing import Protocol
+
+import numpy as np
+import soundfile
+from numpy.typing import NDArray
+
+from app.robots.devices.config import SoundConfig, SpeakerConfig
+from app.robots.devices.pictures import Unavailable
+
+Samples = NDArray[np.int16]
+_OR_A_FILE = "--microphones FILE takes a sound file instead"
+
+
+class Sound(Protocol):
+    """A source of sound of ``channels`` channels."""
+
+    #: Whether it comes at its own pace (microphones); else whoever reads it waits as long as a frame lasts.
+    live: bool
+    rate: int
+    channels: int
+
+    def read(self, count: int) -> Samples | None:
+        """The next ``count`` samples (count, C) int16; None at the end. Raises Unavailable."""
+        ...
+
+    def close(self) -> None:
+        """Let go of the device or file."""
+        ...
+
+
+def open_sound(config: SoundConfig) -> Sound:
+    """What ``config.source`` names, opened. Raises Unavailable."""
+    if isinstance(config.source, str) and Path(config.source).is_file():
+        return _File(Path(config.source), config)
+    if isinstance(config.source, str) and Path(config.source).suffix:
+        raise Unavailable(f"there is no file {config.source}")
+    return _Microphones(config)
+
+
+class _File:
+    live = False
+
+    def __init__(self, path: Path, config: SoundConfig) -> None:
+        try:
+            self._file = soundfile.SoundFile(str(path))
+        except (soundfile.LibsndfileError, OSError) as failure:
+            raise Unavailable(f"{path} cannot be read as sound: {failure}") from None
+        self.rate, self.channels = self._file.samplerate, self._file.channels
+        if not self._file.frames:
+            raise Unavailable(f"{path} holds no sound")
+        self._loop = config.loop
+
+    def read(self, count: int) -> Samples | None:
+        samples = self._file.read(count, dtype="int16", always_2d=True)
+        while len(samples) < count:
+            if not self._loop:
+                if not len(samples):
+                    return None
+                return np.concatenate([samples, np.zeros((count - len(samples), self.channels), np.int16)])
+            self._file.seek(0)
+            more = self._file.read(count - len(samples), dtype="int16", always_2d=True)
+            samples = np.concatenate([samples, more])
+        return np.asarray(samples, np.int16)
+
+    def close(self) -> None:
+        self._file.close()
+
+
+def sounddevice() -> ModuleType:
+    """The library that reaches sound cards. Raises Unavailable where it, or PortAudio below it, is missing."""
+    try:
+        import sounddevice as found
+    except ImportError:
+        raise Unavailable(
+            f"sound cards need the package sounddevice (`pip install 'hbba[devices]'`); {_OR_A_FILE}"
+        ) from None
+    except OSError:
+        raise Unavailable(
+            f"sound cards need the library PortAudio (Debian: `apt install libportaudio2`); {_OR_A_FILE}"
+        ) from None
+    return found  # type: ignore[no-any-return]
+
+
+class _Microphones:
+    live = True
+
+    def __init__(self, config: SoundConfig) -> None:
+        library = sounddevice()
+        self.rate, self.channels = config.rate, config.channels
+        device = None if config.source == "default" else config.source
+        self._error = library.PortAudioError
+        try:
+            self._stream = library.RawInputStream(
+                samplerate=config.rate, blocksize=config.frame_samples, device=device, channels=config.channels,
+                dtype="int16", latency="low",
+            )  # fmt: skip
+            self._stream.start()
+        except (self._error, ValueError) as failure:
+            raise Unavailable(f"the microphone ({config.source}) cannot be opened: {failure}; {_OR_A_FILE}") from None
+
+    def read(self, count: int) -> Samples | None:
+        try:
+            data, _ = self._stream.read(count)
+        except self._error as failure:
+            raise Unavailable(f"the microphone gives no more sound: {failure}") from None
+        return np.frombuffer(bytes(data), np.int16).reshape(-1, self.channels).copy()
+
+    def close(self) -> None:
+        self._stream.abort()
+        self._stream.close()
+
+
+class Speaker:
+    """A loudspeaker for one channel at ``rate``; :meth:`write` blocks until it is taken."""
+
+    def __init__(self, config: SpeakerConfig, rate: int) -> None:
+        """Raises Unavailable."""
+        library = sounddevice()
+        self.rate = rate
+        self._error = library.PortAudioError
+        device = None if config.source == "default" else config.source
+        try:
+            self._stream = library.RawOutputStream(
+                samplerate=rate, device=device, channels=1, dtype="int16", latency="low"
+            )
+            self._stream.start()
+        except (self._error, ValueError) as failure:
+            raise Unavailable(f"the loudspeaker ({config.source}) cannot be opened: {failure}") from None
+
+    def write(self, samples: Samples) -> None:
+        """Play ``samples`` (N,) int16. Raises Unavailable."""
+        try:
+            self._stream.write(np.ascontiguousarray(samples).tobytes())
+        except self._error as failure:
+            raise Unavailable(f"the loudspeaker takes no more sound: {failure}") from None
+
+    def close(self) -> None:
+        """Let go of it."""
+        self._stream.abort()
+        self._stream.close()

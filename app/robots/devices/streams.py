@@ -1,0 +1,108 @@
+"""What devices give, as messages of the body's streams."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.geometry import CameraModel, Pose3
+from app.messages import Audio, Image, read_only
+from app.robots.devices.config import CameraConfig, SoundConfig
+from app.robots.devices.pictures import Pace, Picture, Pictures, Unavailable, open_pictures
+from app.robots.devices.sound import Samples, Sound, open_sound
+
+
+class Eye:
+    """Pictures as Images."""
+
+    def __init__(self, config: CameraConfig, X_BC: Pose3, now: Callable[[], float]) -> None:
+        self._config = config
+        self._X_BC = X_BC
+        self._now = now
+        self._pictures: Pictures | None = None
+        self._pace = Pace(1.0)
+        self.live = False
+
+    def open(self) -> Eye:
+        self._pictures = open_pictures(self._config)
+        self._pace = Pace(self._pictures.rate_hz)
+        self.live = self._pictures.live
+        return self
+
+    def read(self) -> Image | None:
+        assert self._pictures is not None
+        picture = self._pictures.read()
+        return None if picture is None else self._image(picture)
+
+    def close(self) -> None:
+        if self._pictures is not None:
+            self._pictures.close()
+
+    def pause_s(self) -> float:
+        return self._pace.wait_s(time.monotonic())
+
+    def _image(self, picture: Picture) -> Image:
+        height, width = picture.shape[:2]
+        # Square pixels: the vertical field of view follows.
+        f = 0.5 * width / math.tan(0.5 * math.radians(self._config.horizontal_fov_deg))
+        camera = CameraModel(width, height, f, f, 0.5 * (width - 1), 0.5 * (height - 1))
+        return Image(self._now(), self._config.link, read_only(picture), None, camera, self._X_BC)
+
+
+class Ear:
+    """Sound as frames of Audio."""
+
+    def __init__(self, config: SoundConfig, X_BL: Pose3, now: Callable[[], float]) -> None:
+        self._config = config
+        self._X_BL = X_BL
+        self._now = now
+        self._sound: Sound | None = None
+        self._pace = Pace(1.0)
+        self._first = 0
+        self._ended: float | None = None
+        self._p_BM: NDArray[np.float64] = np.zeros((0, 3))
+        self.live = False
+
+    def open(self) -> Ear:
+        sound = open_sound(self._config)
+        positions = self._config.positions
+        if positions is not None and len(positions) != sound.channels:
+            sound.close()
+            raise Unavailable(
+                f"{self._config.source} has {sound.channels} channels, but {len(positions)} positions of microphones "
+                "are configured: one for each channel, or none"
+            )
+        places = np.array(positions if positions is not None else [(0.0, 0.0, 0.0)] * sound.channels, np.float64)
+        self._p_BM = read_only(np.asarray(self._X_BL.transform(places), np.float64))
+        self._pace = Pace(sound.rate / self._config.frame_samples)
+        self._sound, self.live = sound, sound.live
+        return self
+
+    def read(self) -> Audio | None:
+        assert self._sound is not None
+        count = self._config.frame_samples
+        samples = self._sound.read(count)
+        return None if samples is None else self._frame(samples)
+
+    def close(self) -> None:
+        if self._sound is not None:
+            self._sound.close()
+
+    def pause_s(self) -> float:
+        return self._pace.wait_s(time.monotonic())
+
+    def _frame(self, samples: Samples) -> Audio:
+        assert self._sound is not None
+        rate, end = self._sound.rate, self._now()
+        lasts_s = len(samples) / rate
+        # What was not read while nobody listened is missing: the numbers say so.
+        if self._ended is not None and end - self._ended > 1.0 + lasts_s:
+            self._first += round((end - self._ended - lasts_s) * rate)
+        self._ended = end
+        frame = Audio(end - lasts_s, self._config.link, read_only(samples), rate, self._first, self._p_BM)
+        self._first += len(samples)
+        return frame

@@ -1,0 +1,77 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from app.robots.devices.config import CameraConfig
+from app.robots.devices.pictures import Pace, Unavailable, open_pictures
+
+from .files import picture_file, video_file
+
+
+def levels(path: Path, count: int, *, loop: bool = True) -> list[int | None]:
+    source = open_pictures(CameraConfig(source=str(path), loop=loop))
+    try:
+        pictures = [source.read() for _ in range(count)]
+    finally:
+        source.close()
+    return [None if picture is None else round(float(picture.mean())) for picture in pictures]
+
+
+def test_a_video_comes_in_order_and_over_again(tmp_path: Path) -> None:
+    path = video_file(tmp_path, [40, 120, 200])
+    assert levels(path, 5) == pytest.approx([40, 120, 200, 40, 120], abs=3)
+    assert levels(path, 4, loop=False)[3] is None
+    assert open_pictures(CameraConfig(source=str(path))).rate_hz == 50
+    assert open_pictures(CameraConfig(source=str(path), rate_hz=7)).rate_hz == 7
+
+
+def test_a_folder_of_pictures_comes_by_name(tmp_path: Path) -> None:
+    for name, level in (("b.png", 90), ("a.png", 30), ("c.png", 250)):
+        picture_file(tmp_path, name, level)
+    (tmp_path / "notes.txt").write_text("no picture")
+    assert levels(tmp_path, 4) == [30, 90, 250, 30]
+    assert levels(tmp_path / "b.png", 2) == [90, 90]
+
+
+def test_nobody_writes_into_another_s_picture(tmp_path: Path) -> None:
+    source = open_pictures(CameraConfig(source=str(picture_file(tmp_path, "a.png", 30))))
+    first, second = source.read(), source.read()
+    assert first is not None
+    assert second is not None
+    first[:] = 0
+    assert second.mean() == 30
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("gone.mp4", None, "there is no file"),
+        ("broken.png", b"not a picture", "is no picture"),
+        ("broken.mp4", b"not a video", "cannot be read as a video or a picture"),
+        ("empty", "folder", "there are no pictures"),
+    ],
+)
+def test_what_cannot_be_opened_says_why(tmp_path: Path, name: str, content: bytes | str | None, said: str) -> None:
+    path = tmp_path / name
+    if isinstance(content, bytes):
+        path.write_bytes(content)
+    elif content is not None:
+        path.mkdir()
+    with pytest.raises(Unavailable, match=said):
+        open_pictures(CameraConfig(source=str(path)))
+
+
+def test_a_camera_that_is_not_there_says_what_else_to_do() -> None:
+    with pytest.raises(Unavailable, match=r"camera 97 cannot be opened.*--camera FILE"):
+        open_pictures(CameraConfig(source="97"))
+
+
+def test_a_stall_is_not_made_up_for() -> None:
+    pace = Pace(10.0)
+    start = pace._due
+    assert pace.wait_s(start) == pytest.approx(0.1)
+    assert pace.wait_s(start + 0.1) == pytest.approx(0.1)
+    assert pace.wait_s(start + 5.0) == 0
+    assert pace.wait_s(start + 5.0) == pytest.approx(0.1)

@@ -1,0 +1,54 @@
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.robots.devices.config import SoundConfig
+from app.robots.devices.pictures import Unavailable
+from app.robots.devices.sound import open_sound
+
+from .files import RATE, ramp, sound_file
+
+
+def test_a_file_comes_sample_by_sample_and_over_again(tmp_path: Path) -> None:
+    samples = ramp(1000)
+    source = open_sound(SoundConfig(source=str(sound_file(tmp_path, samples))))
+    assert (source.rate, source.channels, source.live) == (RATE, 2, False)
+    frames = [source.read(300) for _ in range(7)]
+    source.close()
+    assert np.array_equal(np.concatenate([f for f in frames if f is not None]), np.resize(samples, (2100, 2)))
+
+
+def test_without_looping_the_last_frame_is_filled_up(tmp_path: Path) -> None:
+    source = open_sound(SoundConfig(source=str(sound_file(tmp_path, ramp(400, 1))), loop=False))
+    frames = [source.read(300) for _ in range(3)]
+    assert frames[1] is not None
+    assert len(frames[1]) == 300
+    assert not frames[1][100:].any()
+    assert frames[2] is None
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [("gone.wav", None, "there is no file"), ("broken.wav", b"RIFFnonsense", "cannot be read as sound")],
+)
+def test_what_cannot_be_opened_says_why(tmp_path: Path, name: str, content: bytes | None, said: str) -> None:
+    path = tmp_path / name
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(Unavailable, match=said):
+        open_sound(SoundConfig(source=str(path)))
+
+
+def test_a_file_without_sound_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(Unavailable, match="holds no sound"):
+        open_sound(SoundConfig(source=str(sound_file(tmp_path, ramp(0)))))
+
+
+def test_without_the_library_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "sounddevice", None)
+    with pytest.raises(Unavailable, match=r"pip install 'hbba\[devices\]'"):
+        open_sound(SoundConfig())
