@@ -12,17 +12,14 @@ from dataclasses import dataclass
 
 from app.geometry import Pose2, wrap_angle
 from app.messages import PersonTruth
+from app.robots.simulated import gait
+from app.robots.simulated.gait import Posture
 from app.robots.simulated.scenario_config import Look, PersonConfig, StepConfig
 
-MOUTH_SHARE, NECK_SHARE, HANDS_SHARE = 0.896, 0.850, 0.72
-"""Heights of parts as shares of the person's: of the mouth as in ``app/modules/perception/height.py``."""
-MOUTH_AHEAD_SHARE, HANDS_AHEAD_SHARE = 0.056, 0.20
 ROBOT_FACE_M = 1.30
 ACCELERATION_MPS2 = 1.5
 TURN_RADPS, HEAD_RADPS = math.radians(110), math.radians(140)
 HEAD_YAW, HEAD_PITCH = math.radians(65), math.radians(20)
-STEP_SHARE = 0.43
-"""Length of a step at 1.3 m/s as a share of the height."""
 CLAP_RAISE_S = 0.35
 REACHED_M = 0.01
 
@@ -35,20 +32,6 @@ class Happening:
     clip: str
     gain_db: float
     begin_s: float
-
-
-@dataclass(frozen=True, slots=True)
-class Posture:
-    """How limbs are held: ``gait`` phase (rad) and ``stride`` (0 standing, 1 a full step); ``clap`` 0 arms down, 1
-    raised with the palms ``apart`` (0 together, 1 wide); ``head_yaw``, ``head_pitch`` (rad, up positive) on the body.
-    """
-
-    gait: float
-    stride: float
-    clap: float
-    apart: float
-    head_yaw: float
-    head_pitch: float
 
 
 class Actor:
@@ -87,24 +70,17 @@ class Actor:
     @property
     def mouth(self) -> tuple[float, float, float]:
         """Where the mouth is in the world (m)."""
-        up, ahead = (MOUTH_SHARE - NECK_SHARE) * self.height_m, MOUTH_AHEAD_SHARE * self.height_m
-        c, s = math.cos(self._head_pitch), math.sin(self._head_pitch)
-        forward = ahead * c - up * s
-        rise = ahead * s + up * c
-        return (
-            self.x + forward * math.cos(self.gaze),
-            self.y + forward * math.sin(self.gaze),
-            NECK_SHARE * self.height_m + rise,
-        )
+        ahead, up = (self.height_m * share for share in gait.mouth(self.posture))
+        return (self.x + ahead * math.cos(self.gaze), self.y + ahead * math.sin(self.gaze), up)
 
     @property
     def hands(self) -> tuple[float, float, float]:
         """Where the palms meet when clapping (m, world)."""
-        ahead = HANDS_AHEAD_SHARE * self.height_m
+        ahead = gait.HANDS_AHEAD * self.height_m
         return (
             self.x + ahead * math.cos(self.heading),
             self.y + ahead * math.sin(self.heading),
-            HANDS_SHARE * self.height_m,
+            gait.HANDS_SHARE * self.height_m,
         )
 
     @property
@@ -206,7 +182,7 @@ class Actor:
         way = min(self.speed * dt, left)
         self.x += way * (target[0] - self.x) / left
         self.y += way * (target[1] - self.y) / left
-        step_m = STEP_SHARE * self.height_m * (0.4 + 0.6 * min(1.0, self.speed / 1.3))
+        step_m = gait.STEP * self.height_m * (0.4 + 0.6 * min(1.0, self.speed / 1.3))
         before = math.floor(self._gait / math.pi)
         self._gait += math.pi * way / step_m
         return [Happening("steps", "", 0.0, now)] if math.floor(self._gait / math.pi) > before else []

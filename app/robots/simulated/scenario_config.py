@@ -86,8 +86,8 @@ class PersonConfig(_Model):
 
     @model_validator(mode="after")
     def _repeating_takes_time(self) -> PersonConfig:
-        if self.repeat and self.script and not any(s.walk or s.wait or s.wait_for_robot for s in self.script):
-            raise ValueError("a repeated script needs a walk or a wait, or it would have no end within one instant")
+        if self.repeat and self.script and all(step.say is not None or step.wait == 0 for step in self.script):
+            raise ValueError("a repeated script needs a step that takes time, or it would be over in an instant")
         return self
 
 
