@@ -1,7 +1,8 @@
-"""While somebody watches, the camera's picture and the point cloud must come.
+"""While somebody watches, pictures and the point cloud must come; while somebody listens, the sound.
 
-On a robot that costs something, so the console desires Telepresence like anybody else. A recording was lived already:
-one more desire would make other intentions than it had, so there the filters of Telepresence are opened past attention.
+On a robot that costs something, so the console desires Telepresence and Listen like anybody else. A recording was lived
+already: one more desire would make other intentions than it had, so there the filters that these would open are opened
+past attention.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ from app.runtime.graph import Pin
 if TYPE_CHECKING:
     from app.system import System
 
-CLASS = "Telepresence"
+WATCH = "Telepresence"
+LISTEN = "Listen"
 INTENSITY = 4.0
 UTILITY = 1.0
 #: A page that is reloaded is gone for a moment: the desire outlives the last viewer by this.
@@ -25,24 +27,25 @@ LINGER_S = 2.0
 
 
 class Presence:
-    """Keeps at most one desire in the workspace, as long as :meth:`watched` was last told True."""
+    """Keeps at most one desire of class ``cls`` in the workspace, as long as :meth:`attend` was last told True."""
 
-    def __init__(self, workspace: IntentionWorkspace) -> None:
+    def __init__(self, workspace: IntentionWorkspace, cls: str) -> None:
         self._workspace = workspace
+        self._class = cls
         self._desire: str | None = None
         self._leaving: asyncio.TimerHandle | None = None
 
-    def watched(self, watched: bool) -> None:
+    def attend(self, attended: bool) -> None:
         """Somebody came while nobody was there, or the last one left."""
-        if CLASS not in self._workspace.classes:
+        if self._class not in self._workspace.classes:
             return
         if self._leaving is not None:
             self._leaving.cancel()
             self._leaving = None
-        if watched:
+        if attended:
             if self._desire is None:
                 source = Source("operator", "console")
-                self._desire = self._workspace.add(CLASS, intensity=INTENSITY, utility=UTILITY, source=source).id
+                self._desire = self._workspace.add(self._class, intensity=INTENSITY, utility=UTILITY, source=source).id
         elif self._desire is not None:
             self._leaving = asyncio.get_running_loop().call_later(LINGER_S, self.withdraw)
 
@@ -61,18 +64,19 @@ class Presence:
 
 
 class Spectators:
-    """Opens what Telepresence at its best would open, past attention, as long as :meth:`watched` was last told True."""
+    """Opens what class ``cls`` at its best would open, past attention, as long as :meth:`attend` was last told True."""
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: System, cls: str) -> None:
         self._system = system
+        self._class = cls
         self._opened: list[str] = []
 
-    def watched(self, watched: bool) -> None:
+    def attend(self, attended: bool) -> None:
         """Somebody came while nobody was there, or the last one left."""
         self.withdraw()
-        if not watched:
+        if not attended:
             return
-        serving = [s for s in self._system.table.strategies if s.cls == CLASS]
+        serving = [s for s in self._system.table.strategies if s.cls == self._class]
         best = max(serving, key=lambda strategy: strategy.utility, default=None)
         filters = self._system.graph.filters
         for name, divisor in (best.filters if best is not None else {}).items():

@@ -15,13 +15,21 @@ M = TypeVar("M", bound=Message)
 class Tap(Generic[M]):
     """Calls ``handler`` on the loop with each message of ``channel`` that a filter of ``divisor`` passes, until closed.
 
-    Newest wins: the inbox holds one message.
+    Newest wins: the inbox holds ``capacity`` messages, one unless more are asked for.
     """
 
-    def __init__(self, channel: Channel[M], name: str, handler: Callable[[M], None], *, divisor: float = 1) -> None:
+    def __init__(
+        self,
+        channel: Channel[M],
+        name: str,
+        handler: Callable[[M], None],
+        *,
+        divisor: float = 1,
+        capacity: int = 1,
+    ) -> None:
         self._channel = channel
         self._handler = handler
-        self._subscription = channel.subscribe(name, divisor=divisor)
+        self._subscription = channel.subscribe(name, divisor=divisor, capacity=capacity)
         self._task = asyncio.create_task(self._run(), name=name)
 
     def close(self) -> None:

@@ -5,13 +5,26 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+import struct
 from collections.abc import AsyncIterator, Callable
 from typing import Any
 
+import numpy as np
 import websockets
+from numpy.typing import NDArray
 from websockets.asyncio.client import ClientConnection
 
 PATIENCE_S = 5.0
+#: Of sound and speech: kind, seq, stamp, samples, channels, rate.
+SOUND_HEADER = struct.Struct("<B3xIdHHI")
+
+
+def voice(
+    seq: int, *, stamp: float = 0.0, samples: int = 320, rate: int = 16_000, channels: int = 1, level: int = 500
+) -> bytes:
+    """A frame of an operator's voice."""
+    header = SOUND_HEADER.pack(17, seq, stamp, samples, channels, rate)
+    return header + np.full(samples, level, "<i2").tobytes()
 
 
 class Page:
@@ -44,6 +57,15 @@ class Page:
                 frame = await self.receive()
                 if isinstance(frame, bytes):
                     return frame
+
+    async def sound(self) -> tuple[int, float, int, NDArray[np.int16]]:
+        """The next frame of sound: seq, stamp, rate and samples."""
+        while (frame := await self.picture())[0] != 16:
+            pass
+        _, seq, stamp, count, channels, rate = SOUND_HEADER.unpack_from(frame)
+        samples = np.frombuffer(frame, "<i2", offset=SOUND_HEADER.size)
+        assert (len(samples), channels) == (count, 1)
+        return seq, stamp, rate, samples
 
     async def send(self, kind: str, /, **content: Any) -> None:
         await self.connection.send(json.dumps({"type": kind, **content}))

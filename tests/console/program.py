@@ -25,6 +25,7 @@ STREAMS = {
     name: StreamDescription(name, message_type, rate_hz)
     for name, message_type, rate_hz in (
         ("kinect", Image, 15.0),
+        ("microphones", Audio, 93.75),
         ("hokuyo", LaserScan, 40.0),
         ("odometry", Odometry, 100.0),
         ("joints", JointState, 30.0),
@@ -58,6 +59,16 @@ modules:
     class: app.modules.behaviors.teleop:Teleop
     inputs: {operator: operator_drive}
     outputs: {twist: teleop_twist}
+  Microphones:
+    class: app.modules.sensors.microphones:Microphones
+    outputs: {audio: microphones}
+  AudioStream:
+    class: app.modules.perception.audio_stream:AudioStream
+    inputs: {audio: microphones}
+    outputs: {sound: robot_audio}
+  Loudspeaker:
+    class: app.modules.actuation.loudspeaker:Loudspeaker
+    inputs: {voice: operator_voice}
 """
 
 #: Added to the program where recording is what is tested.
@@ -87,6 +98,14 @@ camera_jpeg: {type: EncodedImage}
 point_cloud: {type: PointCloud}
 landmarks: {type: Landmarks, external: true}
 exploitation: {type: Exploitation, rate_hz: 10, external: true}
+microphones: {type: Audio, rate_hz: 93.75, decimable: false}
+robot_audio: {type: Audio, decimable: false, log: never}
+operator_voice: {type: Audio, decimable: false, external: true}
+faces: {type: Faces, external: true}
+sound_sources: {type: SoundSources, external: true}
+loud_noises: {type: LoudNoise, decimable: false, external: true}
+imv: {type: Image, rate_hz: 10, external: true}
+panorama_jpeg: {type: EncodedImage, external: true, log: never}
 """
 
 STRATEGIES = """\
@@ -116,13 +135,14 @@ class Body:
 
     def __init__(self) -> None:
         limits = BaseLimits(0.40, 1.00, 0.40, 4.00)
-        self.description = RobotDescription("a test body", MODEL, limits, STREAMS, simulated=True)
+        self.description = RobotDescription("a test body", MODEL, limits, STREAMS, simulated=True, loudspeaker=True)
         self.receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in STREAMS}
         self.stops: list[str] = []
         self.e_stopped = False
         #: Whether the guard reports a stop as soon as it is latched, as it should.
         self.confirms = True
         self.commands: list[Twist] = []
+        self.played: list[Audio] = []
 
     async def start(self) -> None: ...
 
@@ -141,7 +161,8 @@ class Body:
     def command(self, twist: Twist) -> None:
         self.commands.append(twist)
 
-    def play(self, audio: Audio) -> None: ...
+    def play(self, audio: Audio) -> None:
+        self.played.append(audio)
 
     def e_stop(self, reason: str) -> None:
         self.stops.append(reason)
@@ -216,3 +237,10 @@ def image(stamp: float, *, width: int = 64, height: int = 48) -> Image:
     depth = np.full((height, width), 2000, np.uint16)
     camera = CameraModel.from_vertical_fov(width, height, 0.75)
     return Image(stamp, "kinect_optical_frame", color, depth, camera, Pose3.identity())
+
+
+def sound(stamp: float, first_sample: int, *, samples: int = 512, level: int = 1000) -> Audio:
+    """A frame of eight microphones: each has its own number added to ``level``; number 1 is the front one."""
+    places = np.array([[0.1 if number == 1 else 0.0, 0.0, 0.5] for number in range(8)])
+    values = np.full((samples, 8), level, np.int16) + np.arange(8, dtype=np.int16)
+    return Audio(stamp, "microphones", values, 48_000, first_sample, places)

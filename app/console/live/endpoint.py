@@ -11,11 +11,14 @@ from starlette.websockets import WebSocketDisconnect
 
 from app.console import control
 from app.console.live import protocol
-from app.console.live.hub import Hub, Viewer
+from app.console.live.hub import Hub
+from app.console.live.viewer import Viewer
 from app.console.wire import encode_text
 from app.runtime.clock import Clock
 
 LONGEST_NAME = 40
+#: How a binary frame of an operator's voice begins.
+VOICE = bytes([protocol.VOICE])
 
 
 def operator_name(given: str | None) -> str:
@@ -34,7 +37,11 @@ async def live(websocket: WebSocket, hub: Hub, clock: Clock) -> None:
             message = await websocket.receive()
             if message["type"] == "websocket.disconnect":
                 return
-            _take(message.get("text") or message.get("bytes") or b"", viewer, hub, clock)
+            binary = message.get("bytes")
+            if binary is not None and binary[:1] == VOICE:
+                hub.speech.hear(viewer.session, viewer.operator, binary)
+            else:
+                _take(message.get("text") or binary or b"", viewer, hub, clock)
     finally:
         # Before anything that could wait: whoever drove is stopped.
         hub.leave(viewer)
@@ -71,9 +78,12 @@ def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
             driving.handle(control.Heard(session))
             viewer.outbox.put("pong", encode_text({"type": "pong", "t": message.t, "stamp": clock.now()}))
         case protocol.AckMessage():
-            viewer.outbox.picture_drawn()
+            viewer.outbox.picture_drawn(message.kind)
         case protocol.ViewMessage():
-            hub.show_camera(viewer, message.camera)
+            hub.show(viewer, protocol.CAMERA, message.camera)
+            hub.show(viewer, protocol.PANORAMA, message.panorama)
+        case protocol.ListenMessage():
+            hub.listen(viewer, message.on)
         case protocol.EStopMessage():
             driving.e_stop(viewer.operator, session)
         case protocol.ClearEStopMessage():

@@ -10,21 +10,23 @@ import asyncio
 import secrets
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
 from app.attention.serialize import desire_class_to_json, desire_to_json, event_to_json, intention_to_json
 from app.console import control, reports
 from app.console.driving import Driving
-from app.console.live.outbox import Outbox
-from app.console.live.protocol import PROTOCOL, picture_frame
+from app.console.live.feeds import PICTURES, SOUND_CHANNEL, Feeds, comes
+from app.console.live.protocol import CAMERA, PANORAMA, PROTOCOL
 from app.console.live.sampler import Sampler
+from app.console.live.speech import Speech
+from app.console.live.viewer import Viewer
+from app.console.percepts import Percepts
 from app.console.playback import PERIOD_S, playback_json
-from app.console.presence import Presence, Spectators
+from app.console.presence import LISTEN, WATCH, Presence, Spectators
 from app.console.recordings import RecorderReport
 from app.console.taps import Tap
 from app.console.wire import encode_text
-from app.messages import EncodedImage, LinkStatus
+from app.messages import LinkStatus
 
 if TYPE_CHECKING:
     from app.attention.timeline import TimelineEvent
@@ -33,17 +35,7 @@ if TYPE_CHECKING:
 
 Level = Literal["info", "warning", "error"]
 
-
-@dataclass(slots=True, eq=False)
-class Viewer:
-    """One connection: its id ``session``, who sits there, what waits for it, whether it shows the camera."""
-
-    session: str
-    operator: str
-    outbox: Outbox = field(default_factory=Outbox)
-    camera: bool = True
-    #: The last round trip that the page measured.
-    rtt_ms: float | None = None
+SILENT = "There is nothing to listen to: no module here makes sound for people."
 
 
 class Hub:
@@ -53,14 +45,15 @@ class Hub:
         self._system = system
         self._playback = playback
         self._viewers: dict[str, Viewer] = {}
-        self._presence = Presence(system.workspace) if playback is None else Spectators(system)
-        self._sampler = Sampler(system, self)
+        self._presence = self._attention(WATCH)
+        self._feeds = Feeds(system.graph, self._viewers.values, self._attention(LISTEN))
+        #: What the robot perceives of people.
+        self.percepts = Percepts(system.graph)
+        self._sampler = Sampler(system, self, self.percepts)
         self._recorder = RecorderReport(system)
         self._stack = ExitStack()
         self._watching = ExitStack()
         self._sampling: asyncio.Task[None] | None = None
-        self._camera: Tap[EncodedImage] | None = None
-        self._pictures = 0
         self._stale: set[str] = set()
         self._new_events: list[str] = []
         self.link_status: LinkStatus | None = None
@@ -71,12 +64,24 @@ class Hub:
             self.notify,
             recording=playback is not None,
         )
+        self.speech = Speech(
+            system.clock,
+            system.link,
+            system.graph.channels.get("operator_voice"),
+            self.notify,
+            recording=playback is not None,
+        )
+
+    def _attention(self, cls: str) -> Presence | Spectators:
+        """What makes come what class ``cls`` gives."""
+        return Presence(self._system.workspace, cls) if self._playback is None else Spectators(self._system, cls)
 
     # --- Life --------------------------------------------------------------------------------------------------------
 
     def open(self) -> None:
         """Begin to heed the guard and to remember the lanes."""
         self._stack.callback(self._system.link.attach("status", self._on_status))
+        self._stack.callback(self.percepts.open())
         self._stack.callback(asyncio.create_task(self._sampler.remember(), name="console lanes").cancel)
         if self._playback is not None:
             self._stack.callback(self._playback.observe(lambda _: self._mark_stale("playback")))
@@ -86,6 +91,7 @@ class Hub:
         """Stop whoever drives and forget everybody."""
         self.driving.close()
         self._presence.withdraw()
+        self._feeds.close()
         self._stop_watching()
         self._stack.close()
         self._viewers.clear()
@@ -97,6 +103,7 @@ class Hub:
 
     def _on_jump(self, position: float) -> None:
         self.link_status = None
+        self.percepts.forget()
         assert self._playback is not None
         self._sampler.begin_anew(position, self._playback.attention, self._playback.spoke)
         self._new_events.clear()
@@ -125,33 +132,46 @@ class Hub:
         viewer.outbox.put_urgent(self._hello(viewer))
         for kind, frame in self._standing_frames().items():
             viewer.outbox.put(kind, frame)
-        self._show_standing_picture(viewer)
-        self._want_camera()
+        self._show_standing_picture(viewer, CAMERA)
+        self._feeds.update()
         return viewer
 
     def leave(self, viewer: Viewer) -> None:
-        """Its connection ended: the robot stops at once if it drove."""
+        """Its connection ended: the robot stops at once if it drove, and is silent if it spoke."""
         self.driving.handle(control.Gone(viewer.session))
+        self.speech.gone(viewer.session)
         self._viewers.pop(viewer.session, None)
-        self._want_camera()
+        self._feeds.update()
         if not self._viewers:
             self._stop_watching()
 
-    def show_camera(self, viewer: Viewer, shown: bool) -> None:
-        """The page shows the camera, or does not any more."""
-        viewer.camera = shown
+    def show(self, viewer: Viewer, kind: int, shown: bool | None) -> None:
+        """The page shows pictures of ``kind``, or does not any more; None: as it was."""
+        if shown is None:
+            return
         if shown:
-            viewer.outbox.picture_drawn()
-            self._show_standing_picture(viewer)
+            viewer.shows.add(kind)
+            viewer.outbox.picture_drawn(kind)
+            self._show_standing_picture(viewer, kind)
         else:
-            viewer.outbox.drop_picture()
-        self._want_camera()
+            viewer.shows.discard(kind)
+            viewer.outbox.drop_picture(kind)
+        self._feeds.update()
 
-    def _show_standing_picture(self, viewer: Viewer) -> None:
+    def listen(self, viewer: Viewer, on: bool) -> None:
+        """The page wants to hear what the robot hears, or does not any more."""
+        if on and not self._comes(SOUND_CHANNEL):
+            self.notify(viewer.session, "warning", SILENT)
+            return
+        viewer.listens = on
+        if not on:
+            viewer.outbox.drop_sound()
+        self._feeds.update()
+
+    def _show_standing_picture(self, viewer: Viewer, kind: int) -> None:
         """Where time may stand, no picture may follow: whoever comes is given the last."""
-        image = None if self._playback is None else reports.latest(self._system.graph, "camera_jpeg")
-        if image is not None:
-            viewer.outbox.put_picture(picture_frame(image, self._pictures))
+        if self._playback is not None:
+            self._feeds.show_standing(viewer, kind)
 
     def notify(self, session: str, level: Level, text: str) -> None:
         """Tell one viewer something."""
@@ -165,24 +185,26 @@ class Hub:
             viewer.outbox.put(kind, frame)
 
     def broadcast_status(self, status: dict[str, Any]) -> None:
-        """Give everybody ``status``, which differs only in whose the wheel is: encoded at most twice."""
-        driver = self.driving.lease.driver
-        others = status | {"driver": None if driver is None else self._driver(mine=False)}
-        frame = encode_text(others)
+        """Give everybody ``status``, which differs only in whose wheel and voice it is: encoded once for all others."""
+        driver, speaker = self.driving.lease.driver, self.speech.speaker
+        frames: dict[tuple[bool, bool], str] = {}
         for session, viewer in self._viewers.items():
-            if session == driver:
-                viewer.outbox.put("status", encode_text(status | {"driver": self._driver(mine=True)}))
-            else:
-                viewer.outbox.put("status", frame)
-
-    def _driver(self, *, mine: bool) -> dict[str, Any]:
-        return {"operator": self.driving.lease.driver_name, "mine": mine}
+            mine = (session == driver, speaker is not None and session == speaker[0])
+            if mine not in frames:
+                frames[mine] = encode_text(
+                    status
+                    | {
+                        "driver": _whose(None if driver is None else self.driving.lease.driver_name, mine[0]),
+                        "speaker": _whose(None if speaker is None else speaker[1], mine[1]),
+                    }
+                )
+            viewer.outbox.put("status", frames[mine])
 
     # --- What is watched only while somebody watches -----------------------------------------------------------------
 
     def _start_watching(self) -> None:
         system = self._system
-        self._presence.watched(True)
+        self._presence.attend(True)
         keep = self._watching.callback
         keep(system.workspace.observe(lambda _: self._mark_stale("desires")))
         keep(system.translator.observe(lambda _: self._mark_stale("intention")))
@@ -191,6 +213,9 @@ class Hub:
             keep(Tap(self._recorder.channel, "console.recorder", lambda _: self._on_recorder()).close)
             for source in (system.workspace, system.translator, system.supervisor):
                 keep(source.observe(lambda _: self._on_recorder()))
+        for channel in self.percepts.channels:
+            # It is told of them anyway, but what nobody wants might rest.
+            keep(Tap(system.graph.channel(channel), f"console.{channel}", lambda _: None).close)
         for channel, handler in self._sampler.channels().items():
             if channel in system.graph.channels:
                 keep(Tap(system.graph.channel(channel), f"console.{channel}", handler).close)
@@ -206,8 +231,7 @@ class Hub:
         if self._sampling is not None:
             self._sampling.cancel()
             self._sampling = None
-        self._want_camera()
-        self._presence.watched(False)
+        self._presence.attend(False)
 
     async def _follow(self, playback: Playback) -> None:
         while True:
@@ -215,27 +239,8 @@ class Hub:
                 self._mark_stale("playback")
             await self._system.pace.sleep(PERIOD_S)
 
-    def _has_pictures(self) -> bool:
-        """Whether pictures may come: of a recording, if a module here makes them, or they were recorded."""
-        graph = self._system.graph
-        if self._playback is None or "camera_jpeg" in graph.producers:
-            return "camera_jpeg" in graph.channels
-        return "camera_jpeg" in graph.channels and "camera_jpeg" in self._playback.info.channels
-
-    def _want_camera(self) -> None:
-        wanted = any(viewer.camera for viewer in self._viewers.values())
-        if wanted and self._camera is None and "camera_jpeg" in self._system.graph.channels:
-            self._camera = Tap(self._system.graph.channel("camera_jpeg"), "console.camera_jpeg", self._on_picture)
-        elif not wanted and self._camera is not None:
-            self._camera.close()
-            self._camera = None
-
-    def _on_picture(self, image: EncodedImage) -> None:
-        self._pictures += 1
-        frame = picture_frame(image, self._pictures)
-        for viewer in self._viewers.values():
-            if viewer.camera:
-                viewer.outbox.put_picture(frame)
+    def _comes(self, channel: str) -> bool:
+        return comes(self._system.graph, self._playback, channel)
 
     def _on_status(self, status: LinkStatus) -> None:
         self.link_status = status
@@ -285,6 +290,7 @@ class Hub:
             "lanes_history": self._sampler.history_frame(),
             **{kind: build() for kind, build in self._builders().items()},
             "landmarks": encode_text({"type": "landmarks", "landmarks": landmarks}),
+            "perceived": self._sampler.perceived_frame(),
             "load": self._sampler.load_frame(),
         }
 
@@ -299,7 +305,11 @@ class Hub:
                 "robot": reports.robot_json(system.link, replayed=self._playback is not None),
                 "scale": reports.scale_json(),
                 "classes": [desire_class_to_json(cls) for cls in system.classes.values()],
-                "channels": {"camera": self._has_pictures()},
+                "channels": {
+                    "camera": self._comes(PICTURES[CAMERA]),
+                    "panorama": self._comes(PICTURES[PANORAMA]),
+                },
+                "audio": {"listen": self._comes(SOUND_CHANNEL), "speak": not self.speech.in_vain},
                 "playback": None if self._playback is None else playback_json(self._playback),
             }
         )
@@ -323,3 +333,7 @@ class Hub:
 
     def _recording(self) -> str:
         return encode_text({"type": "recorder", **(self._recorder.json() or {})})
+
+
+def _whose(operator: str | None, mine: bool) -> dict[str, Any] | None:
+    return None if operator is None else {"operator": operator, "mine": mine}

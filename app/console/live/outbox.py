@@ -1,4 +1,7 @@
-"""What waits for one viewer: of each kind only the newest, of events at most a thousand, of pictures one on the way."""
+"""What waits for one viewer: of each kind only the newest, of events at most a thousand, of sound a moment.
+
+Of each kind of picture one is on the way.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +15,11 @@ from app.console.wire import encode_text
 #: A viewer that falls this many events behind is told to fetch them over REST instead.
 MOST_EVENTS = 1000
 MOST_NOTICES = 32
+#: Frames of sound, 0.3 s of them: who is further behind would hear what was, and nobody waits for that.
+MOST_SOUND = 14
 
 _EVENTS = "events"
-_PICTURE = "picture"
+_SOUND = "sound"
 
 Frame = str | bytes
 
@@ -40,8 +45,10 @@ class Outbox:
         #: By kind, in the order in which they became due; a newer frame keeps its kind's place.
         self._newest: dict[str, Frame] = {}
         self._events: deque[str] = deque()
-        self._picture: bytes | None = None
-        self._may_send_picture = True
+        #: By kind: the newest picture that waits; and those of which one is on the way to the page.
+        self._pictures: dict[int, bytes] = {}
+        self._under_way: set[int] = set()
+        self._sound: deque[bytes] = deque()
         self._overrun = False
         self._due = asyncio.Event()
         self._taken = self._replaced = 0
@@ -63,7 +70,8 @@ class Outbox:
         self._newest.clear()
         self._events.clear()
         self._overrun = False
-        self._picture = None
+        self._pictures.clear()
+        self._sound.clear()
         self.put_urgent(frame)
 
     def put_events(self, events: Iterable[str]) -> None:
@@ -75,27 +83,41 @@ class Outbox:
         self._newest.setdefault(_EVENTS, "")
         self._due.set()
 
-    def put_picture(self, frame: bytes) -> None:
-        """Queue the newest picture; it goes out once the one before has been drawn."""
-        if self._picture is not None:
+    def put_picture(self, kind: int, frame: bytes) -> None:
+        """Queue the newest picture of ``kind``; it goes out once the one before has been drawn."""
+        if kind in self._pictures:
             self._replaced += 1
-        self._picture = frame
-        self._offer_picture()
+        self._pictures[kind] = frame
+        self._offer_picture(kind)
 
-    def picture_drawn(self) -> None:
-        """The page has drawn the last picture, or shows pictures anew: the next may go out."""
-        self._may_send_picture = True
-        self._offer_picture()
+    def picture_drawn(self, kind: int) -> None:
+        """The page has drawn the last picture of ``kind``, or shows such pictures anew: the next may go out."""
+        self._under_way.discard(kind)
+        self._offer_picture(kind)
 
-    def drop_picture(self) -> None:
-        """The page shows no pictures any more."""
-        self._picture = None
-        self._newest.pop(_PICTURE, None)
+    def drop_picture(self, kind: int) -> None:
+        """The page shows no pictures of ``kind`` any more."""
+        self._pictures.pop(kind, None)
+        self._newest.pop(_picture(kind), None)
 
-    def _offer_picture(self) -> None:
-        if self._may_send_picture and self._picture is not None:
-            self._newest.setdefault(_PICTURE, b"")
+    def _offer_picture(self, kind: int) -> None:
+        if kind not in self._under_way and kind in self._pictures:
+            self._newest.setdefault(_picture(kind), b"")
             self._due.set()
+
+    def put_sound(self, frame: bytes) -> None:
+        """Queue a frame of sound after those that wait; of too many, the oldest is dropped."""
+        if len(self._sound) == MOST_SOUND:
+            self._sound.popleft()
+            self._replaced += 1
+        self._sound.append(frame)
+        self._newest.setdefault(_SOUND, b"")
+        self._due.set()
+
+    def drop_sound(self) -> None:
+        """The page does not listen any more."""
+        self._sound.clear()
+        self._newest.pop(_SOUND, None)
 
     async def take(self) -> Frame:
         """Wait for the next frame to send."""
@@ -107,11 +129,21 @@ class Outbox:
             return self._urgent.popleft()
         kind = next(iter(self._newest))
         frame = self._newest.pop(kind)
-        if kind == _PICTURE and self._picture is not None:
-            frame, self._picture = self._picture, None
-            self._may_send_picture = False
-        elif kind == _EVENTS:
-            frame = self._take_events()
+        if kind == _EVENTS:
+            return self._take_events()
+        if kind == _SOUND:
+            return self._take_sound()
+        for picture in tuple(self._pictures):
+            if kind == _picture(picture):
+                self._under_way.add(picture)
+                return self._pictures.pop(picture)
+        return frame
+
+    def _take_sound(self) -> bytes:
+        frame = self._sound.popleft()
+        if self._sound:
+            # The rest waits for its turn again, behind whatever else is due.
+            self._newest[_SOUND] = b""
         return frame
 
     def statistics(self) -> OutboxStatistics:
@@ -129,3 +161,7 @@ class Outbox:
         frame = '{"type":"events","events":[' + ",".join(self._events) + "]}"
         self._events.clear()
         return frame
+
+
+def _picture(kind: int) -> str:
+    return f"picture {kind}"

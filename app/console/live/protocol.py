@@ -1,18 +1,30 @@
-"""What crosses the live stream, as in docs/live-stream.md: messages from the page, and pictures to it."""
+"""What crosses the live stream, as in docs/live-stream.md: messages from the page, pictures to it, sound both ways."""
 
 from __future__ import annotations
 
+import math
 import struct
+from dataclasses import dataclass
 from typing import Literal
 
 import msgspec
+import numpy as np
+from numpy.typing import NDArray
 
-from app.messages import EncodedImage
+from app.messages import Audio, EncodedImage, read_only
 
 PROTOCOL = 1
+#: Kinds of binary frames.
 CAMERA = 1
+PANORAMA = 2
+SOUND = 16
+VOICE = 17
+
+VOICE_RATES = (48_000, 16_000)
+LONGEST_VOICE_S = 0.04
 
 _PICTURE_HEADER = struct.Struct("<B3xIdHH4x")
+_SOUND_HEADER = struct.Struct("<B3xIdHHI")
 
 
 class DriveMessage(msgspec.Struct, tag="drive"):
@@ -48,16 +60,23 @@ class PingMessage(msgspec.Struct, tag="ping"):
 
 
 class AckMessage(msgspec.Struct, tag="ack"):
-    """The picture ``seq`` was drawn."""
+    """The picture ``seq`` of its kind was drawn."""
 
-    kind: Literal[1]
+    kind: Literal[1, 2]
     seq: int
 
 
 class ViewMessage(msgspec.Struct, tag="view"):
-    """Whether the page shows the camera."""
+    """Which pictures the page shows; None: as it was."""
 
-    camera: bool
+    camera: bool | None = None
+    panorama: bool | None = None
+
+
+class ListenMessage(msgspec.Struct, tag="listen"):
+    """Whether the page wants to hear what the robot hears."""
+
+    on: bool
 
 
 FromPage = (
@@ -69,6 +88,7 @@ FromPage = (
     | PingMessage
     | AckMessage
     | ViewMessage
+    | ListenMessage
 )
 
 _decoder: msgspec.json.Decoder[FromPage] = msgspec.json.Decoder(FromPage)
@@ -79,7 +99,43 @@ def decode(text: str | bytes) -> FromPage:
     return _decoder.decode(text)
 
 
-def picture_frame(image: EncodedImage, sequence: int) -> bytes:
-    """A camera picture with its 24-byte header."""
-    header = _PICTURE_HEADER.pack(CAMERA, sequence & 0xFFFFFFFF, image.stamp, image.width, image.height)
+def picture_frame(kind: int, image: EncodedImage, sequence: int) -> bytes:
+    """A picture with its 24-byte header."""
+    header = _PICTURE_HEADER.pack(kind, sequence & 0xFFFFFFFF, image.stamp, image.width, image.height)
     return header + image.jpeg
+
+
+def sound_frame(audio: Audio, sequence: int) -> bytes:
+    """A frame of one channel of sound with its 24-byte header."""
+    samples = audio.samples[:, 0]
+    header = _SOUND_HEADER.pack(SOUND, sequence & 0xFFFFFFFF, audio.stamp, len(samples), 1, audio.rate)
+    return header + samples.astype("<i2").tobytes()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Voice:
+    """A frame of an operator's voice: ``samples`` (N,) int16, none to end the talk; ``stamp`` 0 where not known."""
+
+    seq: int
+    stamp: float
+    samples: NDArray[np.int16]
+    rate: int
+
+
+def decode_voice(frame: bytes) -> Voice:
+    """A frame of kind 17. Raises ValueError, in words for people, for one that cannot be."""
+    if len(frame) < _SOUND_HEADER.size:
+        raise ValueError(f"a frame of speech has a header of {_SOUND_HEADER.size} bytes, not {len(frame)} in all")
+    _, seq, stamp, count, channels, rate = _SOUND_HEADER.unpack_from(frame)
+    if channels != 1:
+        raise ValueError(f"speech has 1 channel, not {channels}")
+    if rate not in VOICE_RATES:
+        raise ValueError(f"speech has {' or '.join(map(str, VOICE_RATES))} samples a second, not {rate}")
+    if count > rate * LONGEST_VOICE_S:
+        raise ValueError(f"a frame of speech has at most {1e3 * LONGEST_VOICE_S:.0f} ms, not {1e3 * count / rate:.0f}")
+    if len(frame) != _SOUND_HEADER.size + 2 * count:
+        raise ValueError(f"{count} samples take {2 * count} bytes, not {len(frame) - _SOUND_HEADER.size}")
+    if not math.isfinite(stamp) or stamp < 0:
+        raise ValueError(f"a stamp is a time in seconds, not {stamp}")
+    samples = np.frombuffer(frame, "<i2", offset=_SOUND_HEADER.size).astype(np.int16)
+    return Voice(seq, stamp, read_only(samples), rate)

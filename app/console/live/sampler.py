@@ -1,5 +1,5 @@
-"""What the stream tells at fixed rates: status and lanes at 20 Hz, load at 1 Hz, landmarks as they change; and what
-the lanes were, for who comes later."""
+"""What the stream tells at fixed rates: status and lanes at 20 Hz, what is perceived at up to 10 Hz, load at 1 Hz,
+landmarks as they change; and what the lanes were, for who comes later."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from app.console import reports
 from app.console.live import lane_history
 from app.console.live.lanes import LaneSampler
 from app.console.live.recorded_lanes import Spoke, recorded_lanes
+from app.console.percepts import Percepts, perceived_json
 from app.console.playback import rate
 from app.console.wire import encode_text
 from app.messages import Exploitation, Landmarks, LinkStatus, Odometry
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from app.system import System
 
 PERIOD_S = 0.05
+#: What is perceived is looked at every so many periods.
+PERCEIVED_BEATS = 2
 #: So much of a recording's attention is looked back on after a jump (s).
 RECORDED_S = 60.0
 
@@ -44,9 +47,11 @@ class Audience(Protocol):
 class Sampler:
     """Samples the program: :meth:`run` while somebody watches, :meth:`remember` always."""
 
-    def __init__(self, system: System, audience: Audience) -> None:
+    def __init__(self, system: System, audience: Audience, percepts: Percepts) -> None:
         self._system = system
         self._audience = audience
+        self._percepts = percepts
+        self._perceived: dict[str, Any] = {}
         self._lanes = LaneSampler(system.graph, system.classes, system.table.strategies)
         self._history = lane_history.LaneHistory(system.classes)
         self._modules = reports.ModuleReport(system)
@@ -111,10 +116,23 @@ class Sampler:
             return
         lanes = {"type": "lanes", "seq": self._sequence, "stamp": now, "rows": self._rows(now)}
         self._audience.broadcast("lanes", encode_text(lanes))
+        if self._sequence % PERCEIVED_BEATS == 0:
+            self._tell_perceived(now)
         if self._system.load.latest.stamp != self._load_stamp:
             self._load_stamp = self._system.load.latest.stamp
             self._modules.sample()
             self._audience.broadcast("load", self.load_frame())
+
+    def _tell_perceived(self, now: float) -> None:
+        perceived = perceived_json(self._percepts.at(now))
+        if perceived | {"stamp": 0} != self._perceived:
+            self._perceived = perceived | {"stamp": 0}
+            self._audience.broadcast("perceived", encode_text({"type": "perceived", **perceived}))
+
+    def perceived_frame(self) -> str:
+        """What is perceived now."""
+        perceived = perceived_json(self._percepts.at(self._system.clock.now()))
+        return encode_text({"type": "perceived", **perceived})
 
     def _status(self, now: float) -> dict[str, Any]:
         status = self._audience.link_status

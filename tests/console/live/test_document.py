@@ -12,11 +12,12 @@ import pytest
 
 from app.attention.timeline import EventKind
 from app.console.live import protocol
-from app.messages import Landmark, Landmarks
+from app.messages import Landmark, Landmarks, LoudNoise
 from app.runtime.freshness import FreshnessState
 from app.runtime.supervisor import Status
 from app.system import System
-from tests.console.live_client import page
+from tests.console.live_client import page, voice
+from tests.console.percepts import faces, sound_sources
 from tests.console.program import Body, build
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "live-stream.md"
@@ -62,17 +63,24 @@ async def test_every_type_and_field_from_the_robot_is_described(
         Landmarks(system.clock.now(), (Landmark("door", (1.0, 2.0, 0.5), 0.1, 3, 1.0, 2.0),))
     )
     body.emit_status(system.clock.now())
+    system.graph.channel("faces").publish(faces(system.clock.now()))
+    system.graph.channel("sound_sources").publish(sound_sources(system.clock.now()))
+    system.graph.channel("loud_noises").publish(LoudNoise(system.clock.now(), 30.0, -12.0))
     frames: dict[str, dict[str, Any]] = {}
     async with page(url) as ann:
         await ann.send("ping", t=1, rtt_ms=None)
         await ann.connection.send("{")
         system.timeline.add("module", "Nobody", "said")
         await ann.drive(0.1)
-        while frames.keys() != rows.keys() or frames["status"]["driver"] is None:
+        await ann.connection.send(voice(1))
+        while frames.keys() != rows.keys() or None in (frames["status"]["driver"], frames["status"]["speaker"]):
             frame = await ann.receive()
             if isinstance(frame, dict):
                 assert frame["type"] in rows
                 frames[frame["type"]] = frame
+    assert frames["perceived"]["faces"]
+    assert frames["perceived"]["sounds"]
+    assert frames["perceived"]["noises"]
     for kind, frame in frames.items():
         told = set(re.findall(r"\w+", rows[kind]))
         assert set(names(frame)) - {"type"} <= told, kind

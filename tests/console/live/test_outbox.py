@@ -8,7 +8,7 @@ import json
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.console.live.outbox import MOST_EVENTS, MOST_NOTICES, Frame, Outbox
+from app.console.live.outbox import MOST_EVENTS, MOST_NOTICES, MOST_SOUND, Frame, Outbox
 
 
 async def drained(outbox: Outbox) -> list[Frame]:
@@ -48,18 +48,48 @@ async def test_events_are_kept_in_order_until_there_are_too_many() -> None:
 
 async def test_one_picture_is_under_way() -> None:
     outbox = Outbox()
-    outbox.put_picture(b"1")
-    outbox.put_picture(b"2")
+    outbox.put_picture(1, b"1")
+    outbox.put_picture(1, b"2")
     assert await outbox.take() == b"2"
-    outbox.put_picture(b"3")
-    outbox.put_picture(b"4")
+    outbox.put_picture(1, b"3")
+    outbox.put_picture(1, b"4")
     assert outbox.statistics().waiting == 0
-    outbox.picture_drawn()
+    outbox.picture_drawn(1)
     assert await outbox.take() == b"4"
-    outbox.picture_drawn()
+    outbox.picture_drawn(1)
     assert outbox.statistics().waiting == 0
-    outbox.put_picture(b"5")
-    outbox.drop_picture()
+    outbox.put_picture(1, b"5")
+    outbox.drop_picture(1)
+    assert await drained(outbox) == []
+
+
+async def test_each_kind_of_picture_is_acknowledged_by_itself() -> None:
+    outbox = Outbox()
+    outbox.put_picture(1, b"camera 1")
+    outbox.put_picture(2, b"panorama 1")
+    assert await drained(outbox) == [b"camera 1", b"panorama 1"]
+    outbox.put_picture(1, b"camera 2")
+    outbox.put_picture(2, b"panorama 2")
+    assert await drained(outbox) == []
+    outbox.picture_drawn(2)
+    assert await drained(outbox) == [b"panorama 2"]
+    outbox.drop_picture(2)
+    outbox.picture_drawn(1)
+    assert await drained(outbox) == [b"camera 2"]
+
+
+async def test_sound_keeps_its_order_takes_turns_and_is_bounded() -> None:
+    outbox = Outbox()
+    for number in range(3):
+        outbox.put_sound(bytes([number]))
+    outbox.put("status", "s")
+    assert await drained(outbox) == [b"\0", "s", b"\1", b"\2"]
+    for number in range(MOST_SOUND + 5):
+        outbox.put_sound(bytes([number]))
+    assert await drained(outbox) == [bytes([number]) for number in range(5, MOST_SOUND + 5)]
+    assert outbox.statistics().replaced == 5
+    outbox.put_sound(b"x")
+    outbox.drop_sound()
     assert await drained(outbox) == []
 
 
@@ -76,8 +106,9 @@ puts = st.one_of(
     st.tuples(st.just("put"), st.sampled_from(["status", "lanes", "load"])),
     st.tuples(st.just("urgent"), st.just("")),
     st.tuples(st.just("events"), st.integers(1, 400)),
-    st.tuples(st.just("picture"), st.just("")),
-    st.tuples(st.just("drawn"), st.just("")),
+    st.tuples(st.just("picture"), st.sampled_from([1, 2])),
+    st.tuples(st.just("drawn"), st.sampled_from([1, 2])),
+    st.tuples(st.just("sound"), st.just("")),
     st.tuples(st.just("take"), st.just("")),
 )
 
@@ -94,14 +125,16 @@ def test_whatever_happens_it_stays_bounded(story: list[tuple[str, object]]) -> N
                     outbox.put_urgent("x")
                 case "events", int(number):
                     outbox.put_events("{}" for _ in range(number))
-                case "picture", _:
-                    outbox.put_picture(b"x")
-                case "drawn", _:
-                    outbox.picture_drawn()
+                case "picture", int(kind):
+                    outbox.put_picture(kind, b"x")
+                case "drawn", int(kind):
+                    outbox.picture_drawn(kind)
+                case "sound", _:
+                    outbox.put_sound(b"x")
                 case "take", _ if outbox.statistics().waiting:
                     await outbox.take()
             statistics = outbox.statistics()
-            assert statistics.waiting <= MOST_NOTICES + 5
+            assert statistics.waiting <= MOST_NOTICES + 7
             assert statistics.events <= MOST_EVENTS
 
     asyncio.run(run())
@@ -112,10 +145,11 @@ async def test_at_a_jump_all_of_before_is_dropped_but_notices() -> None:
     outbox.put_urgent("notice")
     outbox.put("status", "s1")
     outbox.put_events(['{"id":1}'])
-    outbox.put_picture(b"old")
+    outbox.put_picture(1, b"old")
+    outbox.put_sound(b"old")
     outbox.begin_anew("jump")
     outbox.put("lanes_history", "past")
     outbox.put_events(['{"id":2}'])
     assert await drained(outbox) == ["notice", "jump", "past", '{"type":"events","events":[{"id":2}]}']
-    outbox.put_picture(b"new")
+    outbox.put_picture(1, b"new")
     assert await drained(outbox) == [b"new"]

@@ -1,0 +1,89 @@
+"""Pictures and sound to the pages: each is taken only while some page wants it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from app.console import reports
+from app.console.live.protocol import CAMERA, PANORAMA, picture_frame, sound_frame
+from app.console.live.viewer import Viewer
+from app.console.presence import Presence, Spectators
+from app.console.taps import Tap
+from app.messages import Audio, EncodedImage
+
+if TYPE_CHECKING:
+    from app.replay.playback import Playback
+    from app.runtime.graph import Graph
+
+#: The channel that each kind of picture comes from.
+PICTURES = {CAMERA: "camera_jpeg", PANORAMA: "panorama_jpeg"}
+SOUND_CHANNEL = "robot_audio"
+#: So many frames of sound may come while the loop does something else.
+BURST = 16
+
+
+def comes(graph: Graph, playback: Playback | None, channel: str) -> bool:
+    """Whether anything may come on ``channel``: a module here makes it, or it is fed; of a recording, if it has it."""
+    if channel in graph.producers:
+        return True
+    if playback is None:
+        return channel in graph.channels and graph.specs[channel].external
+    return channel in graph.channels and channel in playback.info.channels
+
+
+class Feeds:
+    """Takes what the ``viewers`` want, and gives it to those who do. ``listening`` is told whether anybody listens."""
+
+    def __init__(self, graph: Graph, viewers: Callable[[], Iterable[Viewer]], listening: Presence | Spectators) -> None:
+        self._graph = graph
+        self._viewers = viewers
+        self._listening = listening
+        self._taps: dict[str, Tap[Any]] = {}
+        #: Of each kind of picture, and of sound, how many came so far.
+        self._counts = dict.fromkeys((*PICTURES, SOUND_CHANNEL), 0)
+
+    def update(self) -> None:
+        """Whoever is there, or what they want, has changed."""
+        for kind, channel in PICTURES.items():
+            wanted = any(kind in viewer.shows for viewer in self._viewers())
+            self._take(channel, wanted, partial(self._on_picture, kind), capacity=1)
+        listened = any(viewer.listens for viewer in self._viewers())
+        if listened != (SOUND_CHANNEL in self._taps):
+            self._take(SOUND_CHANNEL, listened, self._on_sound, capacity=BURST)
+            self._listening.attend(listened)
+
+    def close(self) -> None:
+        """Take nothing any more, and desire nothing."""
+        for tap in self._taps.values():
+            tap.close()
+        self._taps.clear()
+        self._listening.withdraw()
+
+    def show_standing(self, viewer: Viewer, kind: int) -> None:
+        """Give a viewer the last picture there was."""
+        image = reports.latest(self._graph, PICTURES[kind])
+        if image is not None:
+            viewer.outbox.put_picture(kind, picture_frame(kind, image, self._counts[kind]))
+
+    def _take(self, channel: str, wanted: bool, handler: Callable[[Any], None], *, capacity: int) -> None:
+        if wanted and channel not in self._taps and channel in self._graph.channels:
+            source = self._graph.channel(channel)
+            self._taps[channel] = Tap(source, f"console.{channel}", handler, capacity=capacity)
+        elif not wanted and channel in self._taps:
+            self._taps.pop(channel).close()
+
+    def _on_picture(self, kind: int, image: EncodedImage) -> None:
+        self._counts[kind] += 1
+        frame = picture_frame(kind, image, self._counts[kind])
+        for viewer in self._viewers():
+            if kind in viewer.shows:
+                viewer.outbox.put_picture(kind, frame)
+
+    def _on_sound(self, audio: Audio) -> None:
+        self._counts[SOUND_CHANNEL] += 1
+        frame = sound_frame(audio, self._counts[SOUND_CHANNEL])
+        for viewer in self._viewers():
+            if viewer.listens:
+                viewer.outbox.put_sound(frame)

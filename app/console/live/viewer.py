@@ -1,0 +1,22 @@
+"""One connection to the live stream."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from app.console.live.outbox import Outbox
+from app.console.live.protocol import CAMERA
+
+
+@dataclass(slots=True, eq=False)
+class Viewer:
+    """One connection: its id ``session``, who sits there, what waits for it, what it wants to see and hear."""
+
+    session: str
+    operator: str
+    outbox: Outbox = field(default_factory=Outbox)
+    #: Kinds of pictures that its page shows.
+    shows: set[int] = field(default_factory=lambda: {CAMERA})
+    listens: bool = False
+    #: The last round trip that the page measured.
+    rtt_ms: float | None = None

@@ -1,0 +1,317 @@
+"""What the robot sees and hears of people, as the page, the 3D view and REST tell it: faces, sounds, loud noises.
+
+Each percept is placed with the pose the robot had at its own stamp, once odometry has reached that.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from app.geometry import FloatArray, Pose3
+from app.messages import EncodedImage, Face, Faces, Image, LoudNoise, Odometry, SoundSource, SoundSources
+from app.pose_buffer import PoseBuffer
+from app.runtime.graph import Graph
+
+#: A face is told until it was not seen for this long (s), or for so many images of its camera, but no longer than that.
+FACE_S = 1.0
+FACE_IMAGES = 2.5
+LONGEST_FACE_S = 4.0
+#: Without news of sounds for this long (s), none of them sounds any more.
+SILENCE_S = 0.5
+#: A sound is told so long (s) after it last sounded, a noise so long after it was heard.
+SOUND_S = 2.0
+NOISE_S = 2.0
+
+Point = tuple[float, float, float]
+Direction = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class SeenFace:
+    """A face in one image. ``direction`` is azimuth and elevation (rad) in the axes of B, seen from its camera;
+    ``panorama`` the same, seen from the panorama's. ``p_OF`` is None before the pose at ``stamp`` is known.
+    """
+
+    track: int
+    camera: str
+    stamp: float
+    direction: Direction | None
+    panorama: Direction | None
+    range_m: float
+    range_sigma_m: float
+    p_OF: Point | None
+    score: float
+    box: tuple[float, float, float, float]
+    image: tuple[int, int] | None
+
+
+@dataclass(frozen=True, slots=True)
+class HeardSound:
+    """A sound at ``stamp``. ``direction`` as of a face, seen from the microphones' middle, which is at ``p_OA``;
+    ``v_O`` is that direction as a unit vector in the axes of O. ``p_OS`` is where it is, None without a distance.
+    """
+
+    track: int
+    stamp: float
+    direction: Direction
+    panorama: Direction | None
+    power: float
+    level_db: float
+    active: bool
+    last_active: float
+    speech: float
+    range_m: float
+    range_sigma_m: float
+    p_OA: Point | None
+    v_O: Point | None
+    p_OS: Point | None
+
+
+@dataclass(frozen=True, slots=True)
+class Perceived:
+    """All of it at ``stamp``: faces by track and camera, sounds by track, noises of the last 2 s in their order."""
+
+    stamp: float
+    faces: tuple[SeenFace, ...] = ()
+    sounds: tuple[HeardSound, ...] = ()
+    noises: tuple[LoudNoise, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Heard:
+    stamp: float
+    p_BA: Point
+    source: SoundSource
+    last_active: float
+
+
+class Percepts:
+    """Remembers what the channels ``faces``, ``sound_sources`` and ``loud_noises`` said, as far as there are such.
+
+    It is told as messages are published and is no consumer: perceptions may rest for it. :meth:`open` when the program
+    runs; what it returns ends it.
+    """
+
+    def __init__(self, graph: Graph) -> None:
+        self._graph = graph
+        self.forget()
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Those of its channels that this program has."""
+        return tuple(name for name in ("faces", "sound_sources", "loud_noises") if name in self._graph.channels)
+
+    def open(self) -> Callable[[], None]:
+        """Begin to remember."""
+        handlers: dict[str, Callable[[Any], None]] = {
+            "odometry": self._on_odometry,
+            "faces": self._on_faces,
+            "sound_sources": self._on_sounds,
+            "loud_noises": self._on_noise,
+        }
+        stack = ExitStack()
+        for name, handler in handlers.items():
+            if name in self._graph.channels:
+                stack.callback(self._graph.channel(name).observe(handler))
+        return stack.close
+
+    def forget(self) -> None:
+        """Time has jumped: nothing of before is true."""
+        self._poses = PoseBuffer(span_s=LONGEST_FACE_S + 2.0, tolerance_s=0.0)
+        #: By track and camera, with the stamp of the image.
+        self._faces: dict[tuple[int, str], tuple[float, Face]] = {}
+        #: By camera: stamp of its last image, and the time between the last two.
+        self._images: dict[str, tuple[float, float]] = {}
+        self._sounds: dict[int, _Heard] = {}
+        self._sounding: frozenset[int] = frozenset()
+        self._sounds_stamp = -math.inf
+        self._noises: deque[LoudNoise] = deque(maxlen=32)
+
+    def _on_odometry(self, message: Odometry) -> None:
+        self._poses.add(message.stamp, message.X_OB)
+
+    def _on_faces(self, message: Faces) -> None:
+        before, _ = self._images.get(message.frame, (message.stamp, 0.0))
+        self._images[message.frame] = (message.stamp, message.stamp - before)
+        for face in message.faces:
+            self._faces[face.track, message.frame] = (message.stamp, face)
+
+    def _on_sounds(self, message: SoundSources) -> None:
+        self._sounds_stamp = message.stamp
+        self._sounding = frozenset(source.track for source in message.sources if source.active)
+        for source in message.sources:
+            before = self._sounds.get(source.track)
+            # Of one that was silent since its birth, its birth is all there is.
+            last = message.stamp if source.active or before is None else before.last_active
+            self._sounds[source.track] = _Heard(message.stamp, message.p_BA, source, last)
+
+    def _on_noise(self, message: LoudNoise) -> None:
+        self._noises.append(message)
+
+    # --- Now ---------------------------------------------------------------------------------------------------------
+
+    def at(self, now: float) -> Perceived:
+        """What is perceived at ``now`` (the robot's clock)."""
+        self._fade(now)
+        if not (self._faces or self._sounds or self._noises):
+            return Perceived(now)
+        panorama = self._panorama()
+        faces = tuple(
+            self._face(track, frame, stamp, face, panorama)
+            for (track, frame), (stamp, face) in sorted(self._faces.items(), key=lambda item: item[0])
+        )
+        # Nobody tells any more that they sound.
+        sounding = self._sounding if now - self._sounds_stamp <= SILENCE_S else frozenset()
+        sounds = tuple(self._sound(heard, track in sounding, panorama) for track, heard in sorted(self._sounds.items()))
+        return Perceived(now, faces, sounds, tuple(self._noises))
+
+    def _fade(self, now: float) -> None:
+        for key, (stamp, _) in tuple(self._faces.items()):
+            _, period_s = self._images[key[1]]
+            if now - stamp > min(max(FACE_S, FACE_IMAGES * period_s), LONGEST_FACE_S):
+                del self._faces[key]
+        for track, heard in tuple(self._sounds.items()):
+            if now - heard.last_active > SOUND_S:
+                del self._sounds[track]
+        while self._noises and now - self._noises[0].stamp > NOISE_S:
+            self._noises.popleft()
+
+    def _face(self, track: int, frame: str, stamp: float, face: Face, panorama: Pose3 | None) -> SeenFace:
+        p_BF = np.array(face.p_BF)
+        image = self._image(frame)
+        X_OB = self._pose(stamp)
+        return SeenFace(
+            track,
+            frame,
+            stamp,
+            None if image is None else _direction(p_BF - image.X_BC.translation),
+            None if panorama is None else _direction(p_BF - panorama.translation),
+            face.range_m,
+            face.range_sigma_m,
+            None if X_OB is None else _point(X_OB.transform(p_BF)),
+            face.score,
+            face.box,
+            None if image is None else (image.color.shape[1], image.color.shape[0]),
+        )
+
+    def _sound(self, heard: _Heard, active: bool, panorama: Pose3 | None) -> HeardSound:
+        source, p_BA, v_B = heard.source, np.array(heard.p_BA), np.array(heard.source.direction)
+        X_OB = self._pose(heard.stamp)
+        p_BS = p_BA + source.range_m * v_B if math.isfinite(source.range_m) else None
+        seen = None
+        if panorama is not None:
+            seen = _direction(v_B if p_BS is None else p_BS - panorama.translation)
+        return HeardSound(
+            source.track,
+            heard.stamp,
+            _direction(v_B),
+            seen,
+            source.power,
+            source.level_db,
+            active,
+            heard.last_active,
+            source.speech,
+            source.range_m,
+            source.range_sigma_m,
+            None if X_OB is None else _point(X_OB.transform(p_BA)),
+            None if X_OB is None else _point(X_OB.rotation @ v_B),
+            None if X_OB is None or p_BS is None else _point(X_OB.transform(p_BS)),
+        )
+
+    def _pose(self, stamp: float) -> Pose3 | None:
+        pose = self._poses.at(stamp)
+        return None if pose is None else pose.to_pose3()
+
+    def _image(self, frame: str) -> Image | None:
+        """The newest image of the camera ``frame``."""
+        for channel in self._graph.channels.values():
+            if channel.message_type is Image and isinstance(channel.latest, Image) and channel.latest.frame == frame:
+                return channel.latest
+        return None
+
+    def _panorama(self) -> Pose3 | None:
+        """Where the camera is (X_BC) that the panorama is made of."""
+        channel = self._graph.channels.get("panorama_jpeg")
+        if channel is None or not isinstance(channel.latest, EncodedImage):
+            return None
+        image = self._image(channel.latest.frame)
+        return None if image is None else image.X_BC
+
+
+def _direction(v_B: FloatArray) -> Direction:
+    x, y, z = (float(value) for value in v_B)
+    return math.atan2(y, x), math.atan2(z, math.hypot(x, y))
+
+
+def _point(p: FloatArray) -> Point:
+    return float(p[0]), float(p[1]), float(p[2])
+
+
+# --- As JSON ---------------------------------------------------------------------------------------------------------
+
+
+def perceived_json(perceived: Perceived) -> dict[str, Any]:
+    """What is perceived, as it is told over REST and the live stream."""
+    return {
+        "stamp": perceived.stamp,
+        "faces": [_face_json(face) for face in perceived.faces],
+        "sounds": [_sound_json(sound) for sound in perceived.sounds],
+        "noises": [
+            {"stamp": noise.stamp, "ratio": round(noise.ratio, 2), "level_db": round(noise.level_db, 2)}
+            for noise in perceived.noises
+        ],
+    }
+
+
+def _face_json(face: SeenFace) -> dict[str, Any]:
+    return {
+        "track": face.track,
+        "camera": face.camera,
+        "stamp": face.stamp,
+        **_seen_json(face.direction, face.panorama, face.range_m, face.range_sigma_m, face.p_OF),
+        "score": round(face.score, 3),
+        "box": [round(value, 1) for value in face.box],
+        "image": None if face.image is None else list(face.image),
+    }
+
+
+def _sound_json(sound: HeardSound) -> dict[str, Any]:
+    return {
+        "track": sound.track,
+        "stamp": sound.stamp,
+        **_seen_json(sound.direction, sound.panorama, sound.range_m, sound.range_sigma_m, sound.p_OS),
+        "power": round(sound.power, 3),
+        "level_db": round(sound.level_db, 2),
+        "active": sound.active,
+        "last_active": sound.last_active,
+        "speech": _rounded(sound.speech),
+    }
+
+
+def _seen_json(
+    direction: Direction | None, panorama: Direction | None, range_m: float, sigma_m: float, p_O: Point | None
+) -> dict[str, Any]:
+    azimuth, elevation = direction or (None, None)
+    x, y, z = p_O or (None, None, None)
+    return {
+        "azimuth": _rounded(azimuth),
+        "elevation": _rounded(elevation),
+        "panorama": None if panorama is None else [round(angle, 4) for angle in panorama],
+        "range_m": _rounded(range_m),
+        "range_sigma_m": _rounded(sigma_m),
+        "x": _rounded(x),
+        "y": _rounded(y),
+        "z": _rounded(z),
+    }
+
+
+def _rounded(value: float | None) -> float | None:
+    """To a tenth of a millimetre; null for what is not known."""
+    return None if value is None or not math.isfinite(value) else round(value, 4)

@@ -1,0 +1,51 @@
+"""Percepts of people, for tests of what the console tells of them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from app.geometry import FisheyeModel, Pose3
+from app.messages import EncodedImage, Face, Faces, Image, SoundSource, SoundSources
+
+IMV = "imv_optical_frame"
+#: The panoramic camera looks ahead from 1.2 m over the ground.
+X_BC = Pose3(np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]), np.array([0.1, 0.0, 1.2]))
+P_BA = (0.0, 0.0, 0.5)
+
+
+def faces(stamp: float, *places: tuple[float, float, float], frame: str = IMV, first: int = 1) -> Faces:
+    """Faces at ``places`` (m in B; one 2 m ahead unless said), with tracks from ``first`` on."""
+    return Faces(
+        stamp,
+        frame,
+        tuple(
+            Face(track, 0.9, (400.0, 300.0, 40.0, 50.0), np.zeros((5, 2), np.float32), p, np.eye(3) * 0.01, 2.0, 0.1)
+            for track, p in enumerate(places or ((2.0, 0.0, 1.2),), first)
+        ),
+    )
+
+
+def sound_source(
+    track: int = 1, azimuth: float = 0.0, *, active: bool = True, speech: float = 0.9, range_m: float = 2.0
+) -> SoundSource:
+    """A sound in the array's plane."""
+    direction = (math.cos(azimuth), math.sin(azimuth), 0.0)
+    return SoundSource(track, direction, 0.5, -30.0, active, speech, range_m, 0.2)
+
+
+def sound_sources(stamp: float, *sources: SoundSource) -> SoundSources:
+    """Sounds heard; one ahead unless said."""
+    return SoundSources(stamp, P_BA, sources or (sound_source(),))
+
+
+def imv_image(stamp: float, *, width: int = 64, height: int = 48) -> Image:
+    """A small picture of the panoramic camera."""
+    camera = FisheyeModel.from_fov(width, height, math.pi, math.pi)
+    return Image(stamp, IMV, np.zeros((height, width, 3), np.uint8), None, camera, X_BC)
+
+
+def panorama(stamp: float, jpeg: bytes = b"\xff\xd8 a panorama") -> EncodedImage:
+    """What people see of it."""
+    return EncodedImage(stamp, IMV, jpeg, 640, 320)
