@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -60,7 +61,7 @@ class Relation(_Model):
 
 
 class Calibration(_Model):
-    """One computer's relations, by filter (``Module.port``), and what they were measured on."""
+    """One computer's relations, by filter and parameters (:func:`relation_name`), and what they were measured on."""
 
     host: str
     made: str = Field(description="date and time, ISO 8601")
@@ -69,10 +70,24 @@ class Calibration(_Model):
     log: str = Field("", description="the recording they were measured on")
     relations: dict[str, Relation] = Field(default_factory=dict)
 
-    def cost(self, filters: Mapping[str, float]) -> float | None:
-        """CPU (% of one core) of modules filtered so; None if none of these filters was measured."""
-        costs = [self.relations[name].cost(phi) for name, phi in filters.items() if name in self.relations]
+    def cost(
+        self, filters: Mapping[str, float], parameters: Mapping[str, Mapping[str, Any]] | None = None
+    ) -> float | None:
+        """CPU (% of one core) of modules filtered so, and handed ``parameters``; None if none of that was measured."""
+        costs = []
+        for name, phi in filters.items():
+            handed = (parameters or {}).get(name.partition(".")[0], {})
+            relation = self.relations.get(relation_name(name, handed))
+            if relation is not None:
+                costs.append(relation.cost(phi))
         return sum(costs) if costs else None
+
+
+def relation_name(filter_name: str, parameters: Mapping[str, Any]) -> str:
+    """What the relation of ``Module.port`` is called, where the module is handed ``parameters`` by a strategy."""
+    if not parameters:
+        return filter_name
+    return f"{filter_name} with {', '.join(f'{key}={value}' for key, value in sorted(parameters.items()))}"
 
 
 def load_calibration(folder: Path, host: str) -> Calibration | None:

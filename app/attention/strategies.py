@@ -296,7 +296,7 @@ def _costs(document: Document, at: KeyPath, item: StrategyEntry, calibration: Ca
         _check_amount(document, (*where, "calibrated_or"), cost.calibrated_or)
         if name != RESOURCE:
             raise document.error(f"calibration measures {RESOURCE}, not {name!r}: give an amount", where)
-        measured = calibration.cost(item.filters) if calibration is not None else None
+        measured = calibration.cost(item.filters, item.parameters) if calibration is not None else None
         costs[name] = cost.calibrated_or if measured is None else math.ceil(measured * GRAIN - 1e-6) / GRAIN
     return costs
 

@@ -39,6 +39,10 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--from", dest="begin", type=_seconds, default=0.0, metavar="S", help="beginning S into it")
     parser.add_argument("--only", type=names, metavar="A,B", help="these modules alone")
     parser.add_argument(
+        "--phi", type=_sweep, action="append", metavar="M.PORT=A-B",
+        help="measure this input at every φ from A to B, and nothing but what is named so",
+    )  # fmt: skip
+    parser.add_argument(
         "--offsets", action="store_true", help="from every starting offset of each φ, as the thesis did (φ runs each)"
     )
     parser.add_argument(
@@ -90,7 +94,8 @@ def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log)
             f"has {max(0.0, seconds):.1f} s to measure on{after}; {LEAST_S:g} s are the least", str(info.path)
         )
     inputs = _inputs(configuration, log, args.only)
-    runs = plan(_table(configuration), inputs, every_offset=args.offsets, repeats=args.repeat)
+    sweep = None if args.phi is None else _checked(dict(args.phi), inputs, configuration)
+    runs = plan(_table(configuration), inputs, every_offset=args.offsets, repeats=args.repeat, sweep=sweep)
     if not runs:
         raise ConfigError(
             "no strategy filters an input that this recording could feed; "
@@ -119,7 +124,7 @@ def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log)
         raise ConfigError(
             f"cannot be written: {failure.strerror or failure}", str(failure.filename or output)
         ) from None
-    print(_table_of(calibration, {run.filter for run in results}))
+    print(_table_of(calibration, {run.relation for run in results}))
     print(f"Written: {output} and {output.with_suffix('.png').name}")
     return 0
 
@@ -138,7 +143,7 @@ def _measure(
         def told(run: Run, measured: Measurement) -> None:
             nonlocal done
             done += 1
-            what = f"{run.filter} φ={run.phi}" + (f" offset {run.offset}" if run.offset else "")
+            what = f"{run.relation} φ={run.phi}" + (f" offset {run.offset}" if run.offset else "")
             progress_of_all(done, len(runs), f"{what}: {measured.cpu:.2f} %, {measured.rate:.2f} events/s")
 
         return measure_all(runs, bench.measure, progress, told)
@@ -247,6 +252,30 @@ def _table_of(calibration: Calibration, measured: set[str]) -> str:
         if not any(p.events for p in relation.points):
             lines.append("  (the recording holds nothing that this module finds)")
     return "\n".join(lines)
+
+
+def _sweep(text: str) -> tuple[str, range]:
+    """``Module.port=A-B`` or ``Module.port=A``."""
+    name, _, span = text.partition("=")
+    first, _, last = span.partition("-")
+    if "." not in name or not first.isdecimal() or not (last or first).isdecimal():
+        raise argparse.ArgumentTypeError(f"give Module.port=A-B, such as QRCodeDetector.images=2-10, not {text!r}")
+    low, high = int(first), int(last or first)
+    if not 1 <= low <= high <= 1000:
+        raise argparse.ArgumentTypeError(f"φ goes from 1 to 1000, the lower first, not {span!r}")
+    return name, range(low, high + 1)
+
+
+def _checked(sweep: dict[str, range], inputs: dict[str, list[str]], configuration: Configuration) -> dict[str, range]:
+    """``sweep``, if the recording feeds all its inputs. Raises ConfigError."""
+    fed = sorted(f"{module}.{port}" for module, ports in inputs.items() for port in ports)
+    for name in sweep:
+        if name not in fed:
+            raise ConfigError(
+                f"--phi: no input {name!r} is fed by this recording; there are {', '.join(fed)}",
+                configuration.program_document.file,
+            )
+    return sweep
 
 
 def _seconds(text: str) -> float:

@@ -15,25 +15,31 @@ from itertools import groupby
 from pathlib import Path
 from statistics import median
 
-from app.attention.calibration import Fit, Point, Relation
+from app.attention.calibration import Fit, Point, Relation, relation_name
 from app.attention.strategies import CLOSED, StrategyTable
 
 
 @dataclass(frozen=True, slots=True, order=True)
 class Run:
     """One measurement to make: ``module`` alone, its input ``port`` at ``phi``, after ``offset`` messages; ``repeat``
-    numbers measurements of the same."""
+    numbers measurements of the same. ``parameters``: what the module is handed, as JSON."""
 
     module: str
     port: str
     phi: int
     offset: int = 0
     repeat: int = 0
+    parameters: str = "{}"
 
     @property
     def filter(self) -> str:
         """``Module.port``."""
         return f"{self.module}.{self.port}"
+
+    @property
+    def relation(self) -> str:
+        """What it is a measurement of."""
+        return relation_name(self.filter, json.loads(self.parameters))
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,33 +62,48 @@ class Measurement:
 
 
 def plan(
-    table: StrategyTable, inputs: Mapping[str, Collection[str]], *, every_offset: bool = False, repeats: int = 1
+    table: StrategyTable,
+    inputs: Mapping[str, Collection[str]],
+    *,
+    every_offset: bool = False,
+    repeats: int = 1,
+    sweep: Mapping[str, Collection[int]] | None = None,
 ) -> list[Run]:
-    """The runs that the strategies of ``table`` ask for: each filtered input at each of its divisors, ascending.
+    """The runs that the strategies of ``table`` ask for: each filtered input at each of its divisors, ascending, with
+    each set of parameters that a strategy hands to its module.
 
     ``inputs`` maps each module to be measured to its input ports (outputs cost nothing to decimate). With
     ``every_offset``, each φ is measured from each of its φ starting offsets, as the thesis did. All is done
-    ``repeats`` times over, so that a computer's busy minute does not fall on one φ alone.
+    ``repeats`` times over, so that a computer's busy minute does not fall on one φ alone. ``sweep`` asks for other
+    divisors, of the filters in it alone, with the module's own settings.
     """
     wanted = {
-        (module, port, int(divisor))
+        (module, port, int(divisor), json.dumps(strategy.parameters.get(module, {}), sort_keys=True))
         for strategy in table.strategies
         for name, divisor in strategy.filters.items()
         for module, _, port in [name.partition(".")]
         if divisor != CLOSED and port in inputs.get(module, ())
     }
+    if sweep is not None:
+        wanted = {
+            (module, port, phi, "{}")
+            for name, phis in sweep.items()
+            for module, _, port in [name.partition(".")]
+            for phi in phis
+            if port in inputs.get(module, ())
+        }
     return [
-        Run(module, port, phi, offset, repeat)
+        Run(module, port, phi, offset, repeat, parameters)
         for repeat in range(repeats)
-        for module, port, phi in sorted(wanted)
+        for module, port, phi, parameters in sorted(wanted)
         for offset in range(phi if every_offset else 1)
     ]
 
 
 def relations(results: Mapping[Run, Measurement]) -> dict[str, Relation]:
-    """The relation of each filter, from all runs made of it."""
+    """The relation of each filter (with each set of parameters), from all runs made of it."""
     found: dict[str, Relation] = {}
-    for name, runs in groupby(sorted(results), key=lambda run: run.filter):
+    for name, runs in groupby(sorted(results, key=lambda run: (run.relation, run)), key=lambda run: run.relation):
         points = [
             _point(phi, [results[run] for run in of_phi]) for phi, of_phi in groupby(runs, key=lambda run: run.phi)
         ]

@@ -48,9 +48,19 @@ def _panel(axes: Axes, relation: Relation, what: str, label: str, title: str) ->
     axes.set_title(title, fontsize=10, loc="left")
     axes.set_ylabel(label)
     axes.set_xlabel("1/φ")
-    axes.set_xticks([1 / phi for phi in phis], [f"1/{phi}" if phi > 1 else "1" for phi in phis])
+    shown = _apart(phis)
+    axes.set_xticks([1 / phi for phi in shown], [f"1/{phi}" if phi > 1 else "1" for phi in shown])
     axes.set_xlim(0, 1.05)
     axes.set_ylim(bottom=min(0.0, *values))
     axes.grid(alpha=0.25)
     words = f"{line.base:.3g} + {line.slope:.3g}/φ\nresidual {line.residual:.2g}"
     axes.annotate(words, (0.03, 0.95), xycoords="axes fraction", va="top", fontsize=9, color=_LINE)
+
+
+def _apart(phis: list[int]) -> list[int]:
+    """Those of ``phis`` whose labels do not overlap, the small ones first."""
+    shown: list[int] = []
+    for phi in sorted(phis):
+        if not shown or 1 / shown[-1] - 1 / phi > 0.035:
+            shown.append(phi)
+    return shown

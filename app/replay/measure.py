@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -51,6 +52,7 @@ class Bench:
             end=end,
             only=(run.module,),
             phi={run.filter: run.phi},
+            parameters={run.module: json.loads(run.parameters)},
             offset=run.offset,
             config=Path(self._configuration.program_document.file),
             desires=False,

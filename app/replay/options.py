@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,7 +16,7 @@ class ReplayOptions:
     that can). ``phi`` holds filters (``Module.port``) at a divisor whatever attention wants (``inf``: closed); at every
     filter that is held or attended, the first ``offset`` messages go by. ``config``: another program than the log's
     own. ``desires``: those that others than the program's modules had are had again. ``record``: name of a new
-    recording of the replay.
+    recording of the replay. ``parameters`` are handed to modules as an intention would, before anything comes.
     """
 
     begin: float | None = None
@@ -26,3 +27,4 @@ class ReplayOptions:
     config: Path | None = None
     desires: bool = True
     record: str | None = None
+    parameters: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)

@@ -118,6 +118,8 @@ class Replay:
                     self._desires.take(logged.message)
             self._record()
             await self.system.translator.settled()
+            for module, parameters in self.options.parameters.items():
+                self.system.graph.configure(module, parameters)
             self._stack = stack.pop_all()
         self.body.release()
         return self

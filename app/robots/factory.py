@@ -7,10 +7,11 @@ from pathlib import Path
 from app.errors import ConfigError
 from app.link import RobotLink, StreamDescription
 from app.messages import JointState, LinkStatus, Odometry
-from app.robots.config import RobotConfig, load_robot_config
+from app.robots.config import RobotConfig, StartPose, load_robot_config
 from app.robots.devices.config import JOINTS_HZ, ODOMETRY_HZ, STATUS_HZ, DevicesConfig, load_devices_config
 from app.robots.model import load_model
 from app.robots.simulated.link import SimulatedLink
+from app.robots.simulated.scenario_config import load_scenario
 from app.robots.simulated.world_config import WorldConfig
 from app.yaml_source import load_yaml, parse
 
@@ -51,7 +52,14 @@ def create_link(robot_config: Body, clock_offset: float) -> RobotLink:
     if isinstance(robot_config, DevicesConfig):
         return _devices(robot_config, clock_offset)
     _check_model(robot_config)
-    return SimulatedLink(robot_config, parse(robot_config.world, WorldConfig), clock_offset)
+    world = parse(robot_config.world, WorldConfig)
+    if robot_config.scenario is None:
+        return SimulatedLink(robot_config, world, clock_offset)
+    scenario = load_scenario(robot_config.scenario)
+    if scenario.start is not None:
+        start = StartPose(**scenario.start.model_dump())
+        robot_config = robot_config.model_copy(update={"start": start})
+    return SimulatedLink(robot_config, world, clock_offset, scenario)
 
 
 def _devices(config: DevicesConfig, clock_offset: float) -> RobotLink:
@@ -67,7 +75,8 @@ def _devices(config: DevicesConfig, clock_offset: float) -> RobotLink:
 def _check_model(robot: RobotConfig) -> None:
     """Raise ConfigError unless the model has the joints and links that the configuration names."""
     model = load_model(robot.model)
-    sensors = [sensor.link for sensor in (robot.streams.kinect, robot.streams.hokuyo) if sensor is not None]
+    streams = robot.streams
+    sensors = [sensor.link for sensor in (streams.kinect, streams.hokuyo, streams.imv) if sensor is not None]
     for joint in (robot.base.left_wheel_joint, robot.base.right_wheel_joint):
         if joint not in model.joint_names:
             raise ConfigError(f"has no moving joint {joint!r}, a wheel of {robot.name}", str(robot.model))

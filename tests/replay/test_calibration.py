@@ -33,6 +33,28 @@ def test_each_filtered_input_is_measured_at_each_of_its_divisors() -> None:
     assert [(run.phi, run.repeat) for run in twice] == [(1, 0), (4, 0), (1, 1), (4, 1)]
 
 
+def test_each_set_of_parameters_is_measured_by_itself() -> None:
+    table = StrategyTable(
+        (
+            Strategy("two", "Hear", 4, filters={"Ear.sound": 1}, parameters={"Ear": {"microphones": 2}}),
+            Strategy("eight", "Hear", 8, filters={"Ear.sound": 1}, parameters={"Ear": {"microphones": 8}}),
+        ),
+        {},
+    )
+    runs = plan(table, {"Ear": ["sound"]})
+    assert [run.relation for run in runs] == ["Ear.sound with microphones=2", "Ear.sound with microphones=8"]
+    results = {run: Measurement(0.6 * (number + 1), 60, 60) for number, run in enumerate(runs)}
+    calibration = Calibration(host="here", made="now", relations=relations(results))
+    costs = [calibration.cost(s.filters, s.parameters) for s in table.strategies]
+    assert costs == [1.0, 2.0]
+    assert calibration.cost({"Ear.sound": 1}) is None
+
+
+def test_a_sweep_asks_for_its_own_divisors_alone() -> None:
+    runs = plan(TABLE, {"Eye": ["images"], "Ear": ["sound"]}, sweep={"Eye.images": range(2, 5), "Nose.smell": [1]})
+    assert runs == [Run("Eye", "images", phi) for phi in (2, 3, 4)]
+
+
 @given(
     st.floats(-5, 50, allow_nan=False),
     st.floats(0, 50),

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from app.link import BaseLimits
+from app.robots.config import LimitsConfig
 from app.yaml_source import load_yaml
 
 Positive = Annotated[float, Field(gt=0)]
@@ -82,9 +82,9 @@ class DevicesConfig(_Model):
     loudspeaker: SpeakerConfig | None = None
 
     @property
-    def limits(self) -> BaseLimits:
+    def limits(self) -> LimitsConfig:
         """Nothing moves; limits are positive by contract, and nobody will reach them."""
-        return BaseLimits(1e-3, 1e-3, 1e-3, 1e-3)
+        return LimitsConfig(linear_mps=1e-3, angular_radps=1e-3, linear_mps2=1e-3, angular_radps2=1e-3)
 
 
 def load_devices_config(path: Path | str) -> DevicesConfig:

@@ -58,7 +58,7 @@ class DevicesLink:
         self._description = RobotDescription(
             config.name,
             config.model,
-            config.limits,
+            config.limits.base(),
             streams,
             simulated=False,
             loudspeaker=config.loudspeaker is not None,
