@@ -249,7 +249,7 @@ async def test_a_recording_without_pictures_or_a_robots_name_says_so(tmp_path: P
         async with served(app) as replay_url, page(replay_url) as ann:
             hello = await ann.until("hello")
     assert hello["channels"] == {"camera": False, "panorama": False}
-        assert hello["audio"] == {"listen": False, "speak": False}
+    assert hello["audio"] == {"listen": False, "speak": False}
     assert hello["robot"]["name"] == "memory.mcap (memory)"
 
 
