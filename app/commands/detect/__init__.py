@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from app.commands.detect import faces
+from app.commands.detect import faces, qr
 
 
 class Detector(Protocol):
@@ -24,6 +24,7 @@ class Detector(Protocol):
 #: What can be detected, by the word after ``hbba detect``.
 DETECTORS: Mapping[str, Detector] = {
     "faces": faces,
+    "qr": qr,
 }
 
 
@@ -31,7 +32,7 @@ def add_parser(subparsers: Any) -> None:
     """Declare ``hbba detect`` and what it can detect."""
     parser = subparsers.add_parser(
         "detect",
-        help="find faces and the like in your own files",
+        help="find faces, QR codes and the like in your own files",
         description="Run the robot's perceptions on files of yours.",
     )
     kinds = parser.add_subparsers(dest="what", metavar="WHAT", required=True)

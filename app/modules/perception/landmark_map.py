@@ -1,9 +1,10 @@
 """Repeated sightings of QR codes merged into landmarks: a recursive weighted mean, without any event loop.
 
-A sighting at range r has the variance R = (σ₀ + k r²)² (the depth's error grows with the square of the range). With the
-landmark's variance P, each sighting moves it by the share P / (P + R), which is the mean of all sightings weighted by
-1 / R. P never falls below a floor: sightings share the drift of the odometry, so a thousand of them are not a thousand
-independent ones, and a landmark must stay able to follow.
+Each sighting has its own variance R: by measured depth, at range r, it is R = (σ₀ + k r²)² (the depth's error grows
+with the square of the range), by a laser it is what ``laser_ray`` says. With the landmark's variance P, each sighting
+moves it by the share P / (P + R), which is the mean of all sightings weighted by 1 / R. P never falls below a floor:
+sightings share the drift of the odometry, so a thousand of them are not a thousand independent ones, and a landmark
+must stay able to follow.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ Point = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True)
 class SightingModel:
-    """σ = ``floor_m`` + ``per_m2`` · r² of one sighting; a landmark's own σ never falls below ``floor_m``."""
+    """σ = ``floor_m`` + ``per_m2`` · r² of one sighting by depth; a landmark's own σ never falls below ``floor_m``."""
 
     floor_m: float = 0.02
     per_m2: float = 0.01
@@ -49,8 +50,12 @@ class LandmarkMap:
         return tuple(self._landmarks)
 
     def see(self, stamp: float, text: str, p_OQ: Point, range_m: float) -> Landmark:
-        """Take one sighting at ``p_OQ`` (m, in odom) from ``range_m`` away; returns the landmark it made or moved."""
-        sigma_m = self._model.sigma_m(range_m)
+        """Take one sighting by depth at ``p_OQ`` (m, in odom) from ``range_m`` away: :meth:`take` with its σ."""
+        return self.take(stamp, text, p_OQ, self._model.sigma_m(range_m))
+
+    def take(self, stamp: float, text: str, p_OQ: Point, sigma_m: float) -> Landmark:
+        """Take one sighting at ``p_OQ`` (m, in odom) with ``sigma_m`` (> 0); returns the landmark it made or moved."""
+        sigma_m = max(self._model.floor_m, sigma_m)
         index = self._nearest(text, p_OQ, sigma_m)
         if index is None:
             landmark = Landmark(text, p_OQ, sigma_m, 1, stamp, stamp)

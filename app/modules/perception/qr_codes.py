@@ -1,6 +1,8 @@
 """Finding QR codes in an image and placing them in space: pure functions.
 
-Decoding is zxing-cpp's (ISO/IEC 18004), with a second try on the image enlarged two times where nothing was found.
+Decoding is zxing-cpp's (ISO/IEC 18004), with a second try on the image enlarged two times where nothing was found. A
+fisheye's images are read in undistorted patches of them (``fisheye_patches``). Codes are placed here by the depth of
+their own pixels; ``laser_ray`` places those that have none.
 """
 
 from __future__ import annotations
@@ -10,14 +12,17 @@ import numpy as np
 import zxingcpp
 from numpy.typing import NDArray
 
-from app.geometry import CameraModel
+from app.geometry import CameraModel, FisheyeModel
 from app.messages import Image, QRCode, read_only
+from app.modules.perception.fisheye_patches import FisheyePatches
 
 #: A code needs at least this many pixels with depth, and this share of its own, to be placed.
 FEWEST_DEPTHS = 12
 SMALLEST_SHARE = 0.1
 
 _UPSCALE = 2
+#: Codes of the same text nearer than this (cosine of the angle) are one, seen in two patches.
+_SAME_PLACE = float(np.cos(np.radians(5.0)))
 
 
 def detect(image: Image, upscale: bool = True) -> tuple[QRCode, ...]:
@@ -37,6 +42,48 @@ def detect(image: Image, upscale: bool = True) -> tuple[QRCode, ...]:
             p_BQ = (x, y, z)
         codes.append(QRCode(text, read_only(corners), p_BQ))
     return tuple(codes)
+
+
+def detect_panorama(image: Image, patches: FisheyePatches, most_patches: int) -> tuple[QRCode, ...]:
+    """All codes of the fisheye ``image``, none of them placed; looks into at most ``most_patches`` of ``patches``."""
+    grey = np.asarray(cv2.cvtColor(image.color, cv2.COLOR_RGB2GRAY), np.uint8)
+    codes: list[QRCode] = []
+    known: list[tuple[str, NDArray[np.float64]]] = []
+    for cell in patches.promising(grey, most_patches):
+        for text, corners in decode(patches.cut(grey, cell), upscale=False):
+            rays = patches.rays(cell, corners)
+            middle = rays.mean(axis=0) / np.linalg.norm(rays.mean(axis=0))
+            seen = patches.camera.project(rays).astype(np.float32)
+            if np.isnan(seen).any() or any(text == other and middle @ ray > _SAME_PLACE for other, ray in known):
+                continue
+            known.append((text, middle))
+            codes.append(QRCode(text, read_only(seen), None))
+    return tuple(codes)
+
+
+def corner_rays(code: QRCode, camera: CameraModel | FisheyeModel) -> NDArray[np.float64]:
+    """Unit vectors (4, 3) in the camera's optical frame towards the corners of ``code``."""
+    return camera.rays(code.corners.astype(np.float64)).astype(np.float64)
+
+
+def central_ray(rays: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Unit vector (3,) towards the centre of a plane quadrilateral seen along ``rays`` (4, 3).
+
+    The diagonals lie in the planes of opposite rays; the centre is where these planes cross, with any kind of camera.
+    """
+    a, b, c, d = rays
+    mean = rays.mean(axis=0)
+    along = np.cross(np.cross(a, c), np.cross(b, d))
+    length = float(np.linalg.norm(along))
+    if length < 1e-9:
+        return np.asarray(mean / np.linalg.norm(mean))
+    return np.asarray(along / length if along @ mean > 0 else -along / length)
+
+
+def edge_angle(rays: NDArray[np.float64]) -> float:
+    """Angle (rad) under which the longest edge of a code is seen along ``rays`` (4, 3) of its corners."""
+    cosines = np.einsum("ij,ij->i", rays, np.roll(rays, 1, axis=0))
+    return float(np.arccos(np.clip(cosines.min(), -1.0, 1.0)))
 
 
 def decode(grey: NDArray[np.uint8], upscale: bool = True) -> list[tuple[str, NDArray[np.float32]]]:

@@ -2,15 +2,18 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
-from app.geometry import Pose2
-from app.messages import Image, Landmarks, Odometry, QRCodes
+from app.geometry import Pose2, Pose3
+from app.messages import Image, Landmark, Landmarks, LaserScan, Odometry, QRCodes
+from app.modules.perception.qr_code_detector import QRCodeDetector
 from app.modules.perception.qr_codes import detect
 from app.runtime.clock import run_virtual
+from benchmarks.posters import PANORAMA, picture
 
 from ..fakes import Bench, drain
-from .rendering import facing, kinect_image
+from .rendering import X_BC, facing, kinect_image
 
 STOP = facing(3.0, 0.4, 1.4)
 
@@ -130,5 +133,125 @@ def test_the_desire_decides_on_the_second_try() -> None:
                 b.feed("images", hard)
                 read.append(len((await codes.receive()).codes))
             assert read == [0, 1, 1]
+
+    run_virtual(main())
+
+
+# --- The panoramic camera and the laser ------------------------------------------------------------------------------
+
+#: Beside the robot's way, 0.9 m to the left of it, looking at it.
+DOOR = Pose3.from_translation_rpy((0.6, 0.9, 1.25), (0.0, 0.0, math.pi / 2)) @ Pose3.from_translation_rpy(
+    (0.0, 0.0, 0.0), (-math.pi / 2, 0.0, -math.pi / 2)
+)
+X_BL = Pose3.from_translation_rpy((0.2, 0.0, 0.4))
+
+
+def panorama_image(stamp: float, X_OB: Pose2, seed: int = 0) -> Image:
+    X_CQ = (X_OB.to_pose3() @ X_BC).inverse() @ DOOR
+    return Image(stamp, "imv_optical_frame", picture(PANORAMA, {"door": X_CQ}, seed=seed), None, PANORAMA, X_BC)
+
+
+def wall_scan(stamp: float, X_OB: Pose2, wall_y: float = 0.9) -> LaserScan:
+    """An endless wall along y = ``wall_y`` of odom, seen by the laser at ``X_OB`` with a noise of 1 cm."""
+    angles = -math.pi / 2 + math.pi / 719 * np.arange(720)
+    towards = np.sin(angles + X_OB.theta)
+    _, y, _ = X_OB.to_pose3().transform(X_BL.translation)
+    with np.errstate(divide="ignore"):
+        ranges = np.where(towards > 0.02, (wall_y - y) / towards, np.inf)
+    ranges = (ranges + np.random.default_rng(round(stamp * 1000) % 2**32).normal(0, 0.01, 720)).astype(np.float32)
+    return LaserScan(stamp, "laser", ranges, ranges, -math.pi / 2, math.pi / 719, 0.1, 30.0, 0.0125, X_BL)
+
+
+def whole_bench() -> Bench:
+    return Bench(
+        "app.modules.perception.qr_code_detector:QRCodeDetector",
+        inputs={"images": Image, "panorama": Image, "scans": LaserScan, "odometry": Odometry},
+        outputs={"codes": QRCodes, "landmarks": Landmarks},
+    )
+
+
+def known(b: Bench) -> tuple[Landmark, ...]:
+    """The landmarks that the module knows, told or not."""
+    module = b.slot.context.instance
+    assert isinstance(module, QRCodeDetector)
+    return module._map.landmarks
+
+
+async def drive_past(b: Bench, shots: int, scan_delay_s: float = 0.0, wall_y: float = 0.9) -> float:
+    """Five panoramas a second beside the wall, scans and odometry at their rates; returns when it began."""
+    start = b.clock.now()
+    for turn in range(shots * 20):
+        at = 0.01 * turn
+        b.feed("odometry", Odometry(start + at, pose(at), 0.4, 0.05))
+        if turn % 2 == 1:
+            seen_at = at - 0.02 - scan_delay_s
+            b.feed("scans", wall_scan(start + seen_at, pose(seen_at), wall_y))
+        if turn % 20 == 5:
+            b.feed("panorama", panorama_image(start + at, pose(at), seed=turn))
+        await b.clock.sleep_until(start + at + 0.01)
+    return start
+
+
+def test_a_panoramas_code_hangs_where_its_ray_meets_the_wall_that_the_laser_sees() -> None:
+    async def main() -> None:
+        async with whole_bench() as b:
+            codes, landmarks = b.listen("codes"), b.listen("landmarks")
+            start = await drive_past(b, 4)
+            seen = [m for m in drain(codes) if m.codes]
+            assert len(seen) >= 3
+            for message in seen:
+                assert message.frame == "imv_optical_frame"
+                (code,) = message.codes
+                assert code.p_BQ is not None
+                expected = pose(message.stamp - start).inverse().to_pose3().transform(DOOR.translation)
+                assert math.dist(code.p_BQ, tuple(expected)) < 0.05
+            assert len(drain(landmarks)) == 1
+            (landmark,) = known(b)
+            assert landmark.sightings == len(seen)
+            assert math.dist(landmark.p_OQ, tuple(DOOR.translation)) < 0.03
+            assert 0.01 < landmark.sigma_m < 0.05
+
+    run_virtual(main())
+
+
+@pytest.mark.parametrize(
+    ("scan_delay_s", "wall_y"),
+    [pytest.param(0.3, 0.9, id="scans too old"), pytest.param(0.0, 3.5, id="a wall too far for a code of that size")],
+)
+def test_without_a_scan_that_fits_a_code_is_seen_but_not_placed(scan_delay_s: float, wall_y: float) -> None:
+    async def main() -> None:
+        async with whole_bench() as b:
+            codes, landmarks = b.listen("codes"), b.listen("landmarks")
+            await drive_past(b, 3, scan_delay_s, wall_y)
+            seen = [code for message in drain(codes) for code in message.codes]
+            assert seen
+            assert all(code.p_BQ is None for code in seen)
+            assert drain(landmarks) == []
+
+    run_virtual(main())
+
+
+def test_both_cameras_move_one_landmark_and_time_does_not_go_back() -> None:
+    async def main() -> None:
+        async with whole_bench() as b:
+            landmarks = b.listen("landmarks")
+            X_OB = Pose2(0.0, 0.0, 0.8)
+
+            now = b.clock.now()
+            for at in (-0.05, 0.0, 0.05, 0.1):
+                b.feed("odometry", Odometry(now + at, X_OB, 0, 0))
+            b.feed("scans", wall_scan(now, X_OB))
+            b.feed("images", kinect_image(now + 0.04, X_OB, {"door": DOOR}))
+            await b.clock.sleep(0.2)
+            b.feed("panorama", panorama_image(now, X_OB))
+            await b.clock.sleep(1.2)
+            b.feed("panorama", panorama_image(now + 0.01, X_OB))
+            await b.clock.sleep(0.2)
+            told = drain(landmarks)
+            stamps = [message.stamp for message in told]
+            assert stamps == sorted(stamps)
+            (landmark,) = known(b)
+            assert landmark.sightings == 3
+            assert math.dist(landmark.p_OQ, tuple(DOOR.translation)) < 0.03
 
     run_virtual(main())

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -10,12 +11,25 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.geometry import Pose2
-from app.modules.perception.qr_codes import decode, detect, diagonal_crossing, locate
+from app.geometry import Pose2, Pose3
+from app.messages import Image
+from app.modules.perception.fisheye_patches import FisheyePatches
+from app.modules.perception.qr_codes import (
+    central_ray,
+    corner_rays,
+    decode,
+    detect,
+    detect_panorama,
+    diagonal_crossing,
+    edge_angle,
+    locate,
+)
+from benchmarks.posters import PANORAMA, facing_camera, picture
 
 from .rendering import CODE_M, KINECT, X_BC, facing, kinect_image
 
 HERE = Pose2()
+PATCHES = FisheyePatches(PANORAMA)
 #: A text that takes 25 x 25 modules: harder to read from afar than a short one.
 LONG = "hbba:tour/stop-2/robot-lab"
 
@@ -151,3 +165,49 @@ def test_real_photographs(name: str, least: int) -> None:
         right += truth.exists() and truth.read_bytes().decode() in texts
     assert total >= least
     assert right >= least
+
+
+# --- The panoramic camera ---------------------------------------------------------------------------------------------
+
+
+def panorama(posters: dict[str, Pose3], **kind: float) -> Image:
+    return Image(0.0, "imv_optical_frame", picture(PANORAMA, posters, **kind), None, PANORAMA, X_BC)
+
+
+@pytest.mark.parametrize("azimuth_deg", [-80, -45, 0, 30, 75])
+@pytest.mark.parametrize("tilt_deg", [0, 30])
+def test_the_panorama_is_read_to_a_metre_in_all_directions(azimuth_deg: float, tilt_deg: float) -> None:
+    X_CQ = facing_camera(1.0, math.radians(azimuth_deg), math.radians(-15), math.radians(tilt_deg))
+    image = panorama({LONG: X_CQ}, seed=azimuth_deg + 100)
+    (code,) = detect_panorama(image, PATCHES, 4)
+    assert (code.text, code.p_BQ) == (LONG, None)
+    half = CODE_M / 2
+    square = np.array([(-half, -half, 0), (half, -half, 0), (half, half, 0), (-half, half, 0)])
+    np.testing.assert_allclose(code.corners, PANORAMA.project(X_CQ.transform(square)), atol=2.5)
+    assert not code.corners.flags.writeable
+    ray = central_ray(corner_rays(code, PANORAMA))
+    to_centre = X_CQ.translation / np.linalg.norm(X_CQ.translation)
+    assert math.degrees(math.acos(min(1.0, float(ray @ to_centre)))) < 0.3
+    assert 1.0 * 2 * math.tan(edge_angle(corner_rays(code, PANORAMA)) / 2) == pytest.approx(CODE_M, abs=0.02)
+
+
+def test_the_same_text_twice_in_the_panorama_is_two_codes_and_one_poster_never_is() -> None:
+    left, right = (facing_camera(0.8, math.radians(a)) for a in (-35, 15))
+    image = panorama({"exit": left})
+    both = image.color.copy()
+    both[:, 512:] = panorama({"exit": right}).color[:, 512:]
+    assert len(detect_panorama(image, PATCHES, 8)) == 1
+    found = detect_panorama(replace(image, color=both), PATCHES, 8)
+    assert [code.text for code in found] == ["exit", "exit"]
+
+
+@given(st.floats(-80, 80), st.floats(-50, 50), st.floats(-50, 50), st.floats(0, 360), st.floats(0.5, 2))
+def test_the_central_ray_points_at_the_centre_with_any_camera(
+    azimuth: float, elevation: float, tilt: float, roll: float, distance: float
+) -> None:
+    X_CQ = facing_camera(distance, *(math.radians(a) for a in (azimuth, elevation, tilt, roll)))
+    half = CODE_M / 2
+    square = np.array([(-half, -half, 0), (half, -half, 0), (half, half, 0), (-half, half, 0)])
+    rays = X_CQ.transform(square)
+    rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+    np.testing.assert_allclose(central_ray(rays), X_CQ.translation / distance, atol=1e-9)
