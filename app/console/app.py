@@ -19,6 +19,7 @@ from app.console.problems import install_problem_handlers
 from app.console.replays import Replays
 from app.console.rest.attention import attention_router
 from app.console.rest.desires import desires_router
+from app.console.rest.percepts import percepts_router
 from app.console.rest.playback import playback_router
 from app.console.rest.program import program_router, robot_router
 from app.console.rest.recordings import recordings_router
@@ -78,6 +79,7 @@ def create_app(
         desires_router(system),
         attention_router(system),
         robot_router(system, hub),
+        percepts_router(hub.percepts, system.clock),
         program_router(system, hub),
         recordings_router(system, replays, None if playback is None else playback.info.path),
         viewers_router(hub, view),

@@ -1,0 +1,192 @@
+"""What is told of faces, sounds and noises, from what the channels said."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.console.percepts import Percepts, perceived_json
+from app.geometry import Pose2
+from app.messages import LoudNoise, Odometry
+from app.runtime.channel_table import ChannelSpec
+from app.runtime.clock import VirtualClock
+from app.runtime.graph import Graph
+from tests.console.percepts import P_BA, faces, imv_image, panorama, sound_source, sound_sources
+
+CHANNELS = {
+    "odometry": "Odometry",
+    "faces": "Faces",
+    "sound_sources": "SoundSources",
+    "loud_noises": "LoudNoise",
+    "imv": "Image",
+    "panorama_jpeg": "EncodedImage",
+}
+
+
+class Told:
+    """A graph of external channels, and what is told of them."""
+
+    def __init__(self, names: tuple[str, ...] = tuple(CHANNELS)) -> None:
+        specs = {name: ChannelSpec.model_validate({"type": CHANNELS[name], "external": True}) for name in names}
+        self.graph = Graph(clock=VirtualClock(), channels=specs, modules={}, services={})
+        self.percepts = Percepts(self.graph)
+        self.end = self.percepts.open()
+
+    def say(self, channel: str, message: Any) -> None:
+        self.graph.channel(channel).publish(message)
+
+    def odometry(self, stamp: float, pose: Pose2) -> None:
+        self.say("odometry", Odometry(stamp, pose, 0.0, 0.0))
+
+    def at(self, now: float) -> dict[str, Any]:
+        return perceived_json(self.percepts.at(now))
+
+
+@pytest.fixture
+def told() -> Iterator[Told]:
+    told = Told()
+    yield told
+    told.end()
+
+
+def test_nothing_is_told_of_nothing(told: Told) -> None:
+    assert told.at(5.0) == {"stamp": 5.0, "faces": [], "sounds": [], "noises": []}
+    bare = Told(())
+    assert bare.percepts.channels == ()
+    assert bare.at(1.0)["faces"] == []
+
+
+def test_a_face_is_where_the_robot_was_when_it_was_seen(told: Told) -> None:
+    """The robot turns on: seen is half way between two reports, and never now."""
+    told.say("faces", faces(10.05, (2.0, 0.0, 1.7)))
+    told.odometry(10.0, Pose2(1.0, 0.0, 0.0))
+    assert [told.at(10.1)["faces"][0][name] for name in "xyz"] == [None] * 3, "odometry is not there yet"
+    told.odometry(10.1, Pose2(1.0, 0.0, math.pi / 2))
+    told.odometry(10.2, Pose2(5.0, 5.0, math.pi))
+    (face,) = told.at(10.2)["faces"]
+    assert [face[name] for name in "xyz"] == pytest.approx([1.0 + math.sqrt(2), math.sqrt(2), 1.7], abs=1e-3)
+    assert (face["azimuth"], face["image"]) == (None, None), "nobody showed the camera's picture"
+
+
+def test_angles_are_seen_from_the_camera(told: Told) -> None:
+    told.say("imv", imv_image(9.9, width=1024, height=768))
+    told.say("faces", faces(10.0, (1.1, 1.0, 2.2)))
+    (face,) = told.at(10.0)["faces"]
+    assert face["azimuth"] == pytest.approx(math.pi / 4, abs=1e-3)
+    assert face["elevation"] == pytest.approx(math.atan2(1.0, math.sqrt(2)), abs=1e-3)
+    assert face["panorama"] is None
+    told.say("panorama_jpeg", panorama(9.9))
+    (face,) = told.at(10.0)["faces"]
+    assert face["panorama"] == [face["azimuth"], face["elevation"]]
+    assert (face["camera"], face["image"], face["box"]) == ("imv_optical_frame", [1024, 768], [400, 300, 40, 50])
+
+
+def test_a_face_is_told_until_it_was_not_seen_for_a_second(told: Told) -> None:
+    told.say("faces", faces(10.0))
+    told.say("faces", faces(10.1, (3.0, 0.0, 1.2), first=2))
+    assert [face["track"] for face in told.at(11.0)["faces"]] == [1, 2]
+    assert [face["track"] for face in told.at(11.05)["faces"]] == [2]
+    assert told.at(11.2)["faces"] == []
+
+
+def test_a_face_stays_between_images_that_come_seldom(told: Told) -> None:
+    """The camera's images at φ = 15: one in 1.5 s."""
+    for number in range(4):
+        stamp = 10.0 + 1.5 * number
+        told.say("faces", faces(stamp))
+        if number > 0:
+            assert told.at(stamp + 1.4)["faces"]
+    assert told.at(14.5 + 3.7)["faces"]
+    assert not told.at(14.5 + 3.8)["faces"]
+
+
+def test_one_face_in_two_cameras_is_two_entries_of_one_track(told: Told) -> None:
+    told.say("faces", faces(10.0))
+    told.say("faces", faces(10.0, frame="kinect_optical_frame"))
+    told_of = [(face["track"], face["camera"]) for face in told.at(10.0)["faces"]]
+    assert told_of == [(1, "imv_optical_frame"), (1, "kinect_optical_frame")]
+
+
+def test_a_sound_falls_silent_and_goes(told: Told) -> None:
+    told.say("sound_sources", sound_sources(10.0, sound_source()))
+    assert told.at(10.0)["sounds"][0]["active"]
+    told.say("sound_sources", sound_sources(10.3, sound_source(active=False)))
+    (sound,) = told.at(10.4)["sounds"]
+    assert (sound["active"], sound["last_active"], sound["stamp"]) == (False, 10.0, 10.3)
+    assert told.at(11.9)["sounds"]
+    assert not told.at(12.1)["sounds"]
+
+
+def test_a_sound_whose_track_died_or_of_which_nobody_speaks_is_silent(told: Told) -> None:
+    told.say("sound_sources", sound_sources(10.0, sound_source(1), sound_source(2, 1.0)))
+    told.say("sound_sources", sound_sources(10.1, sound_source(2, 1.0)))
+    assert [(sound["track"], sound["active"]) for sound in told.at(10.1)["sounds"]] == [(1, False), (2, True)]
+    assert [sound["active"] for sound in told.at(10.7)["sounds"]] == [False, False]
+
+
+def test_a_sounds_place_and_direction(told: Told) -> None:
+    told.odometry(9.9, Pose2(1.0, 2.0, math.pi / 2))
+    told.odometry(10.1, Pose2(1.0, 2.0, math.pi / 2))
+    told.say("imv", imv_image(9.9))
+    told.say("panorama_jpeg", panorama(9.9))
+    told.say("sound_sources", sound_sources(10.0, sound_source(azimuth=0.0, range_m=2.0)))
+    (sound,) = told.at(10.0)["sounds"]
+    assert (sound["azimuth"], sound["elevation"]) == (0.0, 0.0)
+    assert [sound[name] for name in "xyz"] == pytest.approx([1.0, 4.0, P_BA[2]])
+    # The camera is 0.7 m above the microphones and 0.1 m ahead of them: from there it is below the horizon.
+    assert sound["panorama"] == pytest.approx([0.0, -math.atan2(0.7, 1.9)], abs=1e-3)
+
+
+def test_what_is_not_known_of_a_sound_is_null(told: Told) -> None:
+    told.odometry(10.0, Pose2())
+    told.say("sound_sources", sound_sources(10.0, sound_source(speech=math.nan, range_m=math.inf)))
+    (sound,) = told.at(10.0)["sounds"]
+    assert [sound[name] for name in ("speech", "range_m", "x", "y", "z", "panorama")] == [None] * 6
+
+
+def test_noises_are_told_for_two_seconds(told: Told) -> None:
+    for number in range(5):
+        told.say("loud_noises", LoudNoise(10.0 + number, 25.123456, -20.0))
+    assert [noise["stamp"] for noise in told.at(14.5)["noises"]] == [13.0, 14.0]
+    assert told.at(14.5)["noises"][0]["ratio"] == 25.12
+    assert told.at(20.0)["noises"] == []
+
+
+def test_a_jump_in_time_forgets_everything(told: Told) -> None:
+    told.odometry(10.0, Pose2())
+    told.say("faces", faces(10.0))
+    told.say("sound_sources", sound_sources(10.0))
+    told.percepts.forget()
+    assert told.at(9.0) == {"stamp": 9.0, "faces": [], "sounds": [], "noises": []}
+
+
+said = st.one_of(
+    st.tuples(st.just("faces"), st.integers(1, 4)),
+    st.tuples(st.just("sounds"), st.integers(1, 4)),
+    st.tuples(st.just("noise"), st.just(0)),
+)
+
+
+@given(st.lists(st.tuples(st.floats(0.0, 0.5), said), max_size=60))
+def test_all_that_is_told_is_young_and_told_once(story: list[tuple[float, tuple[str, int]]]) -> None:
+    told, now = Told(), 100.0
+    for pause, (what, track) in story:
+        now += pause
+        match what:
+            case "faces":
+                told.say("faces", faces(now, (1.0, 0.0, 1.2), first=track))
+            case "sounds":
+                told.say("sound_sources", sound_sources(now, sound_source(track, active=track % 2 == 0)))
+            case _:
+                told.say("loud_noises", LoudNoise(now, 21.0, -20.0))
+        perceived = told.percepts.at(now)
+        assert all(0 <= now - face.stamp <= 4 for face in perceived.faces)
+        assert all(0 <= now - sound.last_active <= 2 for sound in perceived.sounds)
+        assert all(0 <= now - noise.stamp <= 2 for noise in perceived.noises)
+        assert len({face.track for face in perceived.faces}) == len(perceived.faces)
+        assert len({sound.track for sound in perceived.sounds}) == len(perceived.sounds)
