@@ -1,4 +1,4 @@
-"""The shape of a person: meshes of limbs and head, and the texture of a head that wears a photograph.
+"""The shape of a person: meshes of limbs and head, and one picture of their colours with the photograph they wear.
 
 Lengths are shares of the person's height; a limb's frame is at its upper joint, x forward, y to the left, z up, the
 limb hanging down. Shapes are few and coarse: with several people in view, drawing must still keep the camera's rate.
@@ -7,40 +7,44 @@ limb hanging down. Shapes are few and coarse: with several people in view, drawi
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.robots.simulated.faces import EYES_PX, FACES, MIDDLE_PX, MOUTH_PX, face_picture
 from app.robots.simulated.gait import EYES_SHARE, FOREARM, MOUTH_SHARE, NECK_SHARE, SHIN, THIGH, UPPER_ARM
+from app.robots.simulated.scenario_config import Color
 from app.robots.simulated.textures import Texture
 
 HEAD_MIDDLE, HEAD_AHEAD = 0.935, 0.006
 _HEAD_RADII = (0.056, 0.0495, 0.064)
 _HAIR_THICKNESS = 0.004
-_AROUND, _UP = 28, 18
+_AROUND, _UP = 20, 12
 _PX_PER_SHARE = (MOUTH_PX - EYES_PX) / (EYES_SHARE - MOUTH_SHARE)
-_TEXTURE_SIZE = (192, 384)
+_TEXTURE_SIZE, _PALETTE_ROWS = (224, 384), 32
+PaletteColor = Literal["shirt", "trousers", "shoes", "skin"]
+PALETTE: tuple[PaletteColor, ...] = ("shirt", "trousers", "shoes", "skin")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mesh:
     """``vertices`` (V, 3) float64; ``faces`` (F, 3) int of triangles, counter-clockwise from outside; ``texture``
-    (V, 2) float64 coordinates from the picture's upper left, or None.
+    (V, 2) float64: where in the person's :func:`skin`, from its upper left (0, 0) to its lower right (1, 1).
     """
 
     vertices: NDArray[np.float64]
     faces: NDArray[np.int64]
-    texture: NDArray[np.float64] | None = None
+    texture: NDArray[np.float64]
 
 
 Ring = tuple[float, float, float, float]
 """One cross-section of a limb: height z, half-extent along x and along y, and how far forward its middle lies."""
 
 TORSO: tuple[Ring, ...] = (
-    (-0.040, 0.064, 0.098, 0.000), (0.010, 0.066, 0.097, 0.000), (0.090, 0.060, 0.085, 0.004),
+    (-0.040, 0.070, 0.102, 0.000), (0.010, 0.068, 0.099, 0.000), (0.090, 0.060, 0.085, 0.004),
     (0.190, 0.068, 0.104, 0.004), (0.245, 0.060, 0.115, 0.000), (0.276, 0.050, 0.112, -0.002),
     (0.296, 0.040, 0.080, -0.004), (0.312, 0.034, 0.046, -0.004), (0.326, 0.032, 0.036, -0.003),
 )  # fmt: skip
@@ -50,7 +54,7 @@ HIPS: tuple[Ring, ...] = (
 )  # fmt: skip
 THIGH_RINGS: tuple[Ring, ...] = (
     (-THIGH - 0.012, 0.026, 0.026, 0.000), (-THIGH, 0.033, 0.032, 0.000), (-0.120, 0.044, 0.042, 0.000),
-    (-0.040, 0.051, 0.046, 0.000), (0.010, 0.044, 0.038, 0.000),
+    (-0.040, 0.050, 0.045, 0.000), (0.010, 0.042, 0.036, 0.000),
 )  # fmt: skip
 SHIN_RINGS: tuple[Ring, ...] = (
     (-SHIN + 0.010, 0.028, 0.026, 0.000), (-0.150, 0.030, 0.028, -0.002), (-0.080, 0.034, 0.031, -0.004),
@@ -76,8 +80,8 @@ SHOE_RINGS: tuple[Ring, ...] = (
 )  # fmt: skip
 
 
-def lathe(rings: Sequence[Ring], around: int = 12) -> Mesh:
-    """A closed body through elliptic ``rings``, from the lowest up, each of ``around`` corners."""
+def lathe(rings: Sequence[Ring], color: PaletteColor, around: int = 8) -> Mesh:
+    """A closed body of one color through elliptic ``rings``, from the lowest up, each of ``around`` corners."""
     angles = 2 * math.pi * np.arange(around) / around
     circle = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
     layers = [
@@ -93,11 +97,22 @@ def lathe(rings: Sequence[Ring], around: int = 12) -> Mesh:
             a, b, c, d = layer + i, layer + j, layer + around + i, layer + around + j
             faces += [(a, b, d), (a, d, c)]
         faces += [(bottom, j, i), (top, last + i, last + j)]
-    return Mesh(vertices, np.array(faces))
+    middle = [(PALETTE.index(color) + 0.5) / len(PALETTE), 1.0 - _PALETTE_ROWS / (2 * _TEXTURE_SIZE[0])]
+    return Mesh(vertices, np.array(faces), np.tile(middle, (len(vertices), 1)))
+
+
+def joined(*meshes: Mesh) -> Mesh:
+    """Several meshes as one: each shape that is drawn costs, however small."""
+    offsets = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
+    return Mesh(
+        np.concatenate([mesh.vertices for mesh in meshes]),
+        np.concatenate([mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=True)]),
+        np.concatenate([mesh.texture for mesh in meshes]),
+    )
 
 
 def head(face: str) -> Mesh:
-    """The head in the neck's frame, rounder than an egg, with hair as ``face`` wears it; textured by head_texture."""
+    """The head in the neck's frame, rounder than an egg, with hair as ``face`` wears it."""
     azimuths = 2 * math.pi * (np.arange(_AROUND + 1) / _AROUND - 0.5)
     levels = np.sin(math.pi * (np.arange(_UP + 1) / _UP - 0.5))
     level, azimuth = np.meshgrid(levels, azimuths, indexing="ij")
@@ -105,7 +120,9 @@ def head(face: str) -> Mesh:
     thick = _HAIR_THICKNESS * hairiness(face, azimuth, level)
     grow = 1 + thick / np.maximum(np.hypot(x, y), 1e-3)
     vertices = np.stack([x * grow + HEAD_AHEAD, y * grow, z + thick * (level > 0.6) + HEAD_MIDDLE - NECK_SHARE], -1)
-    texture = np.stack([azimuth / (2 * math.pi) + 0.5, (1 - level) / 2], axis=-1)
+    head_rows = _TEXTURE_SIZE[0] - _PALETTE_ROWS
+    down = np.clip((1 - level) / 2 * head_rows, 1, head_rows - 2) / _TEXTURE_SIZE[0]  # off the palette below
+    texture = np.stack([azimuth / (2 * math.pi) + 0.5, down], axis=-1)
     rows = _AROUND + 1
     triangles: list[tuple[int, int, int]] = []
     for k in range(_UP):
@@ -139,10 +156,19 @@ def hairiness(face: str, azimuth: NDArray[np.float64], level: NDArray[np.float64
     return np.asarray(_smooth((level - line) / 0.12))
 
 
-def head_texture(face: str, rng: np.random.Generator) -> Texture:
-    """The head unrolled (192, 384, 3) uint8: the photograph in front, skin and hair in its colours all around."""
+def skin(face: str, clothes: Mapping[PaletteColor, Color], rng: np.random.Generator) -> Texture:
+    """All of a person's colours in one picture (224, 384, 3) uint8: the head unrolled, and below it the palette."""
+    palette = {**clothes, "skin": FACES[face].skin}
+    width = _TEXTURE_SIZE[1]
+    columns = np.array([palette[color] for color in PALETTE], dtype=np.uint8)
+    below = np.repeat(columns[None], width // len(PALETTE), axis=1)
+    return np.concatenate([_head_texture(face, rng), np.repeat(below, _PALETTE_ROWS, axis=0)])
+
+
+def _head_texture(face: str, rng: np.random.Generator) -> Texture:
+    """The photograph in front, skin and hair in its colours at the sides and behind."""
     look, picture = FACES[face], face_picture(face).astype(np.float64)
-    height, width = _TEXTURE_SIZE
+    height, width = _TEXTURE_SIZE[0] - _PALETTE_ROWS, _TEXTURE_SIZE[1]
     azimuth, level = np.meshgrid(
         2 * math.pi * ((np.arange(width) + 0.5) / width - 0.5), 1 - 2 * (np.arange(height) + 0.5) / height
     )

@@ -18,6 +18,7 @@ from app.geometry import Pose3
 from app.messages import LaserScan
 from app.robots.config import HokuyoConfig
 from app.robots.simulated.body import PREFIX, Simulation
+from app.robots.simulated.people import LASER_GROUP
 from app.robots.simulated.world import OUT_OF_REACH_GROUP, WORLD_GROUP
 
 FAN_S = 0.0035
@@ -40,7 +41,7 @@ class Laser:
         self._increment = fov / (config.rays - 1)
         angles = self._angle_min + self._increment * np.arange(config.rays)
         self._directions_L = np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)], axis=-1)
-        self._groups = np.array([group == WORLD_GROUP for group in range(6)], dtype=np.uint8)
+        self._groups = np.array([group in (WORLD_GROUP, LASER_GROUP) for group in range(6)], dtype=np.uint8)
         _leave_out_of_reach(simulation, float(X_BL.translation[2]))
         fans = max(1, math.ceil(config.sweep_s / FAN_S))
         self._fans = np.linspace(0, config.rays, fans + 1).astype(int)

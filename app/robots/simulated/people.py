@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -16,26 +15,20 @@ from numpy.typing import NDArray
 
 from app.robots.simulated import figure, gait
 from app.robots.simulated.actor import Actor
-from app.robots.simulated.faces import FACES
 from app.robots.simulated.gait import Joint
 from app.robots.simulated.scenario_config import Color
-from app.robots.simulated.world import OUT_OF_REACH_GROUP, ROBOT_CONTACT, WORLD_CONTACT, WORLD_GROUP
+from app.robots.simulated.textures import Texture
+from app.robots.simulated.world import OUT_OF_REACH_GROUP, ROBOT_CONTACT, WORLD_CONTACT
 
 LIMBS = (
     "trunk", "head", "left_thigh", "left_shin", "left_upper_arm", "left_forearm",
     "right_thigh", "right_shin", "right_upper_arm", "right_forearm",
 )  # fmt: skip
-HIDDEN_GROUP = 4
-"""Neither the cameras nor the laser look at it."""
-TRUNK_RADIUS_SHARE = 0.13
-
-
-@dataclass(frozen=True, slots=True)
-class _Shape:
-    limb: str
-    mesh: figure.Mesh
-    color: Color | None
-    group: int = OUT_OF_REACH_GROUP
+LASER_GROUP, CONTACT_GROUP = 4, 3
+"""Seen by the laser alone (plain shapes in the legs: a ray is tested against them sooner than against a mesh), and by
+nothing at all.
+"""
+TRUNK_RADIUS_SHARE, LEG_RADIUS_SHARE = 0.13, 0.032
 
 
 def add_people(spec: mujoco.MjSpec, actors: Sequence[Actor], seed: int) -> None:
@@ -45,38 +38,39 @@ def add_people(spec: mujoco.MjSpec, actors: Sequence[Actor], seed: int) -> None:
 
 
 def _add(spec: mujoco.MjSpec, actor: Actor, number: int, rng: np.random.Generator) -> None:
-    prefix = f"person{number}/"
-    poses = limb_poses(actor)
-    bodies = {
-        limb: spec.worldbody.add_body(name=prefix + limb, mocap=True, pos=pose[:3], quat=pose[3:])
-        for limb, pose in zip(LIMBS, poses, strict=True)
-    }
-    for index, shape in enumerate(_shapes(actor)):
-        name = f"{prefix}{shape.limb}{index}"
-        mesh = spec.add_mesh(
-            name=name,
-            uservert=(actor.height_m * shape.mesh.vertices).ravel(),
-            userface=shape.mesh.faces.ravel(),
-            inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
-        )
-        look: dict[str, object] = {"rgba": [*(c / 255 for c in shape.color), 1.0]} if shape.color else {}
-        if shape.mesh.texture is not None:
-            mesh.usertexcoord = shape.mesh.texture.ravel()
-            _add_skin(spec, name, figure.head_texture(actor.config.face, rng))
-            look["material"] = name
-        bodies[shape.limb].add_geom(
-            name=name, type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, group=shape.group,
-            contype=0, conaffinity=0, mass=0.0, **look,
+    prefix, height, wear = f"person{number}/", actor.height_m, actor.config
+    clothes: dict[figure.PaletteColor, Color] = {
+        "shirt": wear.shirt, "trousers": wear.trousers, "shoes": wear.shoes,
+    }  # fmt: skip
+    _add_skin(spec, prefix + "skin", figure.skin(wear.face, clothes, rng))
+    meshes = _meshes(wear.face)
+    for limb, pose in zip(LIMBS, limb_poses(actor), strict=True):
+        name, mesh = prefix + limb, meshes[limb]
+        body = spec.worldbody.add_body(name=name, mocap=True, pos=pose[:3], quat=pose[3:])
+        spec.add_mesh(
+            name=name, uservert=(height * mesh.vertices).ravel(), userface=mesh.faces.ravel(),
+            usertexcoord=mesh.texture.ravel(), inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
         )  # fmt: skip
-    half = actor.height_m / 2
-    bodies["trunk"].add_geom(
-        name=prefix + "contact", type=mujoco.mjtGeom.mjGEOM_CYLINDER, group=HIDDEN_GROUP, mass=0.0,
-        size=[TRUNK_RADIUS_SHARE * actor.height_m, 0.98 * half, 0.0], pos=[0, 0, half - gait.HIP_SHARE * 2 * half],
-        contype=WORLD_CONTACT, conaffinity=ROBOT_CONTACT,
-    )  # fmt: skip
+        body.add_geom(
+            name=name, type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, material=prefix + "skin",
+            group=OUT_OF_REACH_GROUP, contype=0, conaffinity=0, mass=0.0,
+        )  # fmt: skip
+        if limb.endswith("shin"):
+            half = gait.SHIN * height / 2
+            body.add_geom(
+                type=mujoco.mjtGeom.mjGEOM_CAPSULE, size=[LEG_RADIUS_SHARE * height, half, 0.0], pos=[0.0, 0.0, -half],
+                group=LASER_GROUP, contype=0, conaffinity=0, mass=0.0,
+            )  # fmt: skip
+        if limb == "trunk":
+            half = 0.49 * height
+            body.add_geom(
+                type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=[TRUNK_RADIUS_SHARE * height, half, 0.0],
+                pos=[0.0, 0.0, half - gait.HIP_SHARE * height], group=CONTACT_GROUP, mass=0.0,
+                contype=WORLD_CONTACT, conaffinity=ROBOT_CONTACT,
+            )  # fmt: skip
 
 
-def _add_skin(spec: mujoco.MjSpec, name: str, pixels: NDArray[np.uint8]) -> None:
+def _add_skin(spec: mujoco.MjSpec, name: str, pixels: Texture) -> None:
     height, width, _ = pixels.shape
     image = spec.add_texture(name=name, type=mujoco.mjtTexture.mjTEXTURE_2D, width=width, height=height, nchannel=3)
     image.data = np.ascontiguousarray(pixels).tobytes()
@@ -84,24 +78,18 @@ def _add_skin(spec: mujoco.MjSpec, name: str, pixels: NDArray[np.uint8]) -> None
     material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
 
 
-def _shapes(actor: Actor) -> list[_Shape]:
-    look, wear = FACES[actor.config.face], actor.config
-    shapes = [
-        _Shape("trunk", figure.lathe(figure.TORSO, 16), wear.shirt),
-        _Shape("trunk", figure.lathe(figure.HIPS, 14), wear.trousers),
-        _Shape("head", figure.lathe(figure.NECK_RINGS), look.skin),
-        _Shape("head", figure.head(wear.face), None),
-    ]
-    for side in ("left", "right"):
-        shapes += [
-            _Shape(f"{side}_thigh", figure.lathe(figure.THIGH_RINGS), wear.trousers, WORLD_GROUP),
-            _Shape(f"{side}_shin", figure.lathe(figure.SHIN_RINGS), wear.trousers, WORLD_GROUP),
-            _Shape(f"{side}_shin", figure.lathe(figure.SHOE_RINGS), wear.shoes),
-            _Shape(f"{side}_upper_arm", figure.lathe(figure.UPPER_ARM_RINGS, 10), wear.shirt),
-            _Shape(f"{side}_forearm", figure.lathe(figure.FOREARM_RINGS, 10), wear.shirt),
-            _Shape(f"{side}_forearm", figure.lathe(figure.HAND_RINGS, 10), look.skin),
-        ]
-    return shapes
+def _meshes(face: str) -> dict[str, figure.Mesh]:
+    shin = figure.joined(figure.lathe(figure.SHIN_RINGS, "trousers"), figure.lathe(figure.SHOE_RINGS, "shoes"))
+    forearm = figure.joined(figure.lathe(figure.FOREARM_RINGS, "shirt"), figure.lathe(figure.HAND_RINGS, "skin", 6))
+    trunk = figure.joined(figure.lathe(figure.TORSO, "shirt", 12), figure.lathe(figure.HIPS, "trousers", 12))
+    return {
+        "trunk": trunk,
+        "head": figure.joined(figure.lathe(figure.NECK_RINGS, "skin"), figure.head(face)),
+        **dict.fromkeys(("left_thigh", "right_thigh"), figure.lathe(figure.THIGH_RINGS, "trousers", 10)),
+        **dict.fromkeys(("left_upper_arm", "right_upper_arm"), figure.lathe(figure.UPPER_ARM_RINGS, "shirt")),
+        **dict.fromkeys(("left_shin", "right_shin"), shin),
+        **dict.fromkeys(("left_forearm", "right_forearm"), forearm),
+    }
 
 
 class People:

@@ -81,7 +81,7 @@ class PersonConfig(_Model):
     @classmethod
     def _face_exists(cls, face: str) -> str:
         if face not in FACES:
-            raise ValueError(f"there is no such face; {suggestion(face, FACES)}")
+            raise ValueError(f"there is no such face; {suggestion(face, tuple(FACES))}")
         return face
 
     @model_validator(mode="after")

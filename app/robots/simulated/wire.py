@@ -17,6 +17,7 @@ from typing import Any
 from app.geometry import Pose3
 from app.messages import Audio
 from app.robots.config import RobotConfig
+from app.robots.simulated.scenario_config import ScenarioConfig
 from app.robots.simulated.world_config import WorldConfig
 
 _LENGTH = struct.Struct("<I")
@@ -34,6 +35,7 @@ class Start:
     clock_offset: float
     demanded: frozenset[str]
     e_stop: str | None = None
+    scenario: ScenarioConfig | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,7 @@
 """Photographs of faces that people in the simulated world wear; sources and licences in ``README.md`` beside.
 
-Every picture is 192 x 256 px, upright, cut so that the lines of the eyes and of the mouth stand at fixed rows: 64 px are
-the 0.040 of a person's height that lie between them.
+Every picture is 192 x 256 px, upright, cut so that the lines of the eyes and of the mouth stand at fixed rows: the
+64 px between them are 0.040 of the person's height.
 """
 
 from __future__ import annotations
