@@ -1,0 +1,145 @@
+"""FaceDetector: whose faces the robot sees, and where (thesis 4.2).
+
+    ┌─────────────────────────────────────────────────────────────────────────────────────────────┐
+    │ FaceDetector   in   images     Image with depth, 15 Hz / φ                                   │
+    │                in   panorama   Image of the fisheye, 10 Hz / φ                               │
+    │                in   odometry   Odometry, 100 Hz, X_OB in odom; never filtered                │
+    │                out  faces      Faces, with each image taken, px and m in base_link           │
+    └─────────────────────────────────────────────────────────────────────────────────────────────┘
+
+Finds faces with YuNet, in the fisheye's image unrolled (``faces/yunet.py``, ``faces/panorama.py``); places them by
+depth, or where there is none by their direction and how tall people are (``faces/placing.py``, ``height.py``); and
+gives each a number that it keeps while it is visible, in either camera (``faces/tracks.py``). Both cameras are
+optional, and either may be closed.
+
+``min_score`` is a parameter of the desire LocateFaces. ``fine`` is one of its strategies: without it images are looked
+at reduced, for a third of the computing time, and faces are found to about half the distance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from pydantic import Field
+
+from app.geometry import Pose2
+from app.messages import Face, Faces, Image, Odometry, read_only
+from app.modules.perception.faces.panorama import StripView
+from app.modules.perception.faces.placing import FaceLooker, Sighting
+from app.modules.perception.faces.tracks import FaceTracks, Placed, TrackModel
+from app.modules.perception.faces.yunet import THRESHOLD, ModelMissing
+from app.modules.perception.height import People
+from app.modules.perception.opencv import use_calling_thread
+from app.modules.perception.pose_at import PoseAt
+from app.runtime.errors import ModuleFailed
+from app.runtime.module import Module, ModuleContext, Settings
+
+
+class FaceDetectorSettings(Settings):
+    """Settings of FaceDetector."""
+
+    min_score: float = Field(THRESHOLD, gt=0, lt=1, description="used while no desire says another")
+    fine: bool = Field(True, description="used while no strategy says another")
+    fine_px: int = Field(640, ge=64, le=4096, description="longest side of images without fisheye, looked at finely")
+    coarse_px: int = Field(320, ge=64, le=4096, description="... and otherwise")
+    fine_px_per_rad: float = Field(326, ge=50, le=2000, description="of the fisheye's image unrolled, finely")
+    coarse_px_per_rad: float = Field(200, ge=50, le=2000, description="... and otherwise")
+    lowest_deg: float = Field(-25, ge=-90, le=90, description="least elevation looked at in the fisheye's image")
+    highest_deg: float = Field(45, ge=-90, le=90, description="greatest elevation")
+    height_mean_m: float = Field(1.71, gt=0, description="mean height of the people expected, shoes on")
+    height_sigma_m: float = Field(0.10, gt=0, description="its standard deviation")
+    forget_s: float = Field(1.2, gt=0, description="a face not seen for longer has gone, and comes back as another")
+
+
+class FaceDetector(Module):
+    """Finds, places and follows faces."""
+
+    title = "Face detector"
+    Settings = FaceDetectorSettings
+    settings: FaceDetectorSettings
+
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self._min_score = self.settings.min_score
+        self._fine = self.settings.fine
+        self._looker: FaceLooker | None = None
+        self._tracks = FaceTracks()
+        self._poses = PoseAt(self.clock)
+        self._poseless = False
+        self.images = self.input("images", Image)
+        self.panorama = self.input("panorama", Image)
+        self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
+        self.faces = self.output("faces", Faces)
+        self.on(self.images, self._look)
+        self.on(self.panorama, self._look)
+        self.on(self.odometry, self._remember)
+
+    async def start(self) -> None:
+        """Load the model, and go on with higher numbers than before a restart. Raises ModuleFailed."""
+        use_calling_thread()
+        people = People(self.settings.height_mean_m, self.settings.height_sigma_m)
+        try:
+            self._looker = await self.compute(FaceLooker, self._min_score, people)
+        except ModelMissing as failure:
+            raise ModuleFailed(str(failure)) from None
+        channel = self.faces.channel
+        told = None if channel is None else channel.latest
+        first = 1 + max((face.track for face in told.faces), default=0) if told else 1
+        self._tracks = FaceTracks(TrackModel(forget_s=self.settings.forget_s), first)
+
+    def configure(self, parameters: Mapping[str, Any]) -> None:
+        """Take ``min_score`` and ``fine`` from the intention."""
+        self._min_score = float(parameters.get("min_score", self.settings.min_score))
+        self._fine = bool(parameters.get("fine", self.settings.fine))
+
+    async def _remember(self, odometry: Odometry) -> None:
+        self._poses.add(odometry)
+
+    async def _look(self, image: Image) -> None:
+        sightings = await self.compute(self._find, image, self._min_score, self._fine)
+        X_OB = await self._poses.at(image.stamp) if sightings else None
+        if sightings:
+            self._tell_of_pose(X_OB)
+        placed = self._tracks.see(image.stamp, image.frame, sightings, None if X_OB is None else X_OB.to_pose3())
+        faces = tuple(_face(sighting, where) for sighting, where in zip(sightings, placed, strict=True))
+        self.faces.publish(Faces(image.stamp, image.frame, faces))
+
+    def _find(self, image: Image, min_score: float, fine: bool) -> list[Sighting]:
+        assert self._looker is not None
+        settings = self.settings
+        self._looker.finder.threshold = min_score
+        view = StripView(
+            settings.fine_px_per_rad if fine else settings.coarse_px_per_rad,
+            lowest=float(np.radians(settings.lowest_deg)),
+            highest=float(np.radians(settings.highest_deg)),
+        )
+        return self._looker.look(image, settings.fine_px if fine else settings.coarse_px, view)
+
+    def _tell_of_pose(self, X_OB: Pose2 | None) -> None:
+        if (X_OB is None) != self._poseless:
+            self._poseless = X_OB is None
+            if self._poseless:
+                self.log.warning(
+                    "faces are followed by their place in the image alone: odometry does not reach the images' stamps"
+                )
+            else:
+                self.log.info("odometry reaches the stamps of the images again")
+
+
+def _face(sighting: Sighting, placed: Placed) -> Face:
+    x, y, z = placed.p_BF.tolist()
+    towards = placed.p_BF - sighting.origin
+    range_m = float(np.linalg.norm(towards))
+    ray = towards / range_m
+    return Face(
+        placed.track,
+        sighting.face.score,
+        sighting.face.box,
+        read_only(sighting.face.landmarks),
+        (x, y, z),
+        read_only(placed.covariance),
+        range_m,
+        float(np.sqrt(ray @ placed.covariance @ ray)),
+    )
