@@ -7,6 +7,7 @@ the laser (which looks at group 0) never sees its own body and the camera draws 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -18,14 +19,15 @@ from app.geometry import Pose2
 from app.robots.config import RobotConfig
 from app.robots.guard import Velocity
 from app.robots.model import load_model
+from app.robots.simulated.actor import Actor
 from app.robots.simulated.kinect import camera_model
 from app.robots.simulated.odometry import TrueBase
+from app.robots.simulated.people import add_people
 from app.robots.simulated.world import ROBOT_CONTACT, TIMESTEP_S, WORLD_CONTACT, build_world
 from app.robots.simulated.world_config import WorldConfig
 
 PREFIX = "robot/"
 VISUAL_GROUP, COLLISION_GROUP = 1, 3
-CAMERA = "kinect"
 _DRIVE_GAIN = 40.0
 _WHEEL_ARMATURE = 0.08
 _SERVO_ARMATURE = 0.05
@@ -78,17 +80,19 @@ class Simulation:
         return Velocity(vx * math.cos(heading) + vy * math.sin(heading), float(self.data.qvel[self.base_velocity + 5]))
 
 
-def build_simulation(robot: RobotConfig, world: WorldConfig, base: TrueBase) -> Simulation:
-    """Build and compile the world with the robot at its start pose. ``base`` is what its wheels really are.
+def build_simulation(
+    robot: RobotConfig, world: WorldConfig, base: TrueBase, people: Sequence[Actor] = ()
+) -> Simulation:
+    """Build and compile the world with ``people`` and the robot at its start. ``base`` is what its wheels really are.
 
     Raises ConfigError for a model that is no URDF or that the physics refuses.
     """
     spec = build_world(world)
+    add_people(spec, people, world.seed)
     body = mujoco.MjSpec.from_file(str(robot.model))
     kinematics = load_model(robot.model)
     _tune(body, robot, base)
-    if robot.streams.kinect is not None:
-        _add_camera(body, robot)
+    _add_cameras(body, robot)
     X_WB = spec.worldbody.add_frame(
         pos=[robot.start.x, robot.start.y, 0.0],
         quat=[
@@ -157,18 +161,21 @@ def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase) -> None:
             joint.armature = _SERVO_ARMATURE
 
 
-def _add_camera(body: mujoco.MjSpec, robot: RobotConfig) -> None:
-    config = robot.streams.kinect
-    assert config is not None
-    camera = camera_model(config)
+def _add_cameras(body: mujoco.MjSpec, robot: RobotConfig) -> None:
     # MuJoCo's cameras look along -z with y up: half a turn about x from the optical frame
-    body.body(config.link).add_camera(
-        name=CAMERA,
-        quat=[0.0, 1.0, 0.0, 0.0],
-        resolution=[camera.width, camera.height],
-        sensor_size=[camera.width / camera.fx, camera.height / camera.fy],
-        focal_length=[1.0, 1.0],
-    )
+    turned = [0.0, 1.0, 0.0, 0.0]
+    kinect, imv = robot.streams.kinect, robot.streams.imv
+    if kinect is not None:
+        lens = camera_model(kinect)
+        body.body(kinect.link).add_camera(
+            name="kinect",
+            quat=turned,
+            resolution=[lens.width, lens.height],
+            sensor_size=[lens.width / lens.fx, lens.height / lens.fy],
+            focal_length=[1.0, 1.0],
+        )
+    if imv is not None:  # a fisheye is more than MuJoCo's camera can be: only its place
+        body.body(imv.link).add_camera(name="imv", quat=turned)
 
 
 def _limit_drives(model: mujoco.MjModel, wheels: tuple[str, str], robot: RobotConfig, base: TrueBase) -> None:

@@ -1,145 +1,70 @@
-"""The camera's thread: draws the world as the Kinect sees it, colour and depth in one pass, into the image ring.
+"""The cameras' thread: draws the world as the body's cameras see it, into the image rings.
 
 Drawing takes longer than a control step and releases the interpreter's lock, so it has a thread of its own; the control
-loop only leaves it a snapshot when it is free and picks up finished pictures: a computer too slow for the rate gives
+loop only leaves it a snapshot when it is free and picks up finished pictures: a computer too slow for the rates gives
 fewer pictures, never late ones. The OpenGL context lives and dies in this thread, as it must.
+
+One thread draws for all cameras: two would fight for the same processor, each with its copy of every texture. The
+camera with the shortest period goes first, even between the parts of another's picture; but one that has waited for
+longer than its own period goes before all that have not, so that where time is too short all rates fall alike.
 """
 
 from __future__ import annotations
 
-import copy
-import math
 import threading
+import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import mujoco
-import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
-from app.geometry import Pose3
-from app.robots.config import KinectConfig
-from app.robots.simulated.body import CAMERA, PREFIX, VISUAL_GROUP
-from app.robots.simulated.gl import UNUSABLE_GL, GlUnavailable
+from app.robots.config import StreamsConfig
+from app.robots.simulated.eyes import Eye, FisheyeEye, KinectEye
 from app.robots.simulated.image_ring import SLOTS, ImageRing
-from app.robots.simulated.kinect import KinectNoise
+from app.robots.simulated.painter import Painter, Snapshot
 from app.robots.simulated.wire import ImageNotice
-from app.robots.simulated.world import OUT_OF_REACH_GROUP, WORLD_GROUP
-
-_MAX_GEOMS = 4000
-_SHOWN_GROUPS = (WORLD_GROUP, OUT_OF_REACH_GROUP, VISUAL_GROUP)
-_CULLED_GROUP = 5
-_STILL = 1e-6
-"""What counts as not having moved, in metres and radians: a hundredth of a millimetre at the end of the corridor."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Snapshot:
-    """The world at one instant: ``qpos`` of the whole model, and the camera's pose as measured then."""
+@dataclass(slots=True, eq=False)
+class _Job:
+    """A picture in work, asked for at ``since`` (s, monotonic)."""
 
-    stamp: float
-    qpos: NDArray[np.float64]
-    X_BC: Pose3
-
-
-class Camera:
-    """Draws one fixed camera of ``model``; make, use and :meth:`close` it in one thread.
-
-    Raises GlUnavailable where there is no OpenGL to draw with.
-    """
-
-    def __init__(self, model: mujoco.MjModel, width: int, height: int) -> None:
-        self._model = copy.copy(model)  # its own: culling moves shapes between groups
-        self._data = mujoco.MjData(self._model)
-        self.drawn = 0
-        self._viewport = mujoco.MjrRect(0, 0, width, height)
-        try:
-            self._gl = mujoco.GLContext(width, height)
-        except (ImportError, RuntimeError) as failure:
-            raise GlUnavailable(UNUSABLE_GL.format(why=str(failure).splitlines()[0])) from None
-        self._gl.make_current()
-        self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
-        self._context.readDepthMap = mujoco.mjtDepthMap.mjDEPTH_ZEROFAR
-        self._scene = mujoco.MjvScene(model, maxgeom=_MAX_GEOMS)
-        self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
-        self._scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0
-        self._option = mujoco.MjvOption()
-        self._option.geomgroup[:] = [group in _SHOWN_GROUPS for group in range(6)]
-        self._view = mujoco.MjvCamera()
-        self._view.type = mujoco.mjtCamera.mjCAMERA_FIXED
-        self._view.fixedcamid = model.camera(PREFIX + CAMERA).id
-        self._groups = model.geom_group.copy()
-        self._slopes = model.cam_sensorsize[self._view.fixedcamid] / (
-            2 * model.cam_intrinsic[self._view.fixedcamid][:2]
-        )
-        self._color = np.zeros((height, width, 3), dtype=np.uint8)
-        self._depth = np.zeros((height, width), dtype=np.float32)
-        near = model.vis.map.znear * model.stat.extent
-        far = model.vis.map.zfar * model.stat.extent
-        # The depth buffer is affine in 1/z, with 0 at the far plane and 1 at the near one
-        self._scale, self._offset = (far - near) / (far * near), 1.0 / far
-
-    def draw(self, qpos: NDArray[np.float64]) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
-        """Colour (H, W, 3) uint8 RGB and inverse depth (H, W) float32 1/m along the optical axis, row 0 on top.
-
-        Only the robot moves here: while it stands still the last picture is given again, undrawn.
-        """
-        if np.abs(qpos - self._data.qpos).max() > _STILL or not self.drawn:
-            self._data.qpos[:] = qpos
-            self._draw()
-            self.drawn += 1
-        inverse = np.asarray(self._depth[::-1] * np.float32(self._scale) + np.float32(self._offset))
-        return self._color[::-1], inverse
-
-    def _draw(self) -> None:
-        mujoco.mj_kinematics(self._model, self._data)
-        mujoco.mj_camlight(self._model, self._data)
-        self._model.geom_group[:] = np.where(self._in_view(), self._groups, _CULLED_GROUP)
-        mujoco.mjv_updateScene(
-            self._model, self._data, self._option, None, self._view, mujoco.mjtCatBit.mjCAT_ALL, self._scene
-        )
-        self._gl.make_current()
-        mujoco.mjr_render(self._viewport, self._scene, self._context)
-        mujoco.mjr_readPixels(self._color, self._depth, self._viewport, self._context)
-
-    def _in_view(self) -> NDArray[np.bool_]:
-        """Which shapes (ngeom,) may touch the view: their bounding spheres against its five planes."""
-        camera = self._view.fixedcamid
-        centers = (self._data.geom_xpos - self._data.cam_xpos[camera]) @ self._data.cam_xmat[camera].reshape(3, 3)
-        radius, ahead = self._model.geom_rbound, -centers[:, 2]
-        seen = ahead > -radius
-        for axis, slope in enumerate(self._slopes):
-            seen &= np.abs(centers[:, axis]) - slope * ahead < radius * math.hypot(1.0, slope)
-        return np.asarray(seen | (radius == 0))  # planes are endless and have no bounding sphere
-
-    def close(self) -> None:
-        """Release the OpenGL context."""
-        self._context.free()
-        self._gl.free()
+    snapshot: Snapshot
+    steps: Iterator[None]
+    since: float
 
 
 class CameraThread:
-    """Draws snapshots as they come. ``make_camera`` is called in the thread."""
+    """Draws snapshots as they come. ``rngs`` and ``rings`` are by stream, as are the cameras of ``streams``."""
 
     def __init__(
-        self, model: mujoco.MjModel, config: KinectConfig, ring: ImageRing, rng: Generator, wake: Callable[[], None]
+        self,
+        model: mujoco.MjModel,
+        streams: StreamsConfig,
+        rings: Mapping[str, ImageRing],
+        rngs: Mapping[str, Generator],
+        wake: Callable[[], None],
     ) -> None:
         self._model = model
-        self._config = config
-        self._ring = ring
-        self._noise = KinectNoise(config, rng)
+        self._streams = streams
+        self._rings = rings
+        self._rngs = rngs
         self._wake = wake
+        self._periods = {
+            name: 1.0 / config.rate_hz
+            for name, config in (("kinect", streams.kinect), ("imv", streams.imv))
+            if config is not None
+        }
         self._condition = threading.Condition()
-        self._snapshot: Snapshot | None = None
+        self._asked: dict[str, tuple[Snapshot, float]] = {}
+        self._busy: set[str] = set()
         self._ending = False
-        self._busy = False
         self._ready = threading.Event()
-        self._count = 0
+        self._counts = dict.fromkeys(self._periods, 0)
         self._thread = threading.Thread(target=self._run, name="camera", daemon=True)
-        self.finished: deque[ImageNotice] = deque(maxlen=SLOTS - 1)
+        self.finished: deque[ImageNotice] = deque()
         self.failure: BaseException | None = None
         self._thread.start()
 
@@ -150,20 +75,19 @@ class CameraThread:
         if self.failure is not None:
             raise self.failure
 
-    @property
-    def busy(self) -> bool:
-        """Whether the last snapshot is not finished yet."""
-        return self._busy
+    def busy(self, stream: str) -> bool:
+        """Whether that camera's last snapshot is not finished yet."""
+        return stream in self._busy
 
-    def request(self, snapshot: Snapshot) -> None:
-        """Have ``snapshot`` drawn; not while ``busy``."""
+    def request(self, stream: str, snapshot: Snapshot) -> None:
+        """Have ``snapshot`` drawn for the camera ``stream``; not while it is ``busy``."""
         with self._condition:
-            self._busy = True
-            self._snapshot = snapshot
+            self._busy.add(stream)
+            self._asked[stream] = (snapshot, time.monotonic())
             self._condition.notify()
 
     def close(self, timeout_s: float) -> None:
-        """End the thread, waiting for a picture in work."""
+        """End the thread, waiting for what it is drawing."""
         with self._condition:
             self._ending = True
             self._condition.notify()
@@ -171,34 +95,61 @@ class CameraThread:
 
     def _run(self) -> None:
         try:
-            camera = Camera(self._model, self._config.width, self._config.height)
-            camera.draw(self._model.qpos0)
+            painter = Painter(self._model)
+            eyes = self._eyes(painter)
             self._ready.set()
-            while (snapshot := self._next()) is not None:
-                self._draw(camera, snapshot)
-            camera.close()
+            self._serve(eyes)
+            painter.close()
         except BaseException as failure:  # noqa: BLE001  # handed to the control loop, which ends the process with it
             self.failure = failure
             self._ready.set()
             self._wake()
 
-    def _next(self) -> Snapshot | None:
-        with self._condition:
-            while self._snapshot is None and not self._ending:
-                self._condition.wait()
-            snapshot, self._snapshot = self._snapshot, None
-            return None if self._ending else snapshot
+    def _eyes(self, painter: Painter) -> dict[str, Eye]:
+        eyes: dict[str, Eye] = {}
+        kinect, imv = self._streams.kinect, self._streams.imv
+        if kinect is not None:
+            eye = eyes["kinect"] = KinectEye(painter, self._model, kinect, self._rngs["kinect"])
+            first = Snapshot.initial(self._model)
+            for _ in eye.draw(first):  # OpenGL makes itself ready with the first picture
+                pass
+        if imv is not None:
+            base = kinect.height if kinect is not None else 0
+            eyes["imv"] = FisheyeEye(painter, self._model, imv, self._rngs["imv"], base)
+        return eyes
 
-    def _draw(self, camera: Camera, snapshot: Snapshot) -> None:
-        picture, inverse_depth = camera.draw(snapshot.qpos)
-        slot = self._count % SLOTS
-        self._count += 1
-        color, depth = self._ring.begin(slot)
-        self._noise.color(picture, color)
-        self._noise.depth(inverse_depth, depth)
-        sequence = 2 * self._count
-        self._ring.finish(slot, sequence)
-        self.finished.append(ImageNotice("kinect", slot, sequence, snapshot.stamp, snapshot.X_BC))
+    def _serve(self, eyes: Mapping[str, Eye]) -> None:
+        jobs: dict[str, _Job] = {}
+        while self._wait(bool(jobs)):
+            with self._condition:
+                for stream, (snapshot, since) in self._asked.items():
+                    jobs[stream] = _Job(snapshot, eyes[stream].draw(snapshot), since)
+                self._asked.clear()
+            stream = self._most_urgent(jobs)
+            if next(jobs[stream].steps, stream) is stream:
+                self._finish(stream, eyes[stream], jobs.pop(stream).snapshot)
+
+    def _wait(self, working: bool) -> bool:
+        """Wait for something to do; False at the end."""
         with self._condition:
-            self._busy = False
+            while not (working or self._asked or self._ending):
+                self._condition.wait()
+            return not self._ending
+
+    def _most_urgent(self, jobs: Mapping[str, _Job]) -> str:
+        now = time.monotonic()
+        waited = {stream: (now - job.since) / self._periods[stream] for stream, job in jobs.items()}
+        latest = max(waited, key=lambda stream: waited[stream])
+        return latest if waited[latest] > 1.0 else min(waited, key=lambda stream: self._periods[stream])
+
+    def _finish(self, stream: str, eye: Eye, snapshot: Snapshot) -> None:
+        slot = self._counts[stream] % SLOTS
+        self._counts[stream] += 1
+        ring = self._rings[stream]
+        eye.measure(*ring.begin(slot))
+        sequence = 2 * self._counts[stream]
+        ring.finish(slot, sequence)
+        self.finished.append(ImageNotice(stream, slot, sequence, snapshot.stamp, snapshot.X_BC))
+        with self._condition:
+            self._busy.discard(stream)
         self._wake()

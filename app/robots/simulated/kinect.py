@@ -19,11 +19,11 @@ from numpy.typing import NDArray
 
 from app.geometry import CameraModel
 from app.robots.config import KinectConfig
+from app.robots.simulated.color_noise import SPARE, ColorNoise
 
 _LEVELS = 1024
 _EDGE_JUMP = 0.05
 _EDGE_KEEP = 0.6
-_SPARE = 96
 
 
 def camera_model(config: KinectConfig) -> CameraModel:
@@ -40,13 +40,11 @@ class KinectNoise:
     def __init__(self, config: KinectConfig, rng: Generator) -> None:
         self._config = config
         self._rng = rng
-        shape = (config.height + _SPARE, config.width + _SPARE)
+        shape = (config.height + SPARE, config.width + SPARE)
         # Drawing fresh noise for every picture would cost more than drawing the picture: windows of a bank instead
         bank = cv2.GaussianBlur(rng.standard_normal(shape).astype(np.float32), (3, 3), 0.6)
         self._depth_bank = np.asarray(bank / bank.std(), dtype=np.float32)
-        color = config.color_noise * rng.standard_normal((*shape, 3)).astype(np.float32)
-        self._brighter = np.clip(np.rint(color), 0, 255).astype(np.uint8)
-        self._darker = np.clip(np.rint(-color), 0, 255).astype(np.uint8)
+        self._color = ColorNoise(config.height, config.width, config.color_noise, rng)
         levels = np.arange(_LEVELS)
         with np.errstate(divide="ignore"):
             depth_m = 1.0 / (levels * config.quantum_m)
@@ -78,13 +76,10 @@ class KinectNoise:
 
     def color(self, picture: NDArray[np.uint8], out: NDArray[np.uint8]) -> None:
         """Add the colour camera's noise to ``picture`` (H, W, 3) uint8 RGB, into ``out``."""
-        top, left = (int(i) for i in self._rng.integers(0, _SPARE, 2))
-        rows, columns = slice(top, top + self._config.height), slice(left, left + self._config.width)
-        cv2.add(picture, self._brighter[rows, columns], dst=out)
-        cv2.subtract(out, self._darker[rows, columns], dst=out)
+        self._color.add(picture, out)
 
     def _window(self, bank: NDArray[np.float32]) -> NDArray[np.float32]:
-        top, left = (int(i) for i in self._rng.integers(0, _SPARE, 2))
+        top, left = (int(i) for i in self._rng.integers(0, SPARE, 2))
         return bank[top : top + self._config.height, left : left + self._config.width]
 
     def _shadow(self, u: NDArray[np.float32]) -> NDArray[np.bool_]:

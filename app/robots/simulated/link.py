@@ -13,12 +13,24 @@ from collections.abc import Callable
 from typing import Any
 
 from app.link import LinkFailed, RobotDescription, StreamDescription
-from app.messages import Audio, GroundTruth, Image, JointState, LaserScan, LinkStatus, Odometry, Twist, read_only
+from app.messages import (
+    Audio,
+    GroundTruth,
+    Image,
+    JointState,
+    LaserScan,
+    LinkStatus,
+    Odometry,
+    SceneTruth,
+    Twist,
+    read_only,
+)
 from app.robots.config import RobotConfig
 from app.robots.simulated import wire
 from app.robots.simulated.gl import check_gl, gl_environment
-from app.robots.simulated.image_ring import ImageRing, create_memory, ring_bytes
-from app.robots.simulated.kinect import camera_model
+from app.robots.simulated.image_ring import ImageRings, create_memory, memory_bytes
+from app.robots.simulated.lenses import lenses, picture_formats
+from app.robots.simulated.scenario_config import ScenarioConfig
 from app.robots.simulated.world_config import WorldConfig
 
 START_TIMEOUT_S = 20.0
@@ -36,11 +48,15 @@ class SimulatedLink:
     ``clock_offset`` (s) makes the robot's clock of ``time.monotonic()``, in the program and in the link alike.
     """
 
-    def __init__(self, robot: RobotConfig, world: WorldConfig, clock_offset: float) -> None:
+    def __init__(
+        self, robot: RobotConfig, world: WorldConfig, clock_offset: float, scenario: ScenarioConfig | None = None
+    ) -> None:
         self._robot = robot
+        self._scenario = scenario
         self._world = world
         self._clock_offset = clock_offset
         self._description = describe(robot)
+        self._lenses = lenses(robot)
         self._receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in self._description.streams}
         self._wanted: set[str] = set()
         self._session: _Session | None = None
@@ -64,11 +80,12 @@ class SimulatedLink:
             if not self._session.ended:
                 raise LinkFailed("The simulated robot runs already.")
             await self._release()
-        if self._robot.streams.kinect is not None and (problem := check_gl()):
+        if picture_formats(self._robot) and (problem := check_gl()):
             raise LinkFailed(problem)
         session = await _Session.open(self._robot, self._receive)
         self._session = session
-        session.send(wire.Start(self._robot, self._world, self._clock_offset, frozenset(self._wanted), self._e_stop))
+        wanted = frozenset(self._wanted)
+        session.send(wire.Start(self._robot, self._world, self._clock_offset, wanted, self._e_stop, self._scenario))
         try:
             async with asyncio.timeout(START_TIMEOUT_S):
                 await session.wait_running()
@@ -158,16 +175,15 @@ class SimulatedLink:
     def _deliver_image(self, notice: wire.ImageNotice) -> None:
         if not self._receivers[notice.stream] or self._session is None:
             return
-        pictures = self._session.ring.read(notice.slot, notice.sequence) if self._session.ring else None
+        pictures = self._session.rings.read(notice.stream, notice.slot, notice.sequence)
         if pictures is None:
             self.images_overwritten += 1
             return
-        config = self._robot.streams.kinect
-        assert config is not None
+        frame, lens = self._lenses[notice.stream]
         color, depth = pictures
         read_only(notice.X_BC.rotation)
         read_only(notice.X_BC.translation)
-        image = Image(notice.stamp, config.link, color, depth, camera_model(config), notice.X_BC)
+        image = Image(notice.stamp, frame, color, depth, lens, notice.X_BC)
         self._deliver(notice.stream, image)
 
     def _deliver(self, stream: str, message: Any) -> None:
@@ -190,10 +206,13 @@ def describe(robot: RobotConfig) -> RobotDescription:
     ]
     if streams.kinect is not None:
         table.append(("kinect", Image, streams.kinect.rate_hz))
+    if streams.imv is not None:
+        table.append(("imv", Image, streams.imv.rate_hz))
     if streams.hokuyo is not None:
         table.append(("hokuyo", LaserScan, streams.hokuyo.rate_hz))
     if robot.ground_truth:
         table.append(("ground_truth", GroundTruth, streams.odometry.rate_hz))
+        table.append(("scene_truth", SceneTruth, streams.status.rate_hz))
     descriptions = {name: StreamDescription(name, kind, rate) for name, kind, rate in table}
     return RobotDescription(robot.name, robot.model, robot.limits.base(), descriptions, simulated=True)
 
@@ -201,8 +220,8 @@ def describe(robot: RobotConfig) -> RobotDescription:
 class _Session(asyncio.Protocol):
     """One life of the link's process: its socket, its shared memory, its last words."""
 
-    def __init__(self, ring: ImageRing | None, receive: Callable[[Any], None]) -> None:
-        self.ring = ring
+    def __init__(self, rings: ImageRings, receive: Callable[[Any], None]) -> None:
+        self.rings = rings
         self._receive = receive
         self._reader = wire.FrameReader()
         self._running = asyncio.Event()
@@ -216,12 +235,11 @@ class _Session(asyncio.Protocol):
     @staticmethod
     async def open(robot: RobotConfig, receive: Callable[[Any], None]) -> _Session:
         """Start the process, with a socket and a memory of its own."""
-        kinect = robot.streams.kinect
-        memory = create_memory(ring_bytes(kinect.width, kinect.height) if kinect else 64)
+        formats = picture_formats(robot)
+        memory = create_memory(memory_bytes(formats))
         ours, theirs = socket.socketpair()
         try:
-            ring = ImageRing(memory, kinect.width, kinect.height) if kinect else None
-            session = _Session(ring, receive)
+            session = _Session(ImageRings(memory, formats), receive)
             session.process = await asyncio.create_subprocess_exec(
                 sys.executable, "-m", "app.robots.simulated.process", str(theirs.fileno()), str(memory),
                 pass_fds=(theirs.fileno(), memory), stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.DEVNULL,
@@ -284,8 +302,7 @@ class _Session(asyncio.Protocol):
         finally:
             if self._transport is not None:
                 self._transport.abort()
-            if self.ring is not None:
-                self.ring.close()
+            self.rings.close()
 
     # asyncio.Protocol
 

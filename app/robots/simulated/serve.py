@@ -11,6 +11,7 @@ import time
 
 from app.errors import ConfigError
 from app.robots.simulated.gl import GlUnavailable, check_gl
+from app.robots.simulated.lenses import picture_formats
 from app.robots.simulated.wire import Ready, Socket, Start
 
 
@@ -24,7 +25,7 @@ def serve(link_descriptor: int, memory_descriptor: int) -> int:
     if start is None:
         return 0
     began = time.monotonic()
-    if start.robot.streams.kinect is not None and (problem := check_gl()):
+    if picture_formats(start.robot) and (problem := check_gl()):
         return _refuse(problem)
 
     from app.robots.simulated.world_loop import WorldLoop  # MuJoCo looks for its OpenGL library when it is imported

@@ -15,17 +15,22 @@ import time
 
 import numpy as np
 
-from app.messages import GroundTruth, JointState, LinkStatus, Odometry, Twist
+from app.messages import GroundTruth, JointState, LinkStatus, Odometry, SceneTruth, Twist
 from app.robots import guard
 from app.robots.model import load_model
 from app.robots.simulated import wire
 from app.robots.simulated.body import TIMESTEP_S, build_simulation
-from app.robots.simulated.camera import CameraThread, Snapshot
+from app.robots.simulated.camera import CameraThread
 from app.robots.simulated.guard_log import GuardLog
-from app.robots.simulated.image_ring import ImageRing
+from app.robots.simulated.image_ring import ImageRings
 from app.robots.simulated.laser import Laser
+from app.robots.simulated.lenses import lenses, picture_formats
 from app.robots.simulated.odometry import WheelOdometry, draw_true_base
 from app.robots.simulated.pacer import Pacer
+from app.robots.simulated.painter import Snapshot, mocap_poses
+from app.robots.simulated.people import People
+from app.robots.simulated.scenario_config import ScenarioConfig
+from app.robots.simulated.stage import Stage
 
 STEPS_PER_TURN = 2
 _CAMERA_SETUP_S = 20.0
@@ -52,13 +57,17 @@ class WorldLoop:
 
     def __init__(self, start: wire.Start, sock: wire.Socket, memory: int) -> None:
         robot, streams = start.robot, start.robot.streams
-        seeds = np.random.SeedSequence(robot.seed).spawn(5)
-        base_rng, odometry_rng, laser_rng, camera_rng, self._joint_rng = (np.random.default_rng(s) for s in seeds)
+        seeds = np.random.SeedSequence(robot.seed).spawn(8)
+        rngs = [np.random.default_rng(s) for s in seeds]  # one each, in an order that stays: new ones at the end
+        base_rng, odometry_rng, laser_rng, kinect_rng, self._joint_rng, imv_rng = rngs[:6]
         self._robot = robot
         self._socket = sock
         self._offset = start.clock_offset
         self._wanted = set(start.demanded)
-        self._simulation = build_simulation(robot, start.world, draw_true_base(robot.base, base_rng))
+        self._stage = Stage(start.scenario or ScenarioConfig(name="nobody"))
+        base = draw_true_base(robot.base, base_rng)
+        self._simulation = build_simulation(robot, start.world, base, self._stage.actors)
+        self._people = People(self._simulation.model, self._stage.actors)
         self._kinematics = load_model(robot.model)
         self._limits = robot.limits.guard()
         self._state = guard.GuardState(e_stop=start.e_stop)
@@ -71,21 +80,27 @@ class WorldLoop:
             "joints": streams.joints.rate_hz,
             "status": streams.status.rate_hz,
             "ground_truth": streams.odometry.rate_hz,
+            "scene_truth": streams.status.rate_hz,
         }
         self._laser: Laser | None = None
         if streams.hokuyo is not None:
             X_BL = self._kinematics.pose(streams.hokuyo.link)
             self._laser = Laser(self._simulation, streams.hokuyo, X_BL, laser_rng)
             rates["hokuyo"] = streams.hokuyo.rate_hz
+        if streams.kinect is not None:
+            rates["kinect"] = streams.kinect.rate_hz
+        if streams.imv is not None:
+            rates["imv"] = streams.imv.rate_hz
         self._camera: CameraThread | None = None
         self._wake_read, self._wake_write = os.pipe()
         os.set_blocking(self._wake_read, False)
         os.set_blocking(self._wake_write, False)
-        if streams.kinect is not None:
-            ring = ImageRing(memory, streams.kinect.width, streams.kinect.height)
-            self._camera = CameraThread(self._simulation.model, streams.kinect, ring, camera_rng, self._wake)
+        self._eyes = {stream: frame for stream, (frame, _) in lenses(robot).items()}
+        if self._eyes:
+            rings = ImageRings(memory, picture_formats(robot)).rings
+            noise = {"kinect": kinect_rng, "imv": imv_rng}
+            self._camera = CameraThread(self._simulation.model, streams, rings, noise, self._wake)
             self._camera.wait_ready(_CAMERA_SETUP_S)
-            rates["kinect"] = streams.kinect.rate_hz
         self._schedules = {name: Schedule(rate) for name, rate in rates.items()}
         self._ending = False
         self._pacer = Pacer(time.monotonic(), TIMESTEP_S)
@@ -112,8 +127,9 @@ class WorldLoop:
                 if self._camera.failure is not None:
                     raise self._camera.failure
                 while self._camera.finished:
-                    self._last_seen["kinect"] = now
-                    self._socket.send(self._camera.finished.popleft())
+                    notice = self._camera.finished.popleft()
+                    self._last_seen[notice.stream] = now
+                    self._socket.send(notice)
             self._socket.flush()
             self._sleep()
         self._shut_down()
@@ -128,6 +144,8 @@ class WorldLoop:
             self._state = guard.step(self._state, action, self._limits, TIMESTEP_S)
             self._simulation.drive(self._state.applied)
             self._simulation.step()
+            if self._stage.advance(self._simulation.time_s, self._simulation.true_pose()):
+                self._people.pose(self._simulation.data)
             self._pacer.advance()
             self._sense()
         if self._schedules["status"].due(self._simulation.time_s):
@@ -170,16 +188,23 @@ class WorldLoop:
             speed = self._simulation.true_velocity()
             truth = GroundTruth(stamp, self._simulation.true_pose(), speed.linear_mps, speed.angular_radps)
             self._send("ground_truth", truth, mono)
+        if "scene_truth" in self._wanted and self._schedules["scene_truth"].due(time_s):
+            self._send("scene_truth", SceneTruth(stamp, self._stage.people, ()), mono)
         if self._laser is not None and "hokuyo" in self._wanted:
             if not self._laser.sweeping and self._schedules["hokuyo"].due(time_s):
                 self._laser.begin(stamp)
             if self._laser.sweeping and (scan := self._laser.advance(stamp)) is not None:
                 self._send("hokuyo", scan, mono)
-        camera = self._camera if "kinect" in self._wanted else None
-        if camera is not None and not camera.busy and self._schedules["kinect"].due(time_s):
-            measured = dict(zip(self._simulation.joints, self._measured_joints(), strict=True))
-            X_BC = self._kinematics.pose(self._robot.streams.kinect.link, measured)  # type: ignore[union-attr]
-            camera.request(Snapshot(stamp, self._simulation.data.qpos.copy(), X_BC))
+        if self._camera is not None:
+            self._look(self._camera, stamp, time_s)
+
+    def _look(self, camera: CameraThread, stamp: float, time_s: float) -> None:
+        for stream, link in self._eyes.items():
+            if stream in self._wanted and not camera.busy(stream) and self._schedules[stream].due(time_s):
+                measured = dict(zip(self._simulation.joints, self._measured_joints(), strict=True))
+                X_BC = self._kinematics.pose(link, measured)
+                data = self._simulation.data
+                camera.request(stream, Snapshot(stamp, data.qpos.copy(), mocap_poses(data), X_BC))
 
     def _measured_joints(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
         true = self._simulation.joint_positions()

@@ -8,27 +8,45 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from app.robots.simulated.image_ring import SLOTS, ImageRing, create_memory, ring_bytes
+from app.robots.simulated.image_ring import (
+    SLOTS,
+    ImageRing,
+    ImageRings,
+    PictureFormat,
+    create_memory,
+    memory_bytes,
+)
 
 WIDTH, HEIGHT = 32, 24
+FORMATS = {
+    "kinect": PictureFormat(WIDTH, HEIGHT, has_depth=True),
+    "imv": PictureFormat(2 * WIDTH + 1, HEIGHT, has_depth=False),
+}
 
 
 @pytest.fixture
-def rings() -> Iterator[tuple[ImageRing, ImageRing]]:
+def both() -> Iterator[tuple[ImageRings, ImageRings]]:
     """Two views of one memory, as writer and reader have."""
-    memory = create_memory(ring_bytes(WIDTH, HEIGHT))
-    writer, reader = ImageRing(memory, WIDTH, HEIGHT), ImageRing(memory, WIDTH, HEIGHT)
+    memory = create_memory(memory_bytes(FORMATS))
+    writer, reader = ImageRings(memory, FORMATS), ImageRings(memory, FORMATS)
     os.close(memory)
     yield writer, reader
     writer.close()
     reader.close()
 
 
+@pytest.fixture
+def rings(both: tuple[ImageRings, ImageRings]) -> tuple[ImageRing, ImageRing]:
+    """The ring of the camera with depth, as writer and reader have it."""
+    return both[0].rings["kinect"], both[1].rings["kinect"]
+
+
 def write(ring: ImageRing, number: int) -> tuple[int, int]:
     slot = number % SLOTS
     color, depth = ring.begin(slot)
     color[:] = number
-    depth[:] = 1000 + number
+    if depth is not None:
+        depth[:] = 1000 + number
     ring.finish(slot, 2 * number)
     return slot, 2 * number
 
@@ -39,6 +57,7 @@ def test_what_was_written_is_read_as_read_only_copies(rings: tuple[ImageRing, Im
     pictures = reader.read(slot, sequence)
     assert pictures is not None
     color, depth = pictures
+    assert depth is not None
     assert color.shape == (HEIGHT, WIDTH, 3)
     assert (color == 7).all()
     assert depth.dtype == np.uint16
@@ -69,15 +88,30 @@ def test_slots_do_not_touch_each_other(rings: tuple[ImageRing, ImageRing]) -> No
     for number, (slot, sequence) in zip(range(10, 10 + SLOTS), told, strict=True):
         pictures = reader.read(slot, sequence)
         assert pictures is not None
-        assert (pictures[0] == number).all()
-        assert (pictures[1] == 1000 + number).all()
+        color, depth = pictures
+        assert depth is not None
+        assert (color == number).all()
+        assert (depth == 1000 + number).all()
+
+
+def test_each_camera_has_slots_of_its_own(both: tuple[ImageRings, ImageRings]) -> None:
+    writer, reader = both
+    told = {stream: [write(ring, number) for number in range(SLOTS)] for stream, ring in writer.rings.items()}
+    for stream, ring in reader.rings.items():
+        for number, (slot, sequence) in enumerate(told[stream]):
+            pictures = ring.read(slot, sequence)
+            assert pictures is not None
+            assert pictures[0].shape == (FORMATS[stream].height, FORMATS[stream].width, 3)
+            assert (pictures[0] == number).all()
+            assert (pictures[1] is None) == (stream == "imv")
+    assert reader.read("imv", *told["imv"][1]) is not None
 
 
 def test_the_memory_has_no_name_and_goes_with_its_last_user() -> None:
     before = set(os.listdir("/dev/shm")) if os.path.isdir("/dev/shm") else set()
-    memory = create_memory(ring_bytes(WIDTH, HEIGHT))
-    ring = ImageRing(memory, WIDTH, HEIGHT)
+    memory = create_memory(memory_bytes(FORMATS))
+    rings = ImageRings(memory, FORMATS)
     after = set(os.listdir("/dev/shm")) if os.path.isdir("/dev/shm") else set()
     assert after - before == set()
     os.close(memory)
-    ring.close()
+    rings.close()

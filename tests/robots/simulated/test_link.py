@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import os
 import signal
 import time
@@ -15,6 +16,7 @@ import numpy as np
 import psutil
 import pytest
 
+from app.geometry import FisheyeModel
 from app.link import LinkFailed
 from app.messages import GroundTruth, Image, LaserScan, LinkStatus, Odometry, Twist
 from app.robots.config import RobotConfig
@@ -26,7 +28,7 @@ from app.robots.simulated.world_config import WorldConfig
 from tests.robots.conftest import needs_gl
 
 OFFSET = time.time() - time.monotonic()
-SENSORS = ("kinect", "hokuyo", "ground_truth")
+SENSORS = ("kinect", "imv", "hokuyo", "ground_truth", "scene_truth")
 
 pytestmark = pytest.mark.slow
 
@@ -36,7 +38,7 @@ def now() -> float:
 
 
 def without_camera(robot: RobotConfig) -> RobotConfig:
-    return robot.model_copy(update={"streams": robot.streams.model_copy(update={"kinect": None})})
+    return robot.model_copy(update={"streams": robot.streams.model_copy(update={"kinect": None, "imv": None})})
 
 
 class Listener:
@@ -103,6 +105,7 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
         for name in SENSORS:
             link.demand(name, True)
         await listener.next("kinect", 3)
+        await listener.next("imv", 3)
         marks = {name: len(messages) for name, messages in listener.messages.items()}
         begin, cpu = time.monotonic(), sum(process.cpu_times()[:2])
         await listener.until(lambda: time.monotonic() - begin > 3.0, 30)
@@ -119,7 +122,7 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
                 continue
             rate = (len(listener.messages[name]) - marks[name]) / (wall * world_rate)
             low = 0.85
-            if name == "kinect":  # a busy computer costs pictures before anything else
+            if name in ("kinect", "imv"):  # a busy computer costs pictures before anything else
                 low = 0.7 if load < 3 else 0.05
             assert low * description.rate_hz <= rate <= 1.15 * description.rate_hz + 1, name
         rows = await asyncio.to_thread(read_guard_log, guard_log)
@@ -139,6 +142,13 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
         assert not image.color.flags.writeable
         assert not image.depth.flags.writeable
         assert image.X_BC.translation[2] == pytest.approx(1.38, abs=0.03)
+        panorama: Image = listener.messages["imv"][-1]
+        assert panorama.color.shape == (768, 1024, 3)
+        assert panorama.depth is None
+        assert not panorama.color.flags.writeable
+        assert panorama.camera == FisheyeModel.from_fov(1024, 768, math.pi, math.pi)
+        assert panorama.frame == "imv_optical_frame"
+        np.testing.assert_allclose(panorama.X_BC.rotation[:, 2], (1, 0, 0), atol=1e-9)  # looks ahead, level
         scan: LaserScan = listener.messages["hokuyo"][-1]
         assert not scan.ranges.flags.writeable
         assert (image.frame, scan.frame) == ("kinect_optical_frame", "hokuyo_link")

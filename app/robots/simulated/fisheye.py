@@ -1,0 +1,120 @@
+"""A fisheye's picture out of perspective ones: the hemisphere tiled by views, and where each pixel is found in them.
+
+The views are the faces of a cube about the camera: the whole one in front and the halves beside, above and below it.
+That takes the fewest pixels of all tilings by five views; OpenGL cannot draw a hemisphere in one. Towards their edges
+perspective views are up to twice as fine as the fisheye, hence the outer ones can be coarser than its middle.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from app.geometry import FisheyeModel
+from app.robots.simulated.painter import Place, View
+
+_MARGIN_PX = 2.0
+"""Drawn beyond what is shown, so that interpolation at a view's edge finds the same on both sides."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Face:
+    """One face of the cube in the camera's axes (right, up, backwards), and its pixels per pixel of the fisheye."""
+
+    right: tuple[int, int, int]
+    up: tuple[int, int, int]
+    detail: float
+
+
+_FACES = (
+    _Face((1, 0, 0), (0, 1, 0), 1.15),
+    _Face((0, 0, -1), (0, 1, 0), 1.0),
+    _Face((0, 0, 1), (0, 1, 0), 1.0),
+    _Face((-1, 0, 0), (0, 0, -1), 0.65),
+    _Face((1, 0, 0), (0, 0, -1), 0.65),
+)
+"""In front, to the left, to the right, above, below: people and posters are at the sides, seldom over or under them."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tiling:
+    """The views of a fisheye, all within ``width`` x ``height`` (px) of the frame buffer.
+
+    ``first`` (H, W, 2) int16 and ``second`` (H, W) uint16 are OpenCV's fixed-point maps from the fisheye's pixels into
+    that rectangle, read with row 0 at the bottom. ``seen`` (H, W) uint8 is 255 where the lens has a picture.
+    """
+
+    views: tuple[View, ...]
+    width: int
+    height: int
+    first: NDArray[np.int16]
+    second: NDArray[np.uint16]
+    seen: NDArray[np.uint8]
+
+    def picture(self, drawn: NDArray[np.uint8], out: NDArray[np.uint8]) -> None:
+        """The fisheye's picture ``out`` (H, W, 3) of the views ``drawn`` (height, width, 3); black outside the lens."""
+        cv2.remap(drawn, self.first, self.second, cv2.INTER_LINEAR, dst=out, borderMode=cv2.BORDER_CONSTANT)
+
+
+def tile(lens: FisheyeModel, base: int = 0, detail: float = 1.0) -> Tiling:
+    """The views that show what ``lens`` sees, drawn above row ``base`` of the frame buffer.
+
+    ``detail`` scales their resolution; 1 is the fisheye's own in its middle.
+    """
+    columns, rows = np.meshgrid(np.arange(lens.width, dtype=np.float64), np.arange(lens.height, dtype=np.float64))
+    rays = lens.rays(np.stack((columns, rows), axis=-1)) * (1.0, -1.0, -1.0)  # right, up, backwards
+    seen = ~np.isnan(rays[..., 0])
+    axes = [np.column_stack((face.right, face.up, np.cross(face.right, face.up))).astype(np.float64) for face in _FACES]
+    ahead = np.stack([-(rays @ a[:, 2]) for a in axes])
+    owner = np.where(seen, np.argmax(np.where(seen, ahead, 0.0), axis=0), -1)
+    maps = np.full((2, lens.height, lens.width), -1000.0, np.float32)
+    packer = _Packer(base)
+    views = []
+    for number, (face, rotation) in enumerate(zip(_FACES, axes, strict=True)):
+        own = owner == number
+        if not own.any():  # a narrow lens
+            continue
+        points = rays[own] @ rotation
+        x, y = -points[:, 0] / points[:, 2], -points[:, 1] / points[:, 2]
+        per_x, per_y = detail * face.detail * lens.fx, detail * face.detail * lens.fy
+        left, right = _extent(x, per_x)
+        bottom, top = _extent(y, per_y)
+        place = packer.place(math.ceil((right - left) * per_x), math.ceil((top - bottom) * per_y))
+        views.append(View(rotation, left, right, bottom, top, place))
+        maps[0][own] = place.x + (x - left) / (right - left) * place.width - 0.5
+        maps[1][own] = place.y - base + (y - bottom) / (top - bottom) * place.height - 0.5
+    first, second = cv2.convertMaps(maps[0], maps[1], cv2.CV_16SC2)
+    return Tiling(
+        views=tuple(views),
+        width=packer.width,
+        height=packer.top - base,
+        first=np.asarray(first, np.int16),
+        second=np.asarray(second, np.uint16),
+        seen=np.where(seen, 255, 0).astype(np.uint8),
+    )
+
+
+def _extent(tangents: NDArray[np.float64], per_unit: float) -> tuple[float, float]:
+    return float(tangents.min()) - _MARGIN_PX / per_unit, float(tangents.max()) + _MARGIN_PX / per_unit
+
+
+class _Packer:
+    """Puts rectangles on shelves as wide as the first one, from row ``base`` up to ``top``."""
+
+    def __init__(self, base: int) -> None:
+        self.width = self._used = 0
+        self.top = self._shelf = base
+
+    def place(self, width: int, height: int) -> Place:
+        if not self.width or self._used + width > self.width:
+            self._shelf = self.top
+            self._used = 0
+        place = Place(self._used, self._shelf, width, height)
+        self._used += width
+        self.width = max(self.width, self._used)
+        self.top = max(self.top, self._shelf + height)
+        return place

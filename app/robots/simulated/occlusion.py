@@ -1,0 +1,100 @@
+"""What the walls hide from a camera: a depth buffer over the compass, since walls reach from floor to ceiling.
+
+Where a building has a ceiling, a wall from the floor up to it hides all that lies behind, whatever its height: whether
+a shape is hidden is a question of the plan alone. The compass around the camera is cut into sectors, each knowing how
+far away the nearest wall ends that fills it; a shape is hidden if each sector it touches has such a wall before it.
+Everything is rounded so that what may be seen is never called hidden.
+"""
+
+from __future__ import annotations
+
+import math
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+_SECTORS = 1024
+_NEAR_FLOOR = 0.01
+_CEILING = "ceiling"
+
+
+class Occlusion:
+    """The walls of ``model``, whose positions are in ``data``."""
+
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+        starts, ends = _walls(model, data)
+        self._starts, self._ends = starts, ends
+        turns = 2 * math.pi / _SECTORS * np.arange(_SECTORS)
+        self._rays = np.column_stack([np.cos(turns), np.sin(turns)])
+        self._radius = model.geom_rbound.copy()
+        self._endless = self._radius == 0
+
+    def hidden(self, eye: NDArray[np.float64], centers: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Which shapes (ngeom,) with bounding spheres at ``centers`` (ngeom, 3) cannot be seen from ``eye`` (3,)."""
+        if not len(self._starts):
+            return np.zeros(len(centers), dtype=np.bool_)
+        farthest = _range_maxima(self._sectors(eye[:2]))
+        offset = centers[:, :2] - eye[:2]
+        distance = np.hypot(offset[:, 0], offset[:, 1])
+        around = distance <= self._radius
+        half = np.arcsin(np.where(around, 0.0, self._radius / np.where(around, 1.0, distance)))
+        middle = np.arctan2(offset[:, 1], offset[:, 0])
+        scale = _SECTORS / (2 * math.pi)
+        first = np.floor((middle - half) * scale).astype(np.intp)
+        count = np.floor((middle + half) * scale).astype(np.intp) - first + 1
+        level = np.frexp(count)[1] - 1  # the largest power of two within count
+        last = first + count - (1 << level)
+        wall = np.maximum(farthest[level, first % _SECTORS], farthest[level, last % _SECTORS])
+        return np.asarray((distance - self._radius > wall) & ~around & ~self._endless)
+
+    def _sectors(self, eye: NDArray[np.float64]) -> NDArray[np.float64]:
+        """For each sector (from ray i to ray i + 1) how far off the nearest wall that fills it ends; inf for none."""
+        a, b = self._starts - eye, self._ends - eye
+        along = b - a
+        # Ray t d meets a + s (b - a): cross products with d give s, with b - a give t
+        across = np.outer(along[:, 1], self._rays[:, 0]) - np.outer(along[:, 0], self._rays[:, 1])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = (a[:, 0] * along[:, 1] - a[:, 1] * along[:, 0])[:, None] / across
+            s = (a[:, :1] * self._rays[:, 1] - a[:, 1:] * self._rays[:, 0]) / across
+            met = np.where((t > 0) & (s >= 0) & (s <= 1), t, np.inf)
+        return np.asarray(np.maximum(met, np.roll(met, -1, axis=1)).min(axis=0))
+
+
+def _walls(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Ends (n, 2) of the middle lines of walls: upright opaque boxes of the building from the floor to the ceiling."""
+    none = np.zeros((0, 2))
+    ceiling = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_GEOM, _CEILING)
+    if ceiling < 0:
+        return none, none
+    height = data.geom_xpos[ceiling][2]
+    ends: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
+    for geom in range(model.ngeom):
+        if model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_BOX or model.geom_bodyid[geom] != 0:
+            continue
+        rotation, middle = data.geom_xmat[geom].reshape(3, 3), data.geom_xpos[geom]
+        upright = int(np.argmax(np.abs(rotation[2])))
+        reach = abs(rotation[2, upright]) * model.geom_size[geom, upright]
+        material = model.geom_matid[geom]
+        opacity = model.geom_rgba[geom, 3] if material < 0 else model.mat_rgba[material, 3]
+        if (
+            abs(rotation[2, upright]) < 1.0 - 1e-9
+            or middle[2] - reach > _NEAR_FLOOR
+            or middle[2] + reach < height - _NEAR_FLOOR
+            or opacity < 1.0
+        ):
+            continue
+        long = max((axis for axis in range(3) if axis != upright), key=lambda axis: model.geom_size[geom, axis])
+        half = rotation[:2, long] * model.geom_size[geom, long]
+        ends.append((middle[:2] - half, middle[:2] + half))
+    if not ends:
+        return none, none
+    return np.array([start for start, _ in ends]), np.array([end for _, end in ends])
+
+
+def _range_maxima(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Row k holds the maxima over the 2**k values from each place on, going round."""
+    rows = [values]
+    while 1 << len(rows) <= 2 * len(values):
+        rows.append(np.maximum(rows[-1], np.roll(rows[-1], -(1 << (len(rows) - 1)))))
+    return np.array(rows)
