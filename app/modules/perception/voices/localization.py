@@ -1,4 +1,17 @@
-"""Where sounds come from, by what the microphones' signals have in common: steered response power."""
+"""Where sounds come from, by what the microphones' signals have in common.
+
+Steered response power with phase transform (DiBiase 2000; Valin et al. 2004), with four changes that make several
+talkers at once and weak ones among them visible:
+
+* frequencies are weighted at each instant by how clearly they stand above background and reverberation
+  (:mod:`clarity`), and then, over the time of the mean, each counts alike: a frequency that one weak talker had for
+  himself for a moment says as much as one that a strong one always fills;
+* sources are looked for in a mean over half a second, and followed in one over a tenth of that;
+* a source found is taken away frequency by frequency, by what the microphones agree on in its direction, before the
+  next is looked for; erasing the lags around it would take others with it;
+* waves are taken as spheres of a talker's usual distance, not as planes: within arm's reach of a 0.5 m array the
+  difference is a quarter of a period and more at speech frequencies.
+"""
 
 from __future__ import annotations
 
@@ -6,49 +19,75 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import fft
 
 from app.modules.perception.voices.array import MicrophoneArray
+from app.modules.perception.voices.clarity import Clarity
+from app.modules.perception.voices.steering import SPEED_OF_SOUND, arrivals, search_grid, tangents
 
-SPEED_OF_SOUND = 343.0
+_SMALL = 1e-12
+#: Directions of a step nearer together than this (cosine of 4 degrees) are one.
+_SAME = float(np.cos(np.radians(4.0)))
+#: What the search found so near (cosine of 8 degrees) to an expected direction is the source expected there.
+_NEAR = float(np.cos(np.radians(8.0)))
+#: How far (rad) a maximum may be from where it is looked for, at each look.
+_LONGEST_STEP = float(np.radians(4.0))
+_AROUND = np.array([-1, 0, 1])[:, None, None]
 
 
 @dataclass(frozen=True, slots=True)
 class LocalizerSettings:
     """How sounds are looked for.
 
-    ``frame`` samples are transformed at once, every ``frame / 2``; ``frames`` of them make one step. Frequencies in
-    Hz. ``memory_s``: time constant of the mean over frames. ``points``: directions compared on the whole sphere, of
-    which those above ``lowest_deg`` are looked at. ``range_m``: how far sounds are supposed to be. ``peaks``: most
-    directions found in one step.
+    ``frame`` samples are transformed at once, every ``frame / 2``; ``frames`` of them make one step. Every
+    ``search_every`` steps the whole sphere is searched in the mean over ``search_memory_s`` (time constant), for at
+    most ``sources``; at all other steps what was found, and what the caller expects, is followed in the mean over
+    ``follow_memory_s``. Frequencies in Hz. ``points``: directions on the whole sphere, of which those above
+    ``lowest_deg`` are looked at. ``range_m``: how far sounds are supposed to be. ``doubt``: how much weight a frequency
+    needs before it counts. ``tail``, ``tail_s`` and ``floor``: see :class:`Clarity`. ``least_power``: what is weaker
+    is no peak.
     """
 
     frame: int = 1024
     frames: int = 2
+    search_every: int = 4
+    search_memory_s: float = 0.5
+    follow_memory_s: float = 0.06
+    sources: int = 4
     lowest_hz: float = 200.0
     highest_hz: float = 7000.0
-    memory_s: float = 0.05
     points: int = 3000
     lowest_deg: float = -20.0
     range_m: float = 1.8
-    peaks: int = 4
+    doubt: float = 0.05
+    tail: float = 0.45
+    tail_s: float = 0.085
+    floor: float = 0.01
+    least_power: float = 0.02
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Peaks:
-    """Directions sound came from in one step, strongest first.
+    """Directions sound came from, as of one step, strongest first.
 
     ``directions`` (K, 3) float64, unit vectors from the array's middle in its axes; ``powers`` (K,) float64 in [0, 1]:
-    how strongly the microphones agree.
+    how strongly the microphones agree on it over the last half second; ``recent`` (K,): over the last moments.
     """
 
     directions: NDArray[np.float64]
     powers: NDArray[np.float64]
+    recent: NDArray[np.float64]
+
+
+NO_PEAKS = Peaks(np.zeros((0, 3)), np.zeros(0), np.zeros(0))
 
 
 class Localizer:
-    """Finds the directions of sounds, step by step; all state is the recent past of the sound itself.
+    """Finds the directions of sounds, step by step; all its state is the recent past of the sound itself.
 
-    ``rate`` (Hz) of the samples; ``step``: how many samples :meth:`process` takes at a time.
+    ``rate`` (Hz) is the samples'; ``step``: how many samples :meth:`process` takes at a time; ``hop``: from one frame
+    to the next. ``window`` (frame,) is the square root of a Hann window: its squares at hops add up to one.
+    ``spectra`` (F, M, frame / 2 + 1) complex64: the windowed spectra of the last step's frames, for a separator.
     """
 
     def __init__(self, array: MicrophoneArray, rate: int, settings: LocalizerSettings = LocalizerSettings()) -> None:
@@ -57,83 +96,181 @@ class Localizer:
         self.settings = settings
         self.hop = settings.frame // 2
         self.step = self.hop * settings.frames
-        #: Square root of a Hann window, periodic: its square at hops of half a frame adds up to one.
         self.window = np.sqrt(np.hanning(settings.frame + 1)[:-1]).astype(np.float32)
-        frequencies = np.fft.rfftfreq(settings.frame, 1 / rate)
-        self.band = np.flatnonzero((frequencies >= settings.lowest_hz) & (frequencies <= settings.highest_hz))
-        #: (F, M, frame / 2 + 1) complex64: the windowed spectra of the last step's frames, for a separator.
-        self.spectra = np.zeros((settings.frames, len(array), settings.frame // 2 + 1), np.complex64)
-        self._past = np.zeros((self.hop, len(array)), np.float32)
-        self._cross = np.zeros((len(array.first), len(self.band)), np.complex64)
-        self._prepare(np.asarray(frequencies[self.band], np.float64))
+        self.frequencies = np.fft.rfftfreq(settings.frame, 1 / rate)
+        chosen = np.flatnonzero((self.frequencies >= settings.lowest_hz) & (self.frequencies <= settings.highest_hz))
+        self._band = slice(int(chosen[0]), int(chosen[-1]) + 1)
+        self._prepare(np.asarray(self.frequencies[self._band], np.float64))
+        self._clarity = Clarity(len(chosen), self.hop / rate, settings.tail, settings.tail_s, settings.floor)
+        self._turning = 0.0
+        self.reset()
 
     def _prepare(self, frequencies: NDArray[np.float64]) -> None:
         settings, array = self.settings, self.array
-        grid = sphere(settings.points)
-        self.grid = grid[grid[:, 2] > np.sin(np.radians(settings.lowest_deg))]
-        delays = arrivals(array.offsets, self.grid, settings.range_m)
-        lags = (delays[:, array.first] - delays[:, array.second]) * self.rate
-        longest = int(np.ceil(np.abs(lags).max())) + 1
-        self._longest = longest
-        times = np.arange(-longest, longest + 1) / self.rate
+        self.grid = search_grid(array, settings.points, settings.lowest_deg)
+        lags = self._lags(self.grid)
+        self._longest = int(np.ceil(np.abs(lags).max())) + 2
+        self._width = 2 * self._longest + 1
+        times = np.arange(-self._longest, self._longest + 1) / self.rate
         turns = np.exp(2j * np.pi * frequencies[:, None] * times)
-        # The real part of a complex product, as one product of reals: correlation over lags.
-        self._to_lags = np.vstack([turns.real, -turns.imag]).astype(np.float32) / np.float32(len(frequencies))
-        rows = np.arange(len(array.first)) * (2 * longest + 1)
-        self._cells = np.ascontiguousarray((np.rint(lags).astype(np.int32) + longest + rows).T.astype(np.int32))
+        # The real part of a complex product, as one product of reals: correlations over lags.
+        to_lags = np.vstack([turns.real, -turns.imag]) / len(frequencies)
+        self._to_lags = np.ascontiguousarray(to_lags, np.float32)
+        self._rows = np.arange(len(array.first)) * self._width + self._longest
+        self._cells = np.ascontiguousarray((np.rint(lags).astype(np.int64) + self._rows).T)
+        first, second = array.first, array.second
+        self._across = -(array.offsets[first] - array.offsets[second]).T * (self.rate / SPEED_OF_SOUND)
+        self._omega = (2j * np.pi / self.rate * frequencies).astype(np.complex64)
+
+    def _lags(self, directions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How many samples later sound of ``directions`` (G, 3) comes to the first of each pair: (G, P)."""
+        delays = arrivals(self.array.offsets, directions, self.settings.range_m) * self.rate
+        return np.asarray(delays[:, self.array.first] - delays[:, self.array.second])
 
     def reset(self) -> None:
         """Forget the past: the next samples do not follow the last."""
-        self._past[:] = 0
-        self._cross[:] = 0
+        pairs, bins = len(self.array.first), self._band.stop - self._band.start
+        self._past = np.zeros((self.hop, len(self.array)), np.float32)
+        self.spectra = np.zeros((self.settings.frames, len(self.array), self.hop + 1), np.complex64)
+        self._long = np.zeros((pairs, bins), np.complex64)
+        self._short = np.zeros((pairs, bins), np.complex64)
+        self._long_weight = np.zeros(bins, np.float32)
+        self._short_weight = np.zeros(bins, np.float32)
+        self._steps = 0
+        self._found = NO_PEAKS
+        self._clarity.reset()
 
-    def process(self, samples: NDArray[np.float32]) -> Peaks:
-        """Hear the next ``step`` samples (step, M), in [-1, 1), columns as the array's positions; where from?"""
+    def process(self, samples: NDArray[np.float32], expected: NDArray[np.float64] | None = None) -> Peaks:
+        """Hear the next ``step`` samples (step, M), in [-1, 1), columns as the array's positions.
+
+        ``expected`` (E, 3): unit vectors near which sources are supposed to be now, by what the caller knows. Peaks
+        follow them without waiting for the next search.
+        """
         if samples.shape != (self.step, len(self.array)):
             raise ValueError(f"samples are ({self.step}, {len(self.array)}), not {samples.shape}")
+        self._hear(samples)
+        self._steps += 1
+        if self._steps % self.settings.search_every == 0:
+            self._found = self._search()
+        return self._follow(expected)
+
+    def _hear(self, samples: NDArray[np.float32]) -> None:
+        settings, hop = self.settings, self.hop
         sound = np.concatenate([self._past, samples])
-        self._past = sound[-self.hop :]
-        size = self.settings.frame
-        frames = np.stack([sound[k * self.hop : k * self.hop + size].T for k in range(self.settings.frames)])
-        self.spectra = np.fft.rfft(frames * self.window, axis=-1).astype(np.complex64)
-        keep = np.exp(-self.hop / self.rate / self.settings.memory_s)
-        first, second = self.array.first, self.array.second
-        for spectrum in self.spectra[:, :, self.band]:
-            phases = spectrum / (np.abs(spectrum) + 1e-9)
-            self._cross = keep * self._cross + (1 - keep) * phases[first] * phases[second].conj()
-        parts = np.hstack([self._cross.real, self._cross.imag])
-        return self._peaks(np.asarray(parts @ self._to_lags, np.float32))
+        self._past = sound[-hop:]
+        frames = np.stack([sound[k * hop : k * hop + settings.frame].T for k in range(settings.frames)])
+        self.spectra = fft.rfft(frames * self.window, axis=-1)
+        spectra = self.spectra[:, :, self._band]
+        sizes = np.abs(spectra)
+        phases = spectra / (sizes + np.float32(_SMALL))
+        powers = (sizes * sizes).mean(axis=1)
+        weights = np.stack([self._clarity.weigh(power) for power in powers])
+        weighted = phases * weights[:, None, :]
+        conjugate = phases.conj()
+        cross = np.empty_like(self._long)
+        begin = 0
+        for microphone in range(len(self.array) - 1):
+            end = begin + len(self.array) - 1 - microphone
+            np.sum(weighted[:, microphone, None] * conjugate[:, microphone + 1 :], axis=0, out=cross[begin:end])
+            begin = end
+        weight = weights.sum(axis=0)
+        step_s = self.step / self.rate
+        for mean, total, memory in (
+            (self._long, self._long_weight, settings.search_memory_s),
+            (self._short, self._short_weight, settings.follow_memory_s),
+        ):
+            keep = float(np.exp(-step_s / memory))
+            mean *= np.float32(keep)
+            mean += cross * np.float32((1 - keep) / settings.frames)
+            total *= np.float32(keep)
+            total += weight * np.float32((1 - keep) / settings.frames)
 
-    def _peaks(self, correlation: NDArray[np.float32]) -> Peaks:
-        correlation = correlation.copy()
-        cells = self._cells
-        pairs = len(correlation)
-        found, powers = [], []
-        around = np.arange(-5, 6)[:, None]
-        for _ in range(self.settings.peaks):
-            power = correlation.reshape(-1)[cells].sum(axis=0) / pairs
-            best = int(power.argmax())
-            found.append(self.grid[best])
-            powers.append(float(power[best]))
-            correlation.reshape(-1)[np.clip(cells[:, best] + around, 0, correlation.size - 1)] = 0
-        return Peaks(np.array(found), np.clip(powers, 0, 1))
+    def _correlation(self, cross: NDArray[np.complex64]) -> NDArray[np.float32]:
+        """Correlations (P * W,) over lags of cross spectra (P, B)."""
+        return np.asarray((np.hstack([cross.real, cross.imag]) @ self._to_lags).reshape(-1))
+
+    def _search(self) -> Peaks:
+        cross = self._long / (self._long_weight + np.float32(self.settings.doubt))
+        pairs = len(cross)
+        directions, powers = [], []
+        for number in range(self.settings.sources):
+            correlation = self._correlation(cross)
+            response = correlation[self._cells].sum(axis=0)
+            start = self.grid[int(response.argmax())]
+            direction, power = self._climb(correlation, start[None], 2)
+            if power[0] < self.settings.least_power:
+                break
+            directions.append(direction[0])
+            powers.append(power[0])
+            if number + 1 < self.settings.sources:
+                steering = self._steer(direction)
+                share = (cross * steering).real.sum(axis=0) / np.float32(pairs)
+                share = np.maximum(0, np.convolve(share, np.full(5, 0.2, np.float32), "same"))
+                cross -= share * steering.conj()
+        if not directions:
+            return NO_PEAKS
+        return Peaks(np.array(directions), np.array(powers), np.zeros(len(powers)))
+
+    def _steer(self, direction: NDArray[np.float64]) -> NDArray[np.complex64]:
+        """What turns the cross spectra (P, B) of sound from ``direction`` (1, 3) real and positive."""
+        delays = arrivals(self.array.offsets, direction, self.settings.range_m)[0] * self.rate
+        turns = np.exp(self._omega * delays[:, None].astype(np.float32))
+        return np.asarray(turns[self.array.first] * turns[self.array.second].conj())
+
+    def _climb(
+        self, correlation: NDArray[np.float32], directions: NDArray[np.float64], rounds: int
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """From ``directions`` (K, 3) to the maxima of the response near them, by Newton's method; and their powers."""
+        for turn in range(rounds + 1):
+            lags = self._lags(directions)
+            nearest = np.rint(lags)
+            cells = nearest.astype(np.int64) + self._rows
+            before, at, after = correlation.take(cells + _AROUND)
+            off = lags - nearest
+            half = (after - before) * 0.5
+            bend = after - at - at + before
+            if turn == rounds:
+                return directions, np.clip((at + off * (half + 0.5 * off * bend)).mean(axis=1), 0, 1)
+            basis = tangents(directions)
+            motion = basis @ self._across  # (K, 2, P): samples per radian
+            gradient = (motion @ (half + off * bend)[:, :, None])[:, :, 0]
+            curving = (motion * np.minimum(bend, 0)[:, None]) @ motion.transpose(0, 2, 1)
+            directions = _ahead(directions, basis, _newton_step(gradient, curving))
+        raise AssertionError("unreachable")
+
+    def _follow(self, expected: NDArray[np.float64] | None) -> Peaks:
+        starts, powers = self._found.directions, self._found.powers
+        if expected is not None and len(expected):
+            near = expected @ starts.T > _NEAR
+            powers = np.concatenate([powers, np.where(near, powers, 0).max(axis=1, initial=0)])
+            starts = np.concatenate([starts, expected])
+        if not len(starts):
+            return NO_PEAKS
+        cross = self._short / (self._short_weight + np.float32(self.settings.doubt))
+        directions, recent = self._climb(self._correlation(cross), starts, 1)
+        # What the caller expects is the better start, where it and the search mean the same source.
+        order = [*range(len(self._found.powers), len(starts)), *range(len(self._found.powers))]
+        chosen: list[int] = []
+        for k in order:
+            if not any(directions[k] @ directions[other] > _SAME for other in chosen):
+                chosen.append(k)
+        chosen.sort(key=lambda k: -powers[k])
+        return Peaks(directions[chosen], powers[chosen], recent[chosen])
 
 
-def sphere(points: int) -> NDArray[np.float64]:
-    """``points`` directions (points, 3), evenly over the sphere (Fibonacci's lattice)."""
-    index = np.arange(points) + 0.5
-    height = 1 - 2 * index / points
-    turn = np.pi * (1 + 5**0.5) * index
-    radius = np.sqrt(1 - height**2)
-    return np.column_stack([radius * np.cos(turn), radius * np.sin(turn), height])
+def _newton_step(gradient: NDArray[np.float64], curving: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Where (K, 2) maxima are, by slopes (K, 2) and curvatures (K, 2, 2) that are never upward; damped, and short."""
+    xx, xy, yy = curving[:, 0, 0], curving[:, 0, 1], curving[:, 1, 1]
+    damping = 0.05 * (xx + yy) - _SMALL
+    xx, yy = xx + damping, yy + damping
+    across, along = gradient[:, 0], gradient[:, 1]
+    steps = np.stack([xy * along - yy * across, xy * across - xx * along], axis=1) / (xx * yy - xy * xy)[:, None]
+    length = np.sqrt((steps * steps).sum(axis=1))
+    return np.asarray(steps * np.minimum(1, _LONGEST_STEP / np.maximum(length, _SMALL))[:, None])
 
 
-def arrivals(offsets: NDArray[np.float64], directions: NDArray[np.float64], range_m: float) -> NDArray[np.float64]:
-    """How much later (s) than in the middle sound of ``directions`` (G, 3), ``range_m`` away, comes to each microphone.
-
-    ``offsets`` (M, 3) m about the middle; the result is (G, M). An infinite range makes the waves plane.
-    """
-    if np.isinf(range_m):
-        return -directions @ offsets.T / SPEED_OF_SOUND
-    ways = np.linalg.norm(range_m * directions[:, None] - offsets, axis=2)
-    return np.asarray((ways - range_m) / SPEED_OF_SOUND)
+def _ahead(
+    directions: NDArray[np.float64], basis: NDArray[np.float64], steps: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    moved = directions + (steps[:, None] @ basis)[:, 0]
+    return np.asarray(moved / np.sqrt((moved * moved).sum(axis=1, keepdims=True)))

@@ -2,25 +2,47 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
 
 from app.modules.perception.voices.localization import Peaks
+from app.modules.perception.voices.steering import angle_between
+
+Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
 class TrackerSettings:
-    """When tracks are born and die. ``tracks``: most at a time."""
+    """When tracks are born, how they move and when they die.
+
+    ``tracks``: most at a time. A peak of ``power`` makes a track once it has been there for ``patience_s``, less by the
+    cube of how much it is above ``birth_power``; peaks below ``share`` of the strongest one are taken for its
+    reflections. A track lives on peaks from ``keep_power`` up within ``gate_deg`` of where it must be, and without any
+    for as long as it was heard before, at most ``silence_s``. It sounds (is active) while peaks' recent powers are at
+    least ``active_power``, and for ``active_s`` longer. ``apart_deg``: nearer to a track none other is born.
+    ``jerk_degps``: how much a source's angular velocity may change in one second (standard deviation, random walk);
+    ``rest_s``: how soon a silent one is supposed to have stopped. ``error_deg``: of a peak of good power. ``lag_s``:
+    how old what a peak says is on average.
+    """
 
     tracks: int = 4
-    birth_power: float = 0.06
-    keep_power: float = 0.035
-    gate_deg: float = 12.0
-    birth_sightings: int = 5
+    birth_power: float = 0.03
+    patience_s: float = 0.5
+    share: float = 0.15
+    keep_power: float = 0.02
+    gate_deg: float = 10.0
+    apart_deg: float = 15.0
     silence_s: float = 1.5
+    active_power: float = 0.03
     active_s: float = 0.15
+    jerk_degps: float = 20.0
+    rest_s: float = 1.0
+    error_deg: float = 2.0
+    lag_s: float = 0.06
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,72 +55,202 @@ class Track:
     """
 
     id: int
-    direction: NDArray[np.float64]
-    velocity: NDArray[np.float64]
+    direction: Vector
+    velocity: Vector
     power: float
     active: bool
     born: float
     last_seen: float
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Motion:
+    """Constant velocity on the sphere: both tangents have the one covariance (rad^2, rad^2/s, rad^2/s^2)."""
+
+    direction: Vector
+    velocity: Vector
+    position_variance: float
+    covariance: float
+    velocity_variance: float
+
+    def ahead(self, seconds: float) -> tuple[Vector, Vector]:
+        """Direction and velocity in ``seconds``, along the great circle."""
+        return _along(self.direction, self.velocity, seconds)
+
+    def predicted(self, seconds: float, settings: TrackerSettings, heard: bool) -> _Motion:
+        direction, velocity = self.ahead(seconds)
+        noise = math.radians(settings.jerk_degps) ** 2
+        keep = 1.0 if heard else math.exp(-seconds / settings.rest_s)
+        a, b, c = self.position_variance, self.covariance, self.velocity_variance
+        return _Motion(
+            direction,
+            velocity * keep,
+            a + 2 * seconds * b + seconds**2 * c + noise * seconds**3 / 3,
+            b + seconds * c + noise * seconds**2 / 2,
+            c + noise * seconds,
+        )
+
+    def corrected(self, seen: Vector, variance: float) -> _Motion:
+        """After a sighting of ``variance`` (rad^2) on each tangent."""
+        offset = seen - (seen @ self.direction) * self.direction
+        gain = self.position_variance / (self.position_variance + variance)
+        gain_velocity = self.covariance / (self.position_variance + variance)
+        direction, velocity = _along(self.direction, offset, gain)
+        velocity = _carried(self.velocity, self.direction, direction) + gain_velocity * _carried(
+            offset, self.direction, direction
+        )
+        return _Motion(
+            direction,
+            velocity,
+            (1 - gain) * self.position_variance,
+            (1 - gain) * self.covariance,
+            self.velocity_variance - gain_velocity * self.covariance,
+        )
+
+    def rotated(self, rotation: NDArray[np.float64]) -> _Motion:
+        return replace(self, direction=rotation @ self.direction, velocity=rotation @ self.velocity)
+
+
+@dataclass(slots=True, eq=False)
+class _Source:
+    """A track, or what may become one (``id`` 0); ``evidence`` 1 and more makes it one."""
+
+    motion: _Motion
+    power: float
+    evidence: float
+    heard_s: float
+    born: float
+    last_seen: float
+    last_active: float
+    id: int = 0
+
+
 class Tracker:
-    """Follows sources; knows no clock but the times it is given."""
+    """Follows sources; knows no time but the one it is given."""
 
     def __init__(self, settings: TrackerSettings = TrackerSettings()) -> None:
         self.settings = settings
-        self._tracks: list[Track] = []
+        self._sources: list[_Source] = []
         self._next = 1
-        self._seen: list[tuple[NDArray[np.float64], int, float]] = []
+        self._time: float | None = None
 
     def rotate(self, rotation: NDArray[np.float64]) -> None:
         """Turn all that is known by ``rotation`` (3, 3), R_new_old: the axes themselves have turned."""
-        self._tracks = [
-            Track(t.id, rotation @ t.direction, rotation @ t.velocity, t.power, t.active, t.born, t.last_seen)
-            for t in self._tracks
-        ]
-        self._seen = [(rotation @ direction, count, last) for direction, count, last in self._seen]
+        for source in self._sources:
+            source.motion = source.motion.rotated(rotation)
+
+    @property
+    def expected(self) -> NDArray[np.float64]:
+        """Where every track is supposed to be when peaks come next (E, 3), for :meth:`Localizer.process`."""
+        return np.array([source.motion.direction for source in self._sources if source.id]).reshape(-1, 3)
 
     def update(self, time_s: float, peaks: Peaks) -> tuple[Track, ...]:
         """Take the peaks of ``time_s`` (s, never going back); the tracks as they stand, oldest first."""
         settings = self.settings
-        free = list(range(len(peaks.powers)))
-        kept = []
-        for track in self._tracks:
-            near = [
-                k
-                for k in free
-                if peaks.powers[k] > settings.keep_power
-                and peaks.directions[k] @ track.direction > np.cos(np.radians(settings.gate_deg))
-            ]
-            if near:
-                best = max(near, key=lambda k: float(peaks.powers[k]))
-                free.remove(best)
-                direction = 0.8 * track.direction + 0.2 * peaks.directions[best]
-                direction /= np.linalg.norm(direction)
-                power = float(peaks.powers[best])
-                kept.append(Track(track.id, direction, np.zeros(3), power, True, track.born, time_s))
-            elif time_s - track.last_seen < settings.silence_s:
-                active = time_s - track.last_seen < settings.active_s
-                kept.append(
-                    Track(track.id, track.direction, track.velocity, track.power, active, track.born, track.last_seen)
-                )
-        self._tracks = kept
-        self._seen = [entry for entry in self._seen if time_s - entry[2] < 0.25]
-        for k in free:
-            direction, power = peaks.directions[k], float(peaks.powers[k])
-            if power < settings.birth_power or len(self._tracks) >= settings.tracks:
+        passed = 0.0 if self._time is None else max(0.0, time_s - self._time)
+        self._time = time_s
+        for source in self._sources:
+            heard = time_s - source.last_active < settings.active_s
+            source.motion = source.motion.predicted(passed, settings, heard)
+        tracks = [source for source in self._sources if source.id]
+        maybe = [source for source in self._sources if not source.id]
+        free = self._assign(tracks, list(range(len(peaks.powers))), peaks, passed, time_s)
+        strongest = float(peaks.powers.max(initial=0.0))
+        audible = max(settings.keep_power, settings.share * strongest)
+        free = [
+            k
+            for k in free
+            if peaks.powers[k] >= audible
+            and not any(_degrees(peaks.directions[k], t.motion.direction) < settings.apart_deg for t in tracks)
+        ]
+        for k in self._assign(maybe, free, peaks, passed, time_s):
+            self._sources.append(self._begin(time_s, peaks.directions[k], float(peaks.powers[k]), passed))
+        self._bury(time_s)
+        self._bear(time_s)
+        return tuple(self._track(source, time_s) for source in self._sources if source.id)
+
+    def _assign(self, sources: list[_Source], free: list[int], peaks: Peaks, passed: float, time_s: float) -> list[int]:
+        """Give each of ``sources`` at most one of the peaks ``free``, the nearest in all; the peaks left over."""
+        settings = self.settings
+        if not sources or not free:
+            return free
+        expected = np.array([source.motion.direction for source in sources])
+        angles = np.degrees(angle_between(expected[:, None], peaks.directions[free][None]))
+        spread = np.degrees(np.sqrt([source.motion.position_variance for source in sources]))[:, None]
+        possible = (angles < settings.gate_deg + np.minimum(spread, 5)) & (peaks.powers[free] >= settings.keep_power)
+        rows, columns = linear_sum_assignment(np.where(possible, angles, 1e3))
+        taken = set()
+        for row, column in zip(rows, columns, strict=True):
+            if possible[row, column]:
+                k = free[column]
+                taken.add(k)
+                self._sight(sources[row], peaks.directions[k], float(peaks.powers[k]), float(peaks.recent[k]), passed)
+                sources[row].last_seen = time_s
+                if peaks.recent[k] >= settings.active_power:
+                    sources[row].last_active = time_s
+        return [k for k in free if k not in taken]
+
+    def _sight(self, source: _Source, direction: Vector, power: float, recent: float, passed: float) -> None:
+        settings = self.settings
+        source.power = power
+        source.heard_s += passed
+        source.evidence += self._evidence(power, passed)
+        if recent >= settings.keep_power:
+            error = math.radians(settings.error_deg) * max(0.5, 0.06 / recent)
+            source.motion = source.motion.corrected(direction, error**2)
+
+    def _evidence(self, power: float, passed: float) -> float:
+        return (power / self.settings.birth_power) ** 3 * passed / self.settings.patience_s
+
+    def _begin(self, time_s: float, direction: Vector, power: float, passed: float) -> _Source:
+        motion = _Motion(direction, np.zeros(3), math.radians(5.0) ** 2, 0.0, math.radians(10.0) ** 2)
+        return _Source(motion, power, self._evidence(power, passed), passed, time_s, time_s, time_s)
+
+    def _bury(self, time_s: float) -> None:
+        def lives(source: _Source) -> bool:
+            longest = self.settings.silence_s if source.id else 0.2
+            return time_s - source.last_seen <= min(longest, 0.15 + source.heard_s)
+
+        self._sources = [source for source in self._sources if lives(source)]
+
+    def _bear(self, time_s: float) -> None:
+        """Number what has shown itself long enough, the strongest first, as far as there is room."""
+        ready = [source for source in self._sources if not source.id and source.evidence >= 1]
+        for source in sorted(ready, key=lambda source: -source.power):
+            tracks = [other for other in self._sources if other.id]
+            if any(_degrees(source.motion.direction, t.motion.direction) < self.settings.apart_deg for t in tracks):
+                self._sources.remove(source)
                 continue
-            if any(direction @ track.direction > np.cos(np.radians(20)) for track in self._tracks):
-                continue
-            count = 1
-            for index, entry in enumerate(self._seen):
-                if direction @ entry[0] > np.cos(np.radians(10)):
-                    count = entry[1] + 1
-                    del self._seen[index]
-                    break
-            if count >= settings.birth_sightings:
-                self._tracks.append(Track(self._next, direction, np.zeros(3), power, True, time_s, time_s))
-                self._next += 1
-            else:
-                self._seen.append((direction, count, time_s))
-        return tuple(self._tracks)
+            if len(tracks) >= self.settings.tracks:
+                quiet = min(tracks, key=lambda track: track.last_seen)
+                if time_s - quiet.last_seen < 0.5:
+                    continue
+                self._sources.remove(quiet)
+            source.id = self._next
+            source.born = time_s
+            self._next += 1
+            self._sources.sort(key=lambda source: (not source.id, source.id))
+
+    def _track(self, source: _Source, time_s: float) -> Track:
+        active = time_s - source.last_active <= self.settings.active_s
+        direction, velocity = source.motion.ahead(self.settings.lag_s if active else 0.0)
+        return Track(source.id, direction, velocity, source.power, active, source.born, source.last_seen)
+
+
+def _along(direction: Vector, velocity: Vector, seconds: float) -> tuple[Vector, Vector]:
+    speed = math.sqrt(float(velocity @ velocity))
+    angle = speed * seconds
+    if angle < 1e-9:
+        return direction, velocity
+    heading = velocity / speed
+    moved = math.cos(angle) * direction + math.sin(angle) * heading
+    return moved / math.sqrt(float(moved @ moved)), speed * (math.cos(angle) * heading - math.sin(angle) * direction)
+
+
+def _carried(tangent: Vector, old: Vector, new: Vector) -> Vector:
+    """``tangent`` at ``old`` as a tangent at ``new``, near by: parallel transport along the great circle."""
+    return tangent - (tangent @ new) / (1 + float(old @ new)) * (old + new)
+
+
+def _degrees(a: Vector, b: Vector) -> float:
+    return math.degrees(float(angle_between(a, b)))

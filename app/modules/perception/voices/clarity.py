@@ -1,0 +1,51 @@
+"""Which parts of a spectrum are worth listening to: neither background nor the tail of what was said before."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+#: A background's lowest smoothed power lies that much below its mean.
+_BIAS = 1.6
+_SMOOTHING_S = 0.05
+_WINDOW_S = 1.0
+_TINY = 1e-14
+
+
+class Clarity:
+    """Weighs frequencies by how far they stand above the background and the room's answer to what came before.
+
+    The background is the lowest smoothed power of the last one to two seconds (minimum statistics, Martin 2001). The
+    room's answer is taken as ``tail`` times the mean power of the last ``tail_s``: reverberation follows what was
+    loud, and direct sound, which alone comes from where its source is, stands out of it at onsets. A weight is never
+    below ``floor``, so that a source that never changes is not lost.
+    """
+
+    def __init__(self, bins: int, hop_s: float, tail: float, tail_s: float, floor: float) -> None:
+        self._tail = tail
+        self._floor = floor
+        self._keep = np.float32(np.exp(-hop_s / _SMOOTHING_S))
+        self._keep_tail = np.float32(np.exp(-hop_s / tail_s))
+        self._window = max(1, round(_WINDOW_S / hop_s))
+        self._bins = bins
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the past."""
+        self._count = 0
+        zeros = np.zeros(self._bins, np.float32)
+        self._smooth, self._room, self._lowest, self._lowest_now = zeros, zeros, zeros, zeros
+
+    def weigh(self, power: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Weights (B,) in [0, 1] of the next frame's ``power`` (B,)."""
+        if not self._count:
+            self._smooth = self._room = self._lowest = self._lowest_now = power
+        self._count += 1
+        self._smooth = power + self._keep * (self._smooth - power)
+        if self._count % self._window == 0:
+            self._lowest, self._lowest_now = self._lowest_now, self._smooth
+        self._lowest_now = np.minimum(self._lowest_now, self._smooth)
+        self._lowest = np.minimum(self._lowest, self._smooth)
+        unwanted = np.float32(_BIAS) * self._lowest + np.float32(self._tail) * self._room
+        self._room = power + self._keep_tail * (self._room - power)
+        return np.asarray(np.maximum(np.float32(self._floor), 1 - unwanted / (power + np.float32(_TINY))), np.float32)
