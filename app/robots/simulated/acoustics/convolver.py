@@ -1,0 +1,119 @@
+"""Convolution of sound that comes in blocks with impulse responses that change: partitioned, by FFT, cross-faded.
+
+Uniform partitions with overlap-save (G. Garcia, "Optimal filter partition for efficient convolution with short
+input/output delay", AES 113th Convention, 2002); one inverse FFT serves all that is summed before it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+Samples = NDArray[np.float32]
+Spectra = NDArray[np.complex64]
+
+
+class Partitions:
+    """One mono input through M responses of up to ``count`` blocks of ``block`` samples; the caller sums them."""
+
+    def __init__(self, outputs: int, block: int, count: int) -> None:
+        self.block, self.count = block, count
+        self._history: Spectra = np.zeros((count, block + 1), dtype=np.complex64)
+        self._last: Samples = np.zeros(block, dtype=np.float32)
+        self._kernel: Spectra = np.zeros((count, outputs, block + 1), dtype=np.complex64)
+        self._next: Spectra | None = None
+        self._silent_blocks = count + 1
+
+    def set_kernel(self, kernel: Spectra) -> None:
+        """Go over to ``kernel`` (of :func:`transform`) during the next block; at once, while no sound has come yet."""
+        if not self.silent:
+            self._next = kernel
+        else:
+            self._kernel = kernel
+
+    @property
+    def silent(self) -> bool:
+        """Whether there is nothing left to come out."""
+        return self._silent_blocks > self.count
+
+    def feed(self, samples: Samples) -> None:
+        """Take the next ``block`` samples."""
+        self._silent_blocks = 0 if samples.any() else self._silent_blocks + 1
+        self._history[1:] = self._history[:-1]
+        self._history[0] = fft.rfft(np.concatenate([self._last, samples]))
+        self._last = samples
+
+    def add_to(self, before: Spectra, after: Spectra) -> bool:
+        """Add this block's spectra to ``before`` and ``after`` (M, block + 1) a change of kernel; True at a change."""
+        product = np.einsum("pf,pmf->mf", self._history, self._kernel)
+        before += product
+        if self._next is None:
+            after += product
+            return False
+        self._kernel, self._next = self._next, None
+        after += np.einsum("pf,pmf->mf", self._history, self._kernel)
+        return True
+
+
+def transform(impulses: Samples, block: int, count: int) -> Spectra:
+    """The spectra (count, M, block + 1) of responses (M, up to count * block)."""
+    padded = np.zeros((impulses.shape[0], count, 2 * block), dtype=np.float32)
+    whole = np.zeros((impulses.shape[0], count * block), dtype=np.float32)
+    whole[:, : impulses.shape[1]] = impulses[:, : count * block]
+    padded[:, :, :block] = whole.reshape(impulses.shape[0], count, block)
+    spectra: Spectra = np.ascontiguousarray(fft.rfft(padded, axis=-1).transpose(1, 0, 2))
+    return spectra
+
+
+def finish(before: Spectra, after: Spectra, faded: bool) -> Samples:
+    """The block (M, block) that the summed spectra make, going from ``before`` to ``after`` where ``faded``."""
+    block = before.shape[1] - 1
+    end: Samples = fft.irfft(after, axis=-1)[:, block:]
+    if not faded:
+        return end
+    begin = fft.irfft(before, axis=-1)[:, block:]
+    share = ((np.arange(block, dtype=np.float32) + 0.5) / block).astype(np.float32)
+    mixed: Samples = begin + (end - begin) * share
+    return mixed
+
+
+class Tail:
+    """A long response computed in larger blocks of ``step`` frames, begun early enough to be on time.
+
+    Its kernel begins ``step * frame`` samples after the input. Feed one frame, take one frame.
+    """
+
+    def __init__(self, outputs: int, frame: int, step: int, count: int) -> None:
+        self._frame, self._step = frame, step
+        self._partitions = Partitions(outputs, frame * step, count)
+        self._waiting: list[Samples] = []
+        self._ready = np.zeros((outputs, frame * step), dtype=np.float32)
+
+    @property
+    def delay(self) -> int:
+        """Samples between the input and the kernel's beginning."""
+        return self._frame * self._step
+
+    @property
+    def count(self) -> int:
+        """Blocks of ``delay`` samples that the kernel has."""
+        return self._partitions.count
+
+    def set_kernel(self, impulses: Samples) -> None:
+        """Go over to the response ``impulses`` (M, up to count * delay) with the next large block."""
+        self._partitions.set_kernel(transform(impulses, self._partitions.block, self._partitions.count))
+
+    def process(self, samples: Samples) -> Samples:
+        """The next frame (M, frame) of output for the next frame (frame,) of input."""
+        at = len(self._waiting) * self._frame
+        out = self._ready[:, at : at + self._frame]
+        self._waiting.append(samples)
+        if len(self._waiting) == self._step:
+            self._partitions.feed(np.concatenate(self._waiting))
+            self._waiting = []
+            before = np.zeros((self._ready.shape[0], self._partitions.block + 1), dtype=np.complex64)
+            after = np.zeros_like(before)
+            faded = self._partitions.add_to(before, after)
+            self._ready = finish(before, after, faded)
+        return out

@@ -1,0 +1,258 @@
+"""A shoebox room: its image sources, its late reverberation, and the impulse responses of microphones in it.
+
+Early sound is exact: the images of J. B. Allen and D. A. Berkley, "Image method for efficiently simulating small-room
+acoustics", JASA 65, 1979, each through the torso's response for its own direction. Late sound is statistical: waves
+from everywhere, as many as there are images by then, dying away with the reverberation time asked for; what two
+microphones get of it is as alike as in a diffuse field, torso included. Reflections are specular and frequency enters in
+two bands (``bands.py``).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.fft import next_fast_len
+
+from app.geometry import Pose3
+from app.robots.simulated.acoustics.bands import AIR_DB_PER_M, join, low_pass
+from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, TAPS, Microphones
+
+Vector = tuple[float, float, float]
+Impulses = NDArray[np.float32]
+_DIRECTIONS = 64
+_FADE_S = 0.004
+
+
+@dataclass(frozen=True, slots=True)
+class Shoebox:
+    """A room with its lower corner at ``corner`` (m, world), ``size`` (m), and ``rt60_s`` of the low and high band."""
+
+    corner: Vector
+    size: Vector
+    rt60_s: tuple[float, float]
+
+    @property
+    def volume_m3(self) -> float:
+        """Its volume."""
+        return math.prod(self.size)
+
+    @property
+    def surface_m2(self) -> float:
+        """Of all six walls."""
+        x, y, z = self.size
+        return 2 * (x * y + y * z + z * x)
+
+    @property
+    def reflection(self) -> NDArray[np.float64]:
+        """What of a wave's amplitude a wall throws back, by band: Eyring's for ``rt60_s``, less what the air takes."""
+        air = np.log(10) / 10 * AIR_DB_PER_M * SPEED_OF_SOUND_MPS  # of energy, 1/s
+        decay = np.maximum(6 * math.log(10) / np.array(self.rt60_s) - air, 0.5)
+        hits_per_s = SPEED_OF_SOUND_MPS * self.surface_m2 / (4 * self.volume_m3)
+        reflected: NDArray[np.float64] = np.exp(-0.5 * decay / hits_per_s)
+        return reflected
+
+    def contains(self, p_W: ArrayLike, margin_m: float = 0.0) -> bool:
+        """Whether the point (m, world) is inside, or not farther than ``margin_m`` outside."""
+        within = np.asarray(p_W) - np.array(self.corner)
+        return bool(np.all(within >= -margin_m) and np.all(within <= np.array(self.size) + margin_m))
+
+    def clamp(self, p_W: ArrayLike, margin_m: float = 0.02) -> NDArray[np.float64]:
+        """The point (..., 3) m at or nearest to the given one that is inside by ``margin_m``."""
+        low = np.array(self.corner)
+        return np.clip(np.asarray(p_W, dtype=np.float64), low + margin_m, low + np.array(self.size) - margin_m)
+
+    def late_power(self, after_s: ArrayLike) -> NDArray[np.float64]:
+        """Energy of late sound per second, ``after_s`` (n,) s after an impulse of 1 at 1 m, by band: (n, 2).
+
+        As many images arrive as fill the sphere's shell, each with the square of its way's inverse and what the walls
+        left of it.
+        """
+        after = np.atleast_1d(np.asarray(after_s, dtype=np.float64))[:, None]
+        density = 4 * math.pi * SPEED_OF_SOUND_MPS / self.volume_m3
+        power: NDArray[np.float64] = density * np.exp(-6 * math.log(10) * after / np.array(self.rt60_s))
+        return power
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Images:
+    """Image sources, nearest first: ``p_W`` (K, 3) m world, ``gains`` (K, 2) amplitude at 1 m by band.
+
+    ``departures`` (K, 3) are unit vectors along which their sound leaves the true source.
+    """
+
+    p_W: NDArray[np.float64]
+    gains: NDArray[np.float64]
+    departures: NDArray[np.float64]
+    distances: NDArray[np.float64]
+
+
+@lru_cache(maxsize=64)
+def _lattice(size: Vector, reach_m: float) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.int64]]:
+    """Signs and shifts (K, 3) with ``image = sign * source + shift`` in the room's frame, and reflections (K,)."""
+    axes = []
+    for length in size:
+        n = math.ceil(reach_m / (2 * length)) + 1
+        r = np.arange(-n, n + 1)
+        # Of an even image |2 r| walls were hit on this axis, of a mirrored one |2 r - 1|
+        signs = np.concatenate([np.ones(r.size), -np.ones(r.size)])
+        shifts = np.concatenate([2 * length * r, 2 * length * r])
+        hits = np.concatenate([np.abs(2 * r), np.abs(2 * r - 1)])
+        axes.append((signs, shifts, hits))
+    grids = [np.stack(np.meshgrid(*parts, indexing="ij"), -1).reshape(-1, 3) for parts in zip(*axes, strict=True)]
+    signs, shifts, hits = grids
+    # The nearest that the image of any source can come to any listener in the room
+    gap = np.maximum(np.abs(shifts) - np.where(signs > 0, 1.0, 2.0) * np.array(size), 0.0)
+    keep = np.linalg.norm(gap, axis=1) <= reach_m
+    return signs[keep], shifts[keep], hits[keep].sum(1).astype(np.int64)
+
+
+def images(room: Shoebox, p_WS: ArrayLike, p_WA: ArrayLike, reach_m: float) -> Images:
+    """Every image of a source at ``p_WS`` within ``reach_m`` of ``p_WA`` (m, world), the source itself first."""
+    corner = np.array(room.corner)
+    source = room.clamp(p_WS) - corner
+    listener = np.asarray(p_WA, dtype=np.float64) - corner
+    signs, shifts, hits = _lattice(room.size, math.ceil(reach_m / 2.0) * 2.0)
+    places = signs * source + shifts
+    ways = places - listener
+    distances = np.linalg.norm(ways, axis=1)
+    chosen = np.flatnonzero((distances <= reach_m) | (hits == 0) & np.all(shifts == 0, axis=1))
+    chosen = chosen[np.lexsort((distances[chosen], hits[chosen] > 0))]
+    distances = distances[chosen]
+    gains = room.reflection ** hits[chosen, None] * 10 ** (-AIR_DB_PER_M * distances[:, None] / 20)
+    departures = -signs[chosen] * ways[chosen] / np.maximum(distances, 1e-9)[:, None]
+    return Images(places[chosen] + corner, gains, departures, distances)
+
+
+def mouth(departures: NDArray[np.float64], looks: ArrayLike) -> NDArray[np.float64]:
+    """What a mouth that ``looks`` (3,) along a unit vector gives off along ``departures`` (K, 3): (K, 2) by band.
+
+    1 in front; behind, 4 dB less low and 14 dB less high, a smooth fit to what talkers show (W. T. Chu and A. C. C.
+    Warnock, "Detailed directivity of sound fields around human talkers", NRC Canada IRC-RR-104, 2002).
+    """
+    cos = (departures @ np.asarray(looks, dtype=np.float64))[:, None]
+    front: NDArray[np.float64] = MOUTH_FRONT + (1 - MOUTH_FRONT) * cos
+    return front
+
+
+MOUTH_FRONT = np.array([0.815, 0.6])
+#: Root mean square of :func:`mouth` over all directions, by band: what a mouth gives to a room's reverberation.
+MOUTH_MEAN = np.sqrt(MOUTH_FRONT**2 + (1 - MOUTH_FRONT) ** 2 / 3)
+
+
+def early(
+    microphones: Microphones,
+    X_WA: Pose3,
+    found: Images,
+    length: int,
+    start_s: float,
+    looks: ArrayLike | None = None,
+    taps: int = TAPS,
+) -> Impulses:
+    """The microphones' responses (M, length) to images: ``X_WA`` is the pose of their middle; sample 0 at ``start_s``.
+
+    ``looks``: the unit vector along which a talker's mouth points; None for a source that is alike in all directions.
+    ``taps`` shortens the torso's response to all but the source itself.
+    """
+    gains = found.gains if looks is None else found.gains * mouth(found.departures, looks)
+    p_AS = (found.p_W - X_WA.translation) @ X_WA.rotation
+    bands = microphones.impulses(p_AS[:1], gains[:1], length, start_s)
+    bands += microphones.impulses(p_AS[1:], gains[1:], length, start_s, taps)
+    return join(bands[0], bands[1], microphones.rate)
+
+
+def diffuse_noise(microphones: Microphones, length: int, seed: int) -> NDArray[np.float32]:
+    """What the microphones hear of white noise of variance 1 from all directions: (2, M, length), low and high band.
+
+    Plane waves from 64 evenly spread directions, each unlike the others. Cyclic where ``length`` is a power of two.
+    """
+    rng = np.random.default_rng(seed)
+    number = np.arange(_DIRECTIONS) + 0.5
+    up = 1 - 2 * number / _DIRECTIONS
+    round_ = math.pi * (1 + math.sqrt(5)) * number
+    flat = np.sqrt(1 - up**2)
+    directions = np.stack([flat * np.cos(round_), flat * np.sin(round_), up], axis=1)
+    far_m = 100.0
+    start_s = (far_m - 0.5) / SPEED_OF_SOUND_MPS
+    size = next_fast_len(max(length, 2 * TAPS), real=True)
+    spectrum = np.zeros((microphones.p_AM.shape[0], size // 2 + 1), dtype=np.complex128)
+    for direction in directions:
+        response = microphones.impulses(
+            far_m * direction[None], np.full((1, 1), far_m / math.sqrt(_DIRECTIONS)), 2 * TAPS, start_s
+        )[0]
+        spectrum += np.fft.rfft(rng.standard_normal(size)) * np.fft.rfft(response, size)
+    # The low band's filter in the frequency domain, so that the noise stays cyclic
+    b, a = low_pass(microphones.rate)
+    turn = np.exp(-2j * math.pi * np.arange(size // 2 + 1) / size)
+    low = spectrum * (b[0] + b[1] * turn) / (a[0] + a[1] * turn)
+    return np.fft.irfft(np.stack([low, spectrum - low]), size).astype(np.float32)[..., :length]
+
+
+def late(room: Shoebox, noise: NDArray[np.float32], length: int, rate: int, after_s: float) -> Impulses:
+    """Late reverberation (M, length) whose sample 0 comes ``after_s`` after the impulse left; it rises over 4 ms.
+
+    ``noise`` (2, M, at least length) is that of :func:`diffuse_noise`.
+    """
+    times = after_s + np.arange(length) / rate
+    envelope = np.sqrt(room.late_power(times) / rate).astype(np.float32)
+    rise = max(1, round(_FADE_S * rate))
+    envelope[:rise] *= np.sin(0.5 * math.pi * (np.arange(rise)[:length, None] + 0.5) / rise)
+    tail: Impulses = np.einsum("nb,bmn->mn", envelope, noise[..., :length], optimize=True)
+    return tail
+
+
+def response(
+    room: Shoebox | None,
+    p_WS: ArrayLike,
+    X_WA: Pose3,
+    microphones: Microphones,
+    seconds: float | None = None,
+    early_s: float = 0.08,
+    looks: ArrayLike | None = None,
+    seed: int = 1,
+) -> Impulses:
+    """Impulse responses (M, taps) float32 of ``microphones`` with their middle at ``X_WA`` to a source at ``p_WS``.
+
+    An impulse of amplitude 1 leaves the source at sample 0; amplitudes are those at 1 m. Images to ``early_s`` after
+    the direct sound, then diffuse reverberation (drawn from ``seed``) to ``seconds`` (default: 1.1 times the RT60).
+    ``room`` None is outdoors. ``looks`` makes the source a talker's mouth pointing along that unit vector.
+    """
+    rate = microphones.rate
+    direct_m = float(np.linalg.norm(np.asarray(p_WS) - X_WA.translation))
+    if room is None:
+        length = round((seconds or 0.0) * rate) or round(direct_m / SPEED_OF_SOUND_MPS * rate) + 2 * TAPS
+        alone = Images(
+            np.atleast_2d(np.asarray(p_WS, dtype=np.float64)),
+            10 ** (-AIR_DB_PER_M[None] * direct_m / 20),
+            np.atleast_2d(X_WA.translation - np.asarray(p_WS)) / max(direct_m, 1e-9),
+            np.array([direct_m]),
+        )
+        return early(microphones, X_WA, alone, length, 0.0, looks)
+    length = round((seconds if seconds is not None else 1.1 * max(room.rt60_s)) * rate)
+    mixed_s = direct_m / SPEED_OF_SOUND_MPS + early_s
+    mixed = round(mixed_s * rate)
+    reach_m = mixed_s * SPEED_OF_SOUND_MPS
+    impulses = early(microphones, X_WA, images(room, p_WS, X_WA.translation, reach_m), length, 0.0, looks)
+    # Early sound leaves as the late comes in, so that their sum stays even
+    fade = max(1, round(_FADE_S * rate))
+    impulses[:, mixed : mixed + fade] *= np.cos(0.5 * math.pi * (np.arange(fade) + 0.5) / fade)[
+        : max(0, length - mixed)
+    ]
+    impulses[:, mixed + fade :] = 0
+    if length > mixed:
+        noise = diffuse_noise(microphones, length - mixed, seed)
+        tail = late(room, noise if looks is None else noise * MOUTH_MEAN[:, None, None], length - mixed, rate, mixed_s)
+        impulses[:, mixed:] += tail
+    return impulses
+
+
+def reverberation_time(impulses: Impulses, rate: int, from_db: float = -5.0, to_db: float = -35.0) -> float:
+    """RT60 (s) of ``impulses`` (M, taps) by Schroeder's backward integration, fitted from ``from_db`` to ``to_db``."""
+    energy = np.cumsum(np.sum(impulses.astype(np.float64) ** 2, axis=0)[::-1])[::-1]
+    level = 10 * np.log10(np.maximum(energy / energy[0], 1e-12))
+    part = np.flatnonzero((level <= from_db) & (level >= to_db))
+    slope = np.polyfit(part / rate, level[part], 1)[0]
+    return float(-60.0 / slope)
