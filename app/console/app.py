@@ -53,7 +53,7 @@ def create_app(
     started from here listen. ``early_view``: start the 3D view with the program rather than with the first who looks.
     """
     hub = Hub(system, playback)
-    view = View(system, early=early_view, playback=playback)
+    view = View(system, hub.percepts, early=early_view, playback=playback)
     door = Door(token)
     replays = Replays(host, token)
 

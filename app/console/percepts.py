@@ -36,7 +36,8 @@ Direction = tuple[float, float]
 @dataclass(frozen=True, slots=True)
 class SeenFace:
     """A face in one image. ``direction`` is azimuth and elevation (rad) in the axes of B, seen from its camera;
-    ``panorama`` the same, seen from the panorama's. ``p_OF`` is None before the pose at ``stamp`` is known.
+    ``panorama`` the same, seen from the panorama's. ``p_OF`` is its place and ``towards_O`` the heading (rad in O) in
+    which it has the robot; None before the pose at ``stamp`` is known.
     """
 
     track: int
@@ -47,6 +48,7 @@ class SeenFace:
     range_m: float
     range_sigma_m: float
     p_OF: Point | None
+    towards_O: float | None
     score: float
     box: tuple[float, float, float, float]
     image: tuple[int, int] | None
@@ -196,6 +198,7 @@ class Percepts:
             face.range_m,
             face.range_sigma_m,
             None if X_OB is None else _point(X_OB.transform(p_BF)),
+            None if X_OB is None else _direction(X_OB.rotation @ -p_BF)[0],
             face.score,
             face.box,
             None if image is None else (image.color.shape[1], image.color.shape[0]),

@@ -1,4 +1,4 @@
-"""What is drawn: floor, robot, laser, clouds, posters. Lives in one worker thread: viser is too slow for the loop.
+"""What is drawn: floor, robot, laser, clouds, posters, people. Lives in one worker thread: viser is slow.
 
 Each viewer has a scene of its own (viser keeps nothing of what it was sent, and each is drawn at its own pace). The
 camera follows the robot without being moved: everything of the world hangs below a frame with the robot's inverse pose,
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from app.console.view.body import Body
 from app.console.view.drawing import colors_along_x, moved, point_size, pose_arrays, scan_points, thinned
+from app.console.view.people import People
 from app.console.view.world import World
 from app.geometry import Pose2
 from app.messages import Landmark
@@ -65,6 +66,7 @@ class ViewerScene:
             self._body = body.add_to(scene, "/base_link")
             self._scan = self._points("scan", _SCAN_SIZE_M)
             self._cloud = self._points("cloud", point_size(0))
+        self._people = People(client, WORLD)
 
     def _points(self, name: str, size: float) -> viser.PointCloudHandle:
         # viser's page takes no empty cloud: one point, unseen, until there are more.
@@ -109,6 +111,8 @@ class ViewerScene:
                 self._cloud.point_size = point_size(len(chosen))
                 _place(self._cloud, world.cloud.points[chosen], world.cloud.colors[chosen], world.cloud.X_OB)
                 new += 1
+            if world.perceived is not None and world.perceived is not before.perceived:
+                new += self._people.draw(world.perceived)
             if world.robot is not None and moved(before.robot, world.robot):
                 wxyz, position = pose_arrays(world.robot.inverse())
                 self._world.wxyz, self._world.position = np.array(wxyz), np.array(position)

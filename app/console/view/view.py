@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from app.console import reports
+from app.console.percepts import Perceived, Percepts
 from app.console.taps import Tap
 from app.console.view.budget import PointBudget, measured, silent
 from app.console.view.painter import Painter
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 log = logging.getLogger("hbba.view")
 
 PERIOD_S = 0.04
-#: Scans and joints are taken every so many periods: 8 Hz.
+#: Scans, joints and percepts are taken every so many periods: 8 Hz.
 SLOW_BEATS = 3
 STOP_WITHIN_S = 0.8
 
@@ -44,8 +45,9 @@ class Look:
 class View:
     """``open`` with the program, ``close`` at its end. viser starts with the first look, or at once if ``early``."""
 
-    def __init__(self, system: System, *, early: bool, playback: Playback | None = None) -> None:
+    def __init__(self, system: System, percepts: Percepts, *, early: bool, playback: Playback | None = None) -> None:
         self._system = system
+        self._percepts = percepts
         self._playback = playback
         self._early = early
         self._looks: dict[str, Look] = {}
@@ -176,6 +178,8 @@ class View:
                 # Of a recording that stands, nothing else may come.
                 if channel.latest is not None and (name == "landmarks" or self._playback is not None):
                     handler(channel.latest)
+        for name in self._percepts.channels:
+            self._watching.callback(Tap(graph.channel(name), f"console.view.{name}", lambda _: None).close)
         self._feeding = asyncio.create_task(self._feed(), name="console view")
 
     def _stop_feeding(self) -> None:
@@ -209,14 +213,16 @@ class View:
     async def _feed(self) -> None:
         beat = 0
         joints: JointState | None = None
+        perceived: Perceived | None = None
         while True:
             beat += 1
             if beat % SLOW_BEATS == 0:
                 joints = self._joints
+                perceived = self._percepts.at(self._system.clock.now())
                 # A moment after it came, when odometry has reached its stamp.
                 if self._scan is not None and (pose := self._poses.at(self._scan.stamp)) is not None:
                     self._placed = (self._scan, pose)
             robot = None if self._odometry is None else self._odometry.X_OB
             if self._painter is not None:
-                self._painter.show(World(robot, joints, self._placed, self._cloud, self._landmarks))
+                self._painter.show(World(robot, joints, self._placed, self._cloud, self._landmarks, perceived))
             await self._system.pace.sleep(PERIOD_S)

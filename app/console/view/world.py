@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from app.console.percepts import Perceived
 from app.geometry import Pose2
 from app.messages import JointState, Landmarks, LaserScan, PointCloud
 
@@ -12,7 +13,8 @@ from app.messages import JointState, Landmarks, LaserScan, PointCloud
 class World:
     """Each part is replaced as a whole, so that ``is`` tells whether it is new.
 
-    ``robot`` is ``X_OB`` now. ``scan`` comes with the pose of its own instant, as the cloud does by itself.
+    ``robot`` is ``X_OB`` now. ``scan`` comes with the pose of its own instant, as the cloud does by itself, and what is
+    ``perceived`` of people.
     """
 
     robot: Pose2 | None = None
@@ -20,3 +22,4 @@ class World:
     scan: tuple[LaserScan, Pose2] | None = None
     cloud: PointCloud | None = None
     landmarks: Landmarks | None = None
+    perceived: Perceived | None = None

@@ -24,8 +24,9 @@ from viser import _messages
 from app.console.view.relay import allowed
 from app.console.view.view import View
 from app.geometry import Pose2, Pose3
-from app.messages import Landmark, Landmarks, LaserScan, Odometry, PointCloud
+from app.messages import Landmark, Landmarks, LaserScan, LoudNoise, Odometry, PointCloud
 from app.system import System
+from tests.console.percepts import faces, sound_source, sound_sources
 from tests.console.program import Body
 
 PROTOCOL = f"viser-v{viser.__version__}"
@@ -256,3 +257,45 @@ async def test_no_port_is_open_to_the_world(url: str, view: View) -> None:
     ]
     assert len(listening) >= 2
     assert set(listening) == {"127.0.0.1"}
+
+
+async def test_people_are_drawn_where_they_are_and_hidden_when_they_are_gone(
+    url: str, system: System, body: Body
+) -> None:
+    """One face and one voice come and go, and a clap: fixed nodes, shown and hidden, none removed."""
+    async with looking(url) as viewer:
+        await viewer.until(("PointCloudMessage", "/odom/cloud"))
+        now = system.clock.now()
+        for late_s in (-0.1, 0.1):
+            body.emit("odometry", Odometry(now + late_s, Pose2(1.0, 0.0, 0.0), 0.0, 0.0))
+        system.graph.channel("faces").publish(faces(now, (2.0, 0.5, 1.6)))
+        system.graph.channel("sound_sources").publish(sound_sources(now, sound_source(azimuth=math.pi / 2)))
+        system.graph.channel("loud_noises").publish(LoudNoise(now, 40.0, -9.0))
+        await viewer.until(
+            ("MeshMessage", "/odom/face_0"),
+            ("SetPositionMessage", "/odom/face_0_text"),
+            ("MeshMessage", "/odom/sound_0"),
+            ("MeshMessage", "/noise"),
+        )
+        await shown(viewer, "/odom/face_0", False)
+        await shown(viewer, "/odom/sound_0", False)
+        await shown(viewer, "/noise", False)
+    last = {(m["type"], m.get("name")): m for m in viewer.seen}
+    assert last["SetPositionMessage", "/odom/face_0"]["position"] == pytest.approx((3.0, 0.5, 1.6))
+    assert last["SetPositionMessage", "/odom/sound_0"]["position"] == pytest.approx((1.0, 0.0, 0.5))
+    w, *_, z = last["SetOrientationMessage", "/odom/sound_0"]["wxyz"]
+    assert (w, z) == pytest.approx((math.sqrt(0.5), math.sqrt(0.5)), abs=1e-3)
+    assert "Person 1 · 2.0 m" in str([m for m in viewer.seen if m.get("name") == "/odom/face_0_text"])
+    assert not [m for m in viewer.seen if "Remove" in m["type"]]
+
+
+async def shown(viewer: Viewer, node: str, visible: bool) -> None:
+    """Read until ``node`` is shown, or hidden."""
+    async with asyncio.timeout(20):
+        while True:
+            said = [
+                m["visible"] for m in viewer.seen if m["type"] == "SetSceneNodeVisibilityMessage" and m["name"] == node
+            ]
+            if said and said[-1] is visible:
+                return
+            viewer.seen.extend(unpack(await viewer.connection.recv()))
