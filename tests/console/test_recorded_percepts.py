@@ -1,0 +1,52 @@
+"""People on a recording: seen and heard as they were, at the place in time that is played; nobody there hears us."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from app.messages import LoudNoise, Message
+from app.recording.log import Logged
+from tests.console.live_client import page, voice
+from tests.console.percepts import faces, sound_source, sound_sources
+from tests.replay.logs import BEGIN, MemoryLog, lab_manifest, lab_messages
+from tests.replay.playing import Played, prepare
+
+
+@pytest.fixture
+def prepared() -> Any:
+    """Six seconds of the lab: somebody is there from 1 to 3 s and claps at 2 s."""
+    told: list[tuple[str, Message]] = [("loud_noises", LoudNoise(BEGIN + 2.0, 40.0, -9.0))]
+    for number in range(20):
+        stamp = BEGIN + 1.0 + 0.1 * number
+        told += [("faces", faces(stamp)), ("sound_sources", sound_sources(stamp, sound_source(azimuth=0.5)))]
+    messages = [*lab_messages(6.0), *(Logged(message.stamp, channel, message) for channel, message in told)]
+    return prepare(MemoryLog(sorted(messages, key=lambda logged: logged.at), lab_manifest()))
+
+
+async def test_people_are_there_when_they_were_there(replay_url: str, play: Played) -> None:
+    async with page(replay_url) as ann:
+        assert (await ann.until("perceived"))["faces"] == []
+        await play.playback.seek(BEGIN + 1.9)
+        play.playback.play()
+        told = await ann.until("perceived", lambda m: m["faces"] and m["sounds"] and m["noises"])
+        assert BEGIN + 1.9 < told["faces"][0]["stamp"] < BEGIN + 3.0
+        # The robot drives ahead at 0.1 m/s: the face is 2 m ahead of where it was at that stamp.
+        assert told["faces"][0]["x"] == pytest.approx(0.1 * (told["faces"][0]["stamp"] - BEGIN) + 2.0, abs=0.02)
+        assert told["sounds"][0]["azimuth"] == 0.5
+        assert told["noises"][0]["stamp"] == BEGIN + 2.0
+        await play.playback.seek(BEGIN + 4.9)
+        await ann.until("jump")
+        assert (await ann.until("perceived"))["faces"] == []
+
+
+async def test_nobody_hears_what_is_said_into_a_recording(replay_url: str) -> None:
+    async with page(replay_url) as ann:
+        assert not (await ann.until("hello"))["audio"]["speak"]
+        for number in range(3):
+            await ann.connection.send(voice(number))
+        assert "recording" in (await ann.until("notice"))["text"]
+        await ann.send("ping", t=1)
+        while (frame := await ann.receive())["type"] != "pong":  # type: ignore[call-overload]
+            assert frame["type"] != "notice"  # type: ignore[call-overload]
