@@ -20,6 +20,7 @@ class Resampler:
     def __init__(self, rate_in: int, rate_out: int, zeros: int = 12) -> None:
         from scipy.signal import firwin
 
+        self.rate_in = rate_in
         self._same = rate_in == rate_out
         common = gcd(rate_in, rate_out)
         self._up, self._down = rate_out // common, rate_in // common

@@ -1,0 +1,262 @@
+"""From the microphones' samples to voices: located, followed, judged, and each by itself (ManyEars' work, thesis 4.2).
+
+The functional core of VoiceLocalizer and of ``hbba detect voices``: knows no clock and no channel.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.messages import SeparatedSound, SoundSource, SoundSources, read_only
+from app.modules.perception.height import range_from_height
+from app.modules.perception.voices.array import MicrophoneArray
+from app.modules.perception.voices.beams import DelayAndSum
+from app.modules.perception.voices.localization import Localizer
+from app.modules.perception.voices.resampling import Resampler
+from app.modules.perception.voices.separation import Separated, Separator
+from app.modules.perception.voices.speech import SPEECH_RATE, SpeechJudge
+from app.modules.perception.voices.tracking import Track, Tracker
+
+_FULL_SCALE = 32768.0
+_QUIETEST = 1e-12
+#: How well elevations are known (rad), by the number of the array's dimensions: one on a line knows none.
+_ELEVATION_SIGMA = {1: 1.0, 2: math.radians(8), 3: math.radians(2.5)}
+
+
+@dataclass(frozen=True, slots=True)
+class PipelineSettings:
+    """``separation`` of up to ``voices`` sources; whether they are speech is judged if ``speech``.
+
+    ``steps`` of the localizer make one block. ``patience_s``: how long a silent source keeps its place among those
+    that are separated when another sounds.
+    """
+
+    separation: bool = True
+    voices: int = 2
+    speech: bool = True
+    steps: int = 2
+    patience_s: float = 0.5
+
+
+class VoicePipeline:
+    """Hears block by block.
+
+    ``array`` are the microphones in ``base_link``, whose origin lies on the floor; all columns of the sound, or those
+    of its ``channels`` if it is a subset. ``rate`` from 16,000 up. ``step``: samples in one block. Tracks are numbered
+    from ``first_track`` and live in ``odom``'s axes, so that a robot that turns does not smear them.
+    """
+
+    def __init__(
+        self,
+        array: MicrophoneArray,
+        rate: int,
+        settings: PipelineSettings = PipelineSettings(),
+        *,
+        first_track: int = 1,
+    ) -> None:
+        self.array = array
+        self.rate = rate
+        self.settings = settings
+        self._localizer = Localizer(array, rate)
+        self.step = self._localizer.step * settings.steps
+        self._tracker = Tracker()
+        self._offset = first_track - 1
+        self._beams = DelayAndSum(array, rate)
+        self._judge = SpeechJudge() if settings.speech else None
+        self._separator = Separator(array, rate) if settings.separation else None
+        self._elevation_sigma = _ELEVATION_SIGMA[array.dimensions]
+        self._ranges: dict[int, tuple[float, float]] = {}
+        self._newest = self._offset
+        self._time = -math.inf
+        self.reset()
+
+    def reset(self) -> None:
+        """The next samples do not follow the last; sources that are still heard then keep their numbers."""
+        self._localizer.reset()
+        self._beams.reset()
+        if self._separator is not None:
+            self._separator.reset()
+        if self._judge is not None:
+            self._judge.reset()
+        self._resamplers: dict[int, Resampler] = {}
+        self._powers: dict[int, float] = {}
+        self._waiting: list[NDArray[np.float32]] = []
+        self._separated: tuple[int, ...] = ()
+        self._heard = 0
+        self._began: int | None = None
+
+    @property
+    def next_track(self) -> int:
+        """A number that no source of this pipeline has had yet."""
+        return self._newest + 1
+
+    def instants(self, time_s: float) -> tuple[float, ...]:
+        """When, within the block that begins at ``time_s``, directions are taken: the middles of frames."""
+        localizer = self._localizer
+        return tuple(
+            time_s + ((number + 1) * localizer.step - localizer.hop) / self.rate
+            for number in range(self.settings.steps)
+        )
+
+    def process(
+        self,
+        samples: NDArray[np.int16],
+        time_s: float,
+        first_sample: int = 0,
+        headings: Sequence[float] | None = None,
+    ) -> tuple[SoundSources, SeparatedSound | None]:
+        """Hear one block: ``samples`` (step, C), of which the first is number ``first_sample``, taken at ``time_s``.
+
+        ``headings`` (rad): the robot's in ``odom`` at each of :meth:`instants`; none for one that stands still. The
+        sources are those of the last of these instants, in ``base_link``; what is separated comes every few blocks,
+        and is older. Raises ValueError for samples of another shape.
+        """
+        if samples.ndim != 2 or len(samples) != self.step or samples.shape[1] <= max(self.array.channels):
+            raise ValueError(f"samples are ({self.step}, > {max(self.array.channels)}), not {samples.shape}")
+        sound = samples[:, list(self.array.channels)].astype(np.float32) / np.float32(_FULL_SCALE)
+        if self._began is None:
+            self._began = first_sample
+        instants = self.instants(time_s)
+        headings = headings or [0.0] * len(instants)
+        if instants[0] <= self._time:
+            self._begin_anew()
+        tracks: tuple[Track, ...] = ()
+        for number, (instant, heading) in enumerate(zip(instants, headings, strict=True)):
+            tracks = self._follow(sound[number * self._localizer.step :][: self._localizer.step], instant, heading)
+        self._time = instants[-1]
+        self._heard += self.step
+        self._listen(sound, tracks)
+        separated = self._separate(sound, tracks, time_s)
+        if self._judge is not None:
+            self._judge.keep([track.id for track in tracks])
+        p_BA = tuple(self.array.middle.tolist())
+        return SoundSources(instants[-1], p_BA, tuple(self._source(track) for track in tracks)), separated
+
+    def _begin_anew(self) -> None:
+        """Time has gone back: nothing that is known holds any more, but numbers are not used again."""
+        first = self.next_track
+        self._tracker, self._offset = Tracker(), first - 1
+        began = self._began
+        self.reset()
+        self._began = began
+
+    def _follow(self, sound: NDArray[np.float32], instant: float, heading: float) -> tuple[Track, ...]:
+        """Tracks in ``base_link``'s axes of that instant."""
+        R_OB = _turn(heading)
+        peaks = self._localizer.process(sound, self._tracker.expected @ R_OB)
+        tracks = self._tracker.update(instant, replace(peaks, directions=peaks.directions @ R_OB.T))
+        here = tuple(
+            replace(track, id=track.id + self._offset, direction=track.direction @ R_OB, velocity=track.velocity @ R_OB)
+            for track in tracks
+        )
+        self._newest = max(self._newest, *(track.id for track in here), 0)
+        return here
+
+    def _listen(self, sound: NDArray[np.float32], tracks: tuple[Track, ...]) -> None:
+        """How loud each source is; and let the judge hear those that sound and are not separated."""
+        self._beams.hear(sound)
+        powers = {}
+        voices = {}
+        for track in tracks:
+            beam = self._beams.beam(track.direction)
+            power = float(np.mean(beam * beam))
+            powers[track.id] = 0.5 * (power + self._powers.get(track.id, power))
+            if self._judge is not None and track.active and track.id not in self._separated:
+                voices[track.id] = self._resampled(track.id, beam, self.rate)
+        self._powers = powers
+        alive = {track.id for track in tracks}
+        self._resamplers = {track: known for track, known in self._resamplers.items() if track in alive}
+        if self._judge is not None:
+            self._judge.hear(voices)
+
+    def _separate(self, sound: NDArray[np.float32], tracks: tuple[Track, ...], time_s: float) -> SeparatedSound | None:
+        if self._separator is None:
+            return None
+        self._waiting.append(sound)
+        if len(self._waiting) * self.step < self._separator.step:
+            return None
+        block = np.concatenate(self._waiting)
+        self._waiting = []
+        before = self._separated
+        chosen = self._chosen(tracks)
+        self._separated = tuple(track.id for track in chosen)
+        others = [track for track in tracks if track.id not in self._separated]
+        known = [(track.id, track.direction) for track in (*chosen, *others)]
+        out = self._separator.process(block, known, len(chosen))
+        if self._judge is not None:
+            # Of one that was not separated until now, the judge has heard this already.
+            active = {track.id for track in chosen if track.active and track.id in before}
+            self._judge.hear(
+                {
+                    track: self._resampled(track, out.samples[:, column], self._separator.output_rate)
+                    for column, track in enumerate(out.tracks)
+                    if track in active
+                }
+            )
+        return self._message(out, time_s)
+
+    def _chosen(self, tracks: tuple[Track, ...]) -> list[Track]:
+        """Who is separated: who was, while he sounds or was silent but a moment; then voices, and what is strong."""
+        patience = self.settings.patience_s
+
+        def worth(track: Track) -> tuple[bool, bool, float]:
+            stays = track.id in self._separated and self._time - track.last_seen < patience
+            speech = self._judge is not None and self._judge.speech(track.id) > 0.5
+            return (stays or (track.active and speech), track.active, track.power)
+
+        return sorted(tracks, key=worth, reverse=True)[: self.settings.voices]
+
+    def _message(self, out: Separated, time_s: float) -> SeparatedSound | None:
+        assert self._separator is not None
+        assert self._began is not None
+        if not len(out.samples):
+            return None
+        rate, ratio = self._separator.output_rate, self._separator.ratio
+        before = self._heard - self.step - out.first_sample * ratio
+        samples = np.clip(np.rint(out.samples * _FULL_SCALE), -32768, 32767).astype(np.int16)
+        first = self._began // ratio + out.first_sample
+        return SeparatedSound(time_s - before / self.rate, out.tracks, read_only(samples), rate, first)
+
+    def _resampled(self, track: int, sound: NDArray[np.float32], rate: int) -> NDArray[np.float32]:
+        """The source's sound at the judge's rate."""
+        if rate == SPEECH_RATE:
+            return np.ascontiguousarray(sound)
+        known = self._resamplers.get(track)
+        if known is None or known.rate_in != rate:
+            known = self._resamplers[track] = Resampler(rate, SPEECH_RATE)
+        return known.process(np.ascontiguousarray(sound))
+
+    def _source(self, track: Track) -> SoundSource:
+        x, y, z = track.direction.tolist()
+        range_m, range_sigma_m = self._range(z)
+        return SoundSource(
+            track=track.id,
+            direction=(x, y, z),
+            power=min(1.0, max(0.0, float(track.power))),
+            level_db=10 * math.log10(max(self._powers.get(track.id, 0.0), _QUIETEST)),
+            active=track.active,
+            speech=math.nan if self._judge is None else self._judge.speech(track.id),
+            range_m=range_m,
+            range_sigma_m=range_sigma_m,
+        )
+
+    def _range(self, rise: float) -> tuple[float, float]:
+        """Distance of a mouth, and its deviation, along a ray of that sine of the elevation; kept in steps of 0.005."""
+        step = round(rise * 200)
+        if (known := self._ranges.get(step)) is None:
+            sine = step / 200
+            direction = (math.sqrt(1 - sine * sine), 0.0, sine)
+            height_m = float(self.array.middle[2])
+            known = range_from_height(direction, height_m, "mouth", elevation_sigma=self._elevation_sigma)
+            self._ranges[step] = known
+        return known
+
+
+def _turn(heading: float) -> NDArray[np.float64]:
+    c, s = math.cos(heading), math.sin(heading)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
