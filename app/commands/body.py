@@ -18,6 +18,11 @@ def add_body_options(parser: argparse.ArgumentParser) -> None:
     """The options that choose a body, its devices and what is around it."""
     parser.add_argument("--robot", type=Path, metavar="FILE", help="the body to run, such as config/robots/webcam.yaml")
     parser.add_argument("--camera", metavar="SOURCE", help="of a body of devices: a number, a video, pictures")
+    parser.add_argument(
+        "--scenario",
+        metavar="FILE",
+        help="who else is in the simulated world: a file or a name of config/scenarios, or none",
+    )
     parser.add_argument("--microphones", metavar="SOURCE", help="of a body of devices: an input's name, a sound file")
 
 
@@ -42,6 +47,10 @@ def chosen(args: argparse.Namespace) -> tuple[Configuration, Body]:
         configuration = replace(configuration, program=in_it)
     if body is None:
         body = load_body(configuration.path(configuration.program.robot))
+    if args.scenario is not None:
+        if isinstance(body, DevicesConfig):
+            raise ConfigError(f"is for a simulated world, and {body.name} is in the real one", "--scenario")
+        body = body.model_copy(update={"scenario": _scenario(args.scenario)})
     for option in ("camera", "microphones"):
         source = getattr(args, option)
         if source is None:
@@ -57,3 +66,17 @@ def chosen(args: argparse.Namespace) -> tuple[Configuration, Body]:
             source = str(Path(source).resolve())
         body = body.model_copy(update={option: type(device).model_validate(device.model_dump() | {"source": source})})
     return configuration, body
+
+
+def _scenario(named: str) -> Path | None:
+    """The scenario's file; "none" is nobody."""
+    from app.errors import ConfigError
+
+    if named == "none":
+        return None
+    folder = paths.config_dir() / "scenarios"
+    for path in (Path(named), folder / f"{named}.yaml"):
+        if path.is_file():
+            return path.resolve()
+    known = ", ".join(sorted(path.stem for path in folder.glob("*.yaml")))
+    raise ConfigError(f"there is no scenario {named}; a file, none, or one of: {known}", "--scenario")

@@ -79,6 +79,8 @@ def _robot(path: Path) -> None:
     _robot_model(robot.model)
     if not isinstance(robot, DevicesConfig):
         _world(robot.world)
+        if robot.scenario is not None:
+            _scenario(robot.scenario)
 
 
 def _robot_model(path: Path) -> str:
@@ -93,6 +95,12 @@ def _world(path: Path) -> None:
     from app.yaml_source import parse
 
     parse(path, WorldConfig)
+
+
+def _scenario(path: Path) -> None:
+    from app.robots.simulated.scenario_config import load_scenario
+
+    load_scenario(path)
 
 
 def _array(path: Path) -> None:
@@ -170,6 +178,7 @@ def _calibration(path: Path) -> None:
 _KINDS: tuple[tuple[str, frozenset[str], Callable[[Path], None]], ...] = (
     ("program", frozenset({"modules", "robot"}), _program),
     ("robot", frozenset({"model", "world", "base"}), _robot),
+    ("scenario", frozenset({"people", "sounds", "drive"}), _scenario),
     ("array of microphones", frozenset({"positions"}), _array),
     ("problem", frozenset({"desires"}), _problem),
     ("calibration", frozenset({"relations"}), _calibration),

@@ -118,6 +118,7 @@ def _program(folder: Path, guard_log: Path) -> tuple[Path, Pose2]:
         "guard_log": str(guard_log),
         "model": str(config / "robots" / body["model"]),
         "world": str(config / "worlds" / "lab.yaml"),
+        "scenario": None,
     }
     (folder / "robot.yaml").write_text(yaml.safe_dump(body))
     program = yaml.safe_load((config / "lab.yaml").read_text())

@@ -23,8 +23,9 @@ needs_gl = pytest.mark.skipif(check_gl() is not None, reason=check_gl() or "")
 
 @pytest.fixture(scope="session")
 def robot() -> RobotConfig:
-    """The robot as shipped, with ground truth."""
-    return load_robot_config(CONFIG / "robots" / "irl1_tr.yaml").model_copy(update={"ground_truth": True})
+    """The robot as shipped, with ground truth, alone in the world."""
+    config = load_robot_config(CONFIG / "robots" / "irl1_tr.yaml")
+    return config.model_copy(update={"ground_truth": True, "scenario": None})
 
 
 @pytest.fixture(scope="session")

@@ -23,7 +23,7 @@ async def main(guard_log: str, fault: str) -> None:
     """Drive for as long as it is let."""
     robot = load_robot_config(CONFIG)
     streams = robot.streams.model_copy(update={"kinect": None, "imv": None})
-    robot = robot.model_copy(update={"guard_log": Path(guard_log), "streams": streams})
+    robot = robot.model_copy(update={"guard_log": Path(guard_log), "streams": streams, "scenario": None})
     link = create_link(robot, 0.0)
     await link.start()
     print(link.process_id, flush=True)  # type: ignore[attr-defined]
