@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.console.percepts import Percepts, perceived_json
+from app.console.perceived import perceived_json
+from app.console.percepts import Percepts
 from app.geometry import Pose2
 from app.messages import LoudNoise, Odometry
 from app.runtime.channel_table import ChannelSpec

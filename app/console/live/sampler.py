@@ -10,7 +10,8 @@ from app.console import reports
 from app.console.live import lane_history
 from app.console.live.lanes import LaneSampler
 from app.console.live.recorded_lanes import Spoke, recorded_lanes
-from app.console.percepts import Percepts, perceived_json
+from app.console.perceived import perceived_json
+from app.console.percepts import Percepts
 from app.console.playback import rate
 from app.console.wire import encode_text
 from app.messages import Exploitation, Landmarks, LinkStatus, Odometry

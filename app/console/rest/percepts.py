@@ -6,7 +6,8 @@ from fastapi import APIRouter
 from fastapi.responses import Response
 from pydantic import Field
 
-from app.console.percepts import Percepts, perceived_json
+from app.console.perceived import perceived_json
+from app.console.percepts import Percepts
 from app.console.rest.answers import Json
 from app.console.rest.models import Answer, Stamp
 from app.runtime.clock import Clock

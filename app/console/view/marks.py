@@ -9,7 +9,7 @@ import math
 from collections.abc import Collection
 from dataclasses import dataclass
 
-from app.console.percepts import HeardSound, Perceived, SeenFace
+from app.console.perceived import HeardSound, Perceived, SeenFace
 
 MOST_ARROWS = 4
 MOST_FACES = 8

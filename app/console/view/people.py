@@ -12,7 +12,7 @@ import numpy as np
 import trimesh
 import viser
 
-from app.console.percepts import Perceived
+from app.console.perceived import Perceived
 from app.console.view.marks import (
     MOST_ARROWS,
     MOST_FACES,

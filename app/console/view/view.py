@@ -10,7 +10,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from app.console import reports
-from app.console.percepts import Perceived, Percepts
+from app.console.perceived import Perceived
+from app.console.percepts import Percepts
 from app.console.taps import Tap
 from app.console.view.budget import PointBudget, measured, silent
 from app.console.view.painter import Painter

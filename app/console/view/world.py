@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.console.percepts import Perceived
+from app.console.perceived import Perceived
 from app.geometry import Pose2
 from app.messages import JointState, Landmarks, LaserScan, PointCloud
 

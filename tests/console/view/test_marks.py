@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from viser.transforms import SO3
 
-from app.console.percepts import HeardSound, Perceived, SeenFace
+from app.console.perceived import HeardSound, Perceived, SeenFace
 from app.console.view.marks import (
     FADE_S,
     FLASH_S,
