@@ -15,6 +15,7 @@ talkers at once and weak ones among them visible:
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +33,8 @@ _SAME = float(np.cos(np.radians(4.0)))
 _NEAR = float(np.cos(np.radians(8.0)))
 #: How far (rad) a maximum may be from where it is looked for, at each look.
 _LONGEST_STEP = float(np.radians(4.0))
+#: How much later than its source a first reflection comes, as far as frames and beams can tell (s).
+_REFLECTION_S = (0.0008, 0.012)
 _AROUND = np.array([-1, 0, 1])[:, None, None]
 
 
@@ -72,14 +75,17 @@ class Peaks:
 
     ``directions`` (K, 3) float64, unit vectors from the array's middle in its axes; ``powers`` (K,) float64 in [0, 1]:
     how strongly the microphones agree on it over the last half second; ``recent`` (K,): over the last moments.
+    ``echoes`` (K,), from 0 up: how well what comes from there is a later copy of what comes from a stronger peak. About
+    0.3 between two talkers, about 0.6 between one and his reflection in a wall; 0 for the strongest.
     """
 
     directions: NDArray[np.float64]
     powers: NDArray[np.float64]
     recent: NDArray[np.float64]
+    echoes: NDArray[np.float64]
 
 
-NO_PEAKS = Peaks(np.zeros((0, 3)), np.zeros(0), np.zeros(0))
+NO_PEAKS = Peaks(np.zeros((0, 3)), np.zeros(0), np.zeros(0), np.zeros(0))
 
 
 class Localizer:
@@ -190,9 +196,13 @@ class Localizer:
         return np.asarray((np.hstack([cross.real, cross.imag]) @ self._to_lags).reshape(-1))
 
     def _search(self) -> Peaks:
-        cross = self._long / (self._long_weight + np.float32(self.settings.doubt))
-        pairs = len(cross)
-        directions, powers = [], []
+        whole = self._long / (self._long_weight + np.float32(self.settings.doubt))
+        pairs = np.float32(len(whole))
+        cross = whole
+        directions: list[NDArray[np.float64]] = []
+        powers: list[float] = []
+        echoes: list[float] = []
+        beams: list[NDArray[np.complex64]] = []
         for number in range(self.settings.sources):
             correlation = self._correlation(cross)
             response = correlation[self._cells].sum(axis=0)
@@ -200,22 +210,45 @@ class Localizer:
             direction, power = self._climb(correlation, start[None], 2)
             if power[0] < self.settings.least_power:
                 break
+            steering = self._steer(direction)
+            copies = [
+                self._copy(whole, beam, steering) / math.sqrt(stronger * power[0])
+                for beam, stronger, other in zip(beams, powers, directions, strict=True)
+                if other @ direction[0] < _NEAR
+            ]
             directions.append(direction[0])
-            powers.append(power[0])
+            powers.append(float(power[0]))
+            beams.append(steering)
+            echoes.append(max(copies, default=0.0))
             if number + 1 < self.settings.sources:
-                steering = self._steer(direction)
-                share = (cross * steering).real.sum(axis=0) / np.float32(pairs)
+                turned = steering[self.array.first] * steering[self.array.second].conj()
+                share = (cross * turned).real.sum(axis=0) / pairs
                 share = np.maximum(0, np.convolve(share, np.full(5, 0.2, np.float32), "same"))
-                cross -= share * steering.conj()
+                cross = cross - share * turned.conj()
         if not directions:
             return NO_PEAKS
-        return Peaks(np.array(directions), np.array(powers), np.zeros(len(powers)))
+        return Peaks(np.array(directions), np.array(powers), np.zeros(len(powers)), np.array(echoes))
+
+    def _copy(self, cross: NDArray[np.complex64], beam: NDArray[np.complex64], later: NDArray[np.complex64]) -> float:
+        """The most that the second of two beams (M, B) has of the first at any delay of a first reflection.
+
+        From cross spectra (P, B) alone: those of two beams are linear in the microphones'.
+        """
+        first, second = self.array.first, self.array.second
+        product = (cross * (beam[first] * later[second].conj())).sum(axis=0)
+        product += (cross.conj() * (beam[second] * later[first].conj())).sum(axis=0)
+        spectrum = np.zeros(self.settings.frame, np.complex64)
+        spectrum[self._band] = product
+        # A copy later by n samples turns frequency k by exp(2j pi k n / frame): the forward transform finds n.
+        sizes = np.abs(fft.fft(spectrum))
+        pairs, bins = cross.shape
+        begin, end = (round(seconds * self.rate) for seconds in _REFLECTION_S)
+        return float(sizes[begin:end].max()) / (2 * pairs * bins)
 
     def _steer(self, direction: NDArray[np.float64]) -> NDArray[np.complex64]:
-        """What turns the cross spectra (P, B) of sound from ``direction`` (1, 3) real and positive."""
+        """What brings sound from ``direction`` (1, 3) into phase at all microphones: (M, B)."""
         delays = arrivals(self.array.offsets, direction, self.settings.range_m)[0] * self.rate
-        turns = np.exp(self._omega * delays[:, None].astype(np.float32))
-        return np.asarray(turns[self.array.first] * turns[self.array.second].conj())
+        return np.asarray(np.exp(self._omega * delays[:, None].astype(np.float32)))
 
     def _climb(
         self, correlation: NDArray[np.float32], directions: NDArray[np.float64], rounds: int
@@ -239,10 +272,11 @@ class Localizer:
         raise AssertionError("unreachable")
 
     def _follow(self, expected: NDArray[np.float64] | None) -> Peaks:
-        starts, powers = self._found.directions, self._found.powers
+        starts, powers, echoes = self._found.directions, self._found.powers, self._found.echoes
         if expected is not None and len(expected):
             near = expected @ starts.T > _NEAR
             powers = np.concatenate([powers, np.where(near, powers, 0).max(axis=1, initial=0)])
+            echoes = np.concatenate([echoes, np.where(near, echoes, 0).max(axis=1, initial=0)])
             starts = np.concatenate([starts, expected])
         if not len(starts):
             return NO_PEAKS
@@ -255,7 +289,7 @@ class Localizer:
             if not any(directions[k] @ directions[other] > _SAME for other in chosen):
                 chosen.append(k)
         chosen.sort(key=lambda k: -powers[k])
-        return Peaks(directions[chosen], powers[chosen], recent[chosen])
+        return Peaks(directions[chosen], powers[chosen], recent[chosen], echoes[chosen])
 
 
 def _newton_step(gradient: NDArray[np.float64], curving: NDArray[np.float64]) -> NDArray[np.float64]:

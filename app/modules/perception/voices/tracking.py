@@ -19,11 +19,14 @@ Vector = NDArray[np.float64]
 class TrackerSettings:
     """When tracks are born, how they move and when they die.
 
-    ``tracks``: most at a time. A peak of ``power`` makes a track once it has been there for ``patience_s``, less by the
-    cube of how much it is above ``birth_power``; peaks below ``share`` of the strongest one are taken for its
-    reflections. A track lives on peaks from ``keep_power`` up within ``gate_deg`` of where it must be, and without any
-    for as long as it was heard before, at most ``silence_s``. It sounds (is active) while peaks' recent powers are at
-    least ``active_power``, and for ``active_s`` longer. ``apart_deg``: nearer to a track none other is born.
+    ``tracks``: most at a time. A peak of ``birth_power``, and of ``birth_share`` of the strongest one, makes a track
+    once it has been there for ``patience_s``, and sooner by the cube of how much it is above both. A track lives on
+    peaks of ``keep_power`` and ``keep_share`` within ``gate_deg`` of where it must be, and without any the longer the
+    better it was heard before, at most ``silence_s``. A floor's and a ceiling's echoes come from above and below their
+    source: a peak within ``echo_azimuth_deg`` of a stronger one, but higher or lower by ``echo_elevation_deg`` and more
+    and below ``echo_share`` of it, is none of either. A peak that is a copy of a stronger one makes no track from the
+    second of ``echo`` on, and one the later from the first on. A track sounds (is active) while peaks' recent powers
+    are at least ``active_power``, and for ``active_s`` longer. ``apart_deg``: nearer to a track none other is born.
     ``jerk_degps``: how much a source's angular velocity may change in one second (standard deviation, random walk);
     ``rest_s``: how soon a silent one is supposed to have stopped. ``error_deg``: of a peak of good power. ``lag_s``:
     how old what a peak says is on average.
@@ -32,8 +35,13 @@ class TrackerSettings:
     tracks: int = 4
     birth_power: float = 0.03
     patience_s: float = 0.5
-    share: float = 0.15
+    birth_share: float = 0.25
     keep_power: float = 0.02
+    keep_share: float = 0.12
+    echo_azimuth_deg: float = 15.0
+    echo_elevation_deg: float = 20.0
+    echo_share: float = 0.5
+    echo: tuple[float, float] = (0.4, 0.6)
     gate_deg: float = 10.0
     apart_deg: float = 15.0
     silence_s: float = 1.5
@@ -118,7 +126,6 @@ class _Source:
     motion: _Motion
     power: float
     evidence: float
-    heard_s: float
     born: float
     last_seen: float
     last_active: float
@@ -154,20 +161,36 @@ class Tracker:
             source.motion = source.motion.predicted(passed, settings, heard)
         tracks = [source for source in self._sources if source.id]
         maybe = [source for source in self._sources if not source.id]
-        free = self._assign(tracks, list(range(len(peaks.powers))), peaks, passed, time_s)
         strongest = float(peaks.powers.max(initial=0.0))
-        audible = max(settings.keep_power, settings.share * strongest)
+        audible = [k for k in self._no_echoes(peaks) if peaks.powers[k] >= settings.keep_share * strongest]
         free = [
             k
-            for k in free
-            if peaks.powers[k] >= audible
-            and not any(_degrees(peaks.directions[k], t.motion.direction) < settings.apart_deg for t in tracks)
+            for k in self._assign(tracks, audible, peaks, passed, time_s)
+            if not any(_degrees(peaks.directions[k], t.motion.direction) < settings.apart_deg for t in tracks)
         ]
         for k in self._assign(maybe, free, peaks, passed, time_s):
-            self._sources.append(self._begin(time_s, peaks.directions[k], float(peaks.powers[k]), passed))
+            self._sources.append(self._begin(time_s, peaks, k, passed))
         self._bury(time_s)
         self._bear(time_s)
         return tuple(self._track(source, time_s) for source in self._sources if source.id)
+
+    def _no_echoes(self, peaks: Peaks) -> list[int]:
+        settings = self.settings
+        loud = [k for k, power in enumerate(peaks.powers) if power >= settings.keep_power]
+        azimuths = np.degrees(np.arctan2(peaks.directions[:, 1], peaks.directions[:, 0]))
+        elevations = np.degrees(np.arcsin(np.clip(peaks.directions[:, 2], -1, 1)))
+
+        def echoes(k: int, other: int) -> bool:
+            aside = abs((azimuths[k] - azimuths[other] + 180) % 360 - 180)
+            # Near the zenith azimuths say little.
+            aside *= math.cos(math.radians(max(elevations[k], elevations[other])))
+            return bool(
+                peaks.powers[k] < settings.echo_share * peaks.powers[other]
+                and aside < settings.echo_azimuth_deg
+                and abs(elevations[k] - elevations[other]) > settings.echo_elevation_deg
+            )
+
+        return [k for k in loud if not any(echoes(k, other) for other in loud)]
 
     def _assign(self, sources: list[_Source], free: list[int], peaks: Peaks, passed: float, time_s: float) -> list[int]:
         """Give each of ``sources`` at most one of the peaks ``free``, the nearest in all; the peaks left over."""
@@ -184,32 +207,38 @@ class Tracker:
             if possible[row, column]:
                 k = free[column]
                 taken.add(k)
-                self._sight(sources[row], peaks.directions[k], float(peaks.powers[k]), float(peaks.recent[k]), passed)
+                self._sight(sources[row], peaks, k, passed)
                 sources[row].last_seen = time_s
                 if peaks.recent[k] >= settings.active_power:
                     sources[row].last_active = time_s
         return [k for k in free if k not in taken]
 
-    def _sight(self, source: _Source, direction: Vector, power: float, recent: float, passed: float) -> None:
+    def _sight(self, source: _Source, peaks: Peaks, k: int, passed: float) -> None:
         settings = self.settings
-        source.power = power
-        source.heard_s += passed
-        source.evidence += self._evidence(power, passed)
+        source.power = float(peaks.powers[k])
+        source.evidence += self._evidence(peaks, k, passed)
+        recent = float(peaks.recent[k])
         if recent >= settings.keep_power:
             error = math.radians(settings.error_deg) * max(0.5, 0.06 / recent)
-            source.motion = source.motion.corrected(direction, error**2)
+            source.motion = source.motion.corrected(peaks.directions[k], error**2)
 
-    def _evidence(self, power: float, passed: float) -> float:
-        return (power / self.settings.birth_power) ** 3 * passed / self.settings.patience_s
+    def _evidence(self, peaks: Peaks, k: int, passed: float) -> float:
+        settings = self.settings
+        power, strongest = float(peaks.powers[k]), float(peaks.powers.max())
+        strength = min(power / settings.birth_power, power / strongest / settings.birth_share)
+        unlike, alike = settings.echo
+        own = min(1.0, max(0.0, (alike - float(peaks.echoes[k])) / (alike - unlike)))
+        return own * strength**3 * passed / settings.patience_s
 
-    def _begin(self, time_s: float, direction: Vector, power: float, passed: float) -> _Source:
+    def _begin(self, time_s: float, peaks: Peaks, k: int, passed: float) -> _Source:
+        direction, power = peaks.directions[k], float(peaks.powers[k])
         motion = _Motion(direction, np.zeros(3), math.radians(5.0) ** 2, 0.0, math.radians(10.0) ** 2)
-        return _Source(motion, power, self._evidence(power, passed), passed, time_s, time_s, time_s)
+        return _Source(motion, power, self._evidence(peaks, k, passed), time_s, time_s, time_s)
 
     def _bury(self, time_s: float) -> None:
         def lives(source: _Source) -> bool:
             longest = self.settings.silence_s if source.id else 0.2
-            return time_s - source.last_seen <= min(longest, 0.15 + source.heard_s)
+            return time_s - source.last_seen <= min(longest, 0.2 + 0.2 * source.evidence)
 
         self._sources = [source for source in self._sources if lives(source)]
 
