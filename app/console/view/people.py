@@ -28,7 +28,7 @@ from app.console.view.marks import (
 _FACE_COLOR = (70, 225, 140)
 _FLASH_COLOR = (255, 214, 90)
 _FACE_M = (0.30, 0.36)
-_BAR_M = 0.025
+_BAR_M = 0.035
 _RING_M = (0.55, 0.68)
 
 MarkT = TypeVar("MarkT", Arrow, FaceFrame)
@@ -37,8 +37,8 @@ NodesT = TypeVar("NodesT")
 
 def arrow_mesh() -> trimesh.Trimesh:
     """An arrow from the origin along x, 1 m long; made longer by scaling x."""
-    shaft = trimesh.creation.cylinder(radius=0.022, segment=[(0, 0, 0), (0.8, 0, 0)], sections=10)
-    head = trimesh.creation.cone(radius=0.06, height=0.2, sections=12)
+    shaft = trimesh.creation.cylinder(radius=0.03, segment=[(0, 0, 0), (0.8, 0, 0)], sections=10)
+    head = trimesh.creation.cone(radius=0.085, height=0.2, sections=12)
     # Its axis z becomes x.
     head.apply_transform(np.array([[0, 0, 1, 0.8], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]], np.float64))
     return _merged([shaft, head])
@@ -154,7 +154,7 @@ class People:
 
     def _label(self, name: str) -> viser.LabelHandle:
         # Not below its mesh: that is stretched.
-        return self._scene.add_label(f"{self._world}/{name}_text", "", anchor="bottom-center")
+        return self._scene.add_label(f"{self._world}/{name}_text", "", anchor="bottom-center", font_screen_scale=0.8)
 
     def _draw_flash(self, flash: Flash | None) -> int:
         before, self._flash = self._flash, flash
