@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from app.commands import bench, calibrate, check, detect, doctor, log, replay, run, solve
+from app.commands import bench, calibrate, check, detect, doctor, experiment, log, replay, run, solve
 
 #: What ``argparse`` gives for adding a command; its own type is private and generic.
 Subparsers = Any
@@ -33,5 +33,6 @@ COMMANDS: Mapping[str, Command] = {
     "solve": solve,
     "calibrate": calibrate,
     "detect": detect,
+    "experiment": experiment,
     "bench": bench,
 }

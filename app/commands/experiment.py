@@ -1,0 +1,123 @@
+"""``hbba experiment``: the thesis's experiments and our own, unattended."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from app.commands.arguments import number
+from app.errors import ConfigError
+
+
+def add_parser(subparsers: Any) -> None:
+    """Declare ``hbba experiment`` and the experiments there are."""
+    parser = subparsers.add_parser(
+        "experiment",
+        help="run an experiment and report it",
+        description="Run an experiment in the simulated world, unattended, and report it as a table and a picture.",
+    )
+    experiments = parser.add_subparsers(dest="experiment", metavar="EXPERIMENT", required=True)
+    overload = experiments.add_parser(
+        "overload",
+        help="what falls behind on a small computer without attention, and what attention keeps",
+        description="Run the scripted trial twice with the program kept on one core: every filter open, then with "
+        "attention. Reports CPU, ages of messages, missed beats and what was found.",
+    )
+    overload.add_argument("--config", type=Path, metavar="FILE", help="the program (default: the simulated lab)")
+    overload.add_argument("--scenario", type=Path, metavar="FILE", help="the scenario (default: scenarios/trial.yaml)")
+    overload.add_argument("--seconds", type=_seconds, default=60.0, metavar="S", help="how long each (default 60)")
+    overload.add_argument(
+        "--budget", type=_budget, default=100.0, metavar="PERCENT", help="how much of one core (default 100, least 10)"
+    )
+    overload.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    overload.add_argument("--plot", type=Path, metavar="FILE", help="draw it there (PNG or SVG)")
+    trial = experiments.add_parser(
+        "trial",
+        help="the thesis's tour-guide trial, driven by its script",
+        description="Drive the robot along a scenario's script (default: the tour-guide trial of the thesis, figure "
+        "4.8), with attention, and tell what it attended to and found. Ctrl-C stops it and the robot.",
+    )
+    trial.add_argument("--config", type=Path, metavar="FILE", help="the program (default: the simulated lab)")
+    trial.add_argument("--scenario", type=Path, metavar="FILE", help="the scenario (default: scenarios/trial.yaml)")
+    trial.add_argument("--record", metavar="NAME", help="record it under this name")
+    trial.add_argument("--json", action="store_true", help="print JSON instead of the story")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the experiment that ``args`` name. Raises ConfigError."""
+    import cv2
+
+    from app import logs
+    from app.experiments.trial import ScriptBlocked
+    from app.link import LinkFailed
+
+    cv2.setNumThreads(1)
+    logs.configure("warning", as_json=False)
+    try:
+        return _trial(args) if args.experiment == "trial" else _overload(args)
+    except (LinkFailed, ScriptBlocked) as failure:
+        print(f"hbba experiment {args.experiment}: {failure}", file=sys.stderr)
+        return 1
+
+
+def _trial(args: argparse.Namespace) -> int:
+    from app.commands.progress import shown
+    from app.experiments.overload.report import document
+    from app.experiments.simulated import simulated_program
+    from app.experiments.tour import run as run_trial
+
+    program = simulated_program(args.config, args.scenario)
+    with shown("driving") as progress:
+        outcome, events = run_trial(program, args.record, lambda leg, of, label: progress(leg, of, label))
+    if args.json:
+        told = [{"at": round(event.at, 3), "subject": event.subject, "text": event.text} for event in events]
+        print(json.dumps(document((outcome,), {"events": told}), indent=1))
+        return 0
+    for event in events:
+        print(f"{event.at:7.1f} s  {event.text}")
+    found = ", ".join(f"{count} {kind}" for kind, count in outcome.found.items())
+    print(
+        f"\n{outcome.seconds:.0f} s; found {found}; {outcome.missed} of {outcome.beats + outcome.missed} beats of the "
+        f"base missed, {outcome.stops} stops by the guard; program {outcome.cpu:.0f} % of a core, "
+        f"world's time {outcome.world_rate:.2f} of real time"
+    )
+    return 0
+
+
+def _overload(args: argparse.Namespace) -> int:
+    from app.commands.progress import shown
+    from app.experiments.overload.experiment import plan
+    from app.experiments.overload.experiment import run as run_both
+    from app.experiments.overload.report import document, plot, table
+
+    what = plan(args.config, args.scenario, args.seconds, args.budget)
+    with shown("running") as progress:
+        without, kept = run_both(what, lambda condition, part: progress(round(1000 * part), 1000, condition))
+    if args.json:
+        settings = {"seconds": args.seconds, "budget": args.budget}
+        print(json.dumps(document((without, kept), settings), indent=1))
+    else:
+        print(table(without, kept))
+    if args.plot is not None:
+        try:
+            plot(without, kept, args.plot)
+        except OSError as failure:
+            raise ConfigError(f"cannot be written: {failure.strerror or failure}", str(args.plot)) from None
+    return 0
+
+
+def _seconds(text: str) -> float:
+    value = number(text)
+    if value is None or not 5 <= value <= 3600:
+        raise argparse.ArgumentTypeError(f"seconds are a number from 5 to 3600, not {text!r}")
+    return value
+
+
+def _budget(text: str) -> float:
+    value = number(text)
+    if value is None or not 10 <= value <= 100:
+        raise argparse.ArgumentTypeError(f"a budget is 10 to 100 % of a core, not {text!r}")
+    return value

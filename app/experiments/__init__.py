@@ -1,0 +1,1 @@
+"""The thesis's experiments and our own, each run unattended: `hbba experiment NAME`."""

@@ -1,0 +1,80 @@
+"""A small computer made of a large one: the program on one core, the body's world on the others."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+
+import psutil
+
+from app.errors import ConfigError
+
+#: CPU shares differ by this factor from one step of niceness to the next (Linux, sched(7)).
+NICE_STEP = 1.25
+#: With more than this share of a core nobody else need be given work.
+WHOLE = 99.0
+
+
+@contextlib.contextmanager
+def confined(body: int, budget: float) -> Iterator[None]:
+    """Keep this process on the first of its cores, with ``budget`` % of that; process ``body`` on the others.
+
+    Less than a whole core is had by giving a busy neighbour the rest, by niceness: the scheduler gives this process its
+    share whenever both want the core. Undone at the end. Raises ConfigError where it cannot be.
+    """
+    if not hasattr(os, "sched_setaffinity"):
+        raise ConfigError("a program can be kept on one core on Linux alone", "hbba experiment overload")
+    cores = sorted(os.sched_getaffinity(0))
+    if len(cores) < 2:
+        raise ConfigError("the world needs a core of its own beside the program's: two at least", "this computer")
+    ours, others = {cores[0]}, set(cores[1:])
+    neighbours: list[subprocess.Popen[bytes]] = []
+    try:
+        _keep(os.getpid(), ours)
+        for process in _family(body):
+            _keep(process, others)
+        if budget < WHOLE:
+            neighbours = _neighbours(budget, ours)
+        yield
+    finally:
+        for neighbour in neighbours:
+            neighbour.kill()
+            neighbour.wait()
+        _keep(os.getpid(), set(cores))
+
+
+def neighbours_niceness(budget: float) -> list[int]:
+    """The niceness of each busy neighbour that leaves ``budget`` % (0 to 100) of a core to a process of niceness 0.
+
+    One neighbour where it may be nice, several where we are to have less than half.
+    """
+    weight = 100.0 / budget - 1.0  # of all neighbours together, ours being 1
+    count = max(1, math.ceil(weight))
+    niceness = round(-math.log(weight / count) / math.log(NICE_STEP))
+    return [min(19, max(0, niceness))] * count
+
+
+def _neighbours(budget: float, cores: set[int]) -> list[subprocess.Popen[bytes]]:
+    started = []
+    for niceness in neighbours_niceness(budget):
+        # In this session, or Linux would share the core out among sessions first (autogroup).
+        process = subprocess.Popen([sys.executable, "-c", "while True: pass"], stdin=subprocess.DEVNULL)
+        os.sched_setaffinity(process.pid, cores)
+        os.setpriority(os.PRIO_PROCESS, process.pid, niceness)
+        started.append(process)
+    return started
+
+
+def _family(process: int) -> list[int]:
+    return [process, *(child.pid for child in psutil.Process(process).children(recursive=True))]
+
+
+def _keep(process: int, cores: set[int]) -> None:
+    """Every thread of ``process``; those it starts later follow whoever starts them."""
+    for thread in psutil.Process(process).threads():
+        with contextlib.suppress(ProcessLookupError):  # it has just ended
+            os.sched_setaffinity(thread.id, cores)

@@ -1,0 +1,88 @@
+"""The same trial twice on a computer too small for everything: every filter open, then with attention.
+
+The thesis's trials (4.4.2) were run with and without perceptual filtering on a robot whose computer could not do it
+all: without, loops missed their rate and the robot stuttered. Here the program is kept on one core (or a share of it),
+the world on the others; the scenario's script drives the robot, people walk, talk and clap.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.attention.desires import Source
+from app.config import Configuration
+from app.experiments.overload.confinement import confined
+from app.experiments.overload.observation import Observer, Outcome
+from app.experiments.simulated import SimulatedProgram, simulated_program
+from app.experiments.trial import Waypoint, drive_script, load_script
+from app.runtime.graph import Pin
+from app.system import System
+
+#: Before anything is measured, everything has started and the first pictures have come.
+SETTLE_S = 3.0
+PERIOD_S = 0.25
+#: What an operator who watches wants.
+WATCHING = ("Telepresence",)
+#: Nothing is recorded here: a recorder's inputs are no perception's.
+NOT_PERCEPTION = ("Recorder",)
+
+Told = Callable[[str, float], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What to run: the program in its world, the script, for how long, with how much of a core."""
+
+    program: SimulatedProgram
+    script: tuple[Waypoint, ...]
+    seconds: float
+    budget: float
+
+
+def plan(config: Path | None, scenario: Path | None, seconds: float, budget: float) -> Plan:
+    """Read everything. Raises ConfigError."""
+    program = simulated_program(config, scenario)
+    return Plan(program, load_script(program.scenario), seconds, budget)
+
+
+def run(what: Plan, told: Told) -> tuple[Outcome, Outcome]:
+    """Without attention, then with it. ``told(condition, part)`` says how far it is. Raises LinkFailed, ConfigError."""
+    without = asyncio.run(_condition(what, False, lambda part: told("everything at φ = 1", part / 2)))
+    kept = asyncio.run(_condition(what, True, lambda part: told("with attention", 0.5 + part / 2)))
+    return without, kept
+
+
+async def _condition(what: Plan, attention: bool, told: Callable[[float], None]) -> Outcome:
+    system, link = what.program.system(pins=None if attention else _open(what.program.configuration))
+    clock = system.clock
+    async with system:
+        assert link.process_id is not None
+        for cls in WATCHING:
+            if cls in system.classes:
+                system.workspace.add(cls, intensity=4, utility=1, source=Source("operator", "the experiment"))
+        with confined(link.process_id, what.budget):
+            await clock.sleep(SETTLE_S)
+            observer = Observer(system, link.process_id)
+            observer.begin()
+            driving = asyncio.create_task(drive_script(system, what.script), name="script")
+            began = clock.now()
+            try:
+                while (passed := clock.now() - began) < what.seconds:
+                    told(passed / what.seconds)
+                    await clock.sleep(PERIOD_S)
+                    if driving.done() and driving.exception() is not None:
+                        await driving
+            finally:
+                driving.cancel()
+                await asyncio.wait({driving})
+            return observer.outcome(attention=attention)
+
+
+def _open(configuration: Configuration) -> dict[str, Pin]:
+    """Every filter that attention would set, at φ = 1."""
+    with_everything = System(configuration)
+    names = with_everything.table.filters
+    return {name: Pin(1) for name in sorted(names) if name.partition(".")[0] not in NOT_PERCEPTION}

@@ -1,0 +1,213 @@
+"""What is looked on at while a program runs: ages of its messages, its rhythm, what it found."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+import psutil
+
+from app.messages import Exploitation, Faces, Landmarks, LinkStatus, LoudNoise, SceneTruth, SoundSources
+from app.system import System
+
+#: What perceptions and behaviors make, each message with the stamp of what it was made of.
+RESULTS = (
+    "qr_codes",
+    "faces",
+    "loud_noises",
+    "sound_sources",
+    "camera_jpeg",
+    "point_cloud",
+    "robot_audio",
+    "exploitation",
+)
+BEHAVIOR_PERIOD_S = 0.1
+#: Later than this a beat of a 10 Hz behavior was missed.
+MISSED_S = 0.15
+LOOP_BEAT_S = 0.01
+
+
+@dataclass(frozen=True, slots=True)
+class Ages:
+    """How old a channel's messages were when they came (s): ``count`` of them, median, 95th percentile, the oldest."""
+
+    count: int
+    median: float
+    p95: float
+    worst: float
+
+    @staticmethod
+    def of(ages: Sequence[float]) -> Ages:
+        """Of none, all are NaN."""
+        if not ages:
+            return Ages(0, math.nan, math.nan, math.nan)
+        return Ages(len(ages), float(np.median(ages)), float(np.percentile(ages, 95)), max(ages))
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """One condition of the experiment over ``seconds``.
+
+    ``cpu`` of the program and ``body_cpu`` of its world in % of a core; ``world_rate`` simulated time over real time.
+    ``ages`` by channel. ``dropped``: messages that no inbox had room for, by ``Module.port``; ``lost_audio``: frames of
+    sound among them. ``beats`` of the base's arbiter (10 Hz), of which ``missed`` came later than 150 ms. ``stops``:
+    times the guard stopped the wheels since commands were stale. ``loop_late_p99_s`` of the event loop. ``found``:
+    codes, faces, noises and voices, by kind. ``series``: (s, age) by channel, for the plot. ``utilities`` served at the
+    end by class.
+    """
+
+    attention: bool
+    seconds: float
+    cpu: float
+    body_cpu: float
+    world_rate: float
+    ages: dict[str, Ages]
+    rates: dict[str, float]
+    dropped: dict[str, int]
+    beats: int
+    missed: int
+    stops: int
+    loop_late_p99_s: float
+    found: dict[str, int]
+    true_claps: int
+    failures: int
+    series: dict[str, list[tuple[float, float]]]
+    utilities: dict[str, float]
+
+
+class Observer:
+    """Looks on at ``system`` between :meth:`begin` and :meth:`outcome`, wanting nothing of it."""
+
+    def __init__(self, system: System, body: int) -> None:
+        self._system = system
+        self._process = psutil.Process()
+        self._body = psutil.Process(body)
+        self._ages: dict[str, list[float]] = defaultdict(list)
+        self._series: dict[str, list[tuple[float, float]]] = defaultdict(list)
+        self._tracks: dict[str, set[Any]] = defaultdict(set)
+        self._noises = 0
+        self._claps: set[str] = set()
+        self._beats: list[float] = []
+        self._stops = 0
+        self._guard = ""
+        self._world_rates: list[float] = []
+        self._late: list[float] = []
+        self._ends: list[Callable[[], None]] = []
+        self._origin = 0.0
+        self._spent = (0.0, 0.0)
+        self._dropped: Counter[str] = Counter()
+
+    def begin(self) -> None:
+        """From now on."""
+        system = self._system
+        self._origin = system.clock.now()
+        for name in (*RESULTS, "landmarks"):
+            if name in system.graph.channels:
+                self._ends.append(system.graph.channels[name].observe(partial(self._take, name)))
+        self._ends.append(system.link.attach("status", self._watch_guard))
+        if "scene_truth" in system.link.description.streams:
+            self._ends.append(system.link.attach("scene_truth", self._learn))
+            system.link.demand("scene_truth", True)
+        self._dropped = self._drops()
+        self._spent = (_cpu_s([self._process]), _cpu_s(_family(self._body)))
+        beat = asyncio.create_task(self._feel_the_loop(), name="loop lateness")
+        self._ends.append(lambda: _cancel(beat))
+
+    def outcome(self, *, attention: bool) -> Outcome:
+        """What was seen since :meth:`begin`; looks on no more."""
+        system = self._system
+        seconds = system.clock.now() - self._origin
+        ours, bodys = _cpu_s([self._process]), _cpu_s(_family(self._body))
+        for end in self._ends:
+            end()
+        gaps = np.diff(self._beats) if len(self._beats) > 1 else np.zeros(0)
+        missed = int(np.sum(np.maximum(np.round(gaps / BEHAVIOR_PERIOD_S) - 1, gaps > MISSED_S)))
+        intention = system.translator.current
+        return Outcome(
+            attention=attention,
+            seconds=seconds,
+            cpu=100 * (ours - self._spent[0]) / seconds,
+            body_cpu=100 * (bodys - self._spent[1]) / seconds,
+            world_rate=float(np.mean(self._world_rates)) if self._world_rates else math.nan,
+            ages={name: Ages.of(self._ages[name]) for name in RESULTS if self._ages[name]},
+            rates={name: len(ages) / seconds for name, ages in self._ages.items()},
+            dropped=dict(self._drops() - self._dropped),
+            beats=len(self._beats),
+            missed=missed,
+            stops=self._stops,
+            loop_late_p99_s=float(np.percentile(self._late, 99)) if self._late else math.nan,
+            found={
+                "codes": len(self._tracks["codes"]),
+                "faces": len(self._tracks["faces"]),
+                "noises": self._noises,
+                "voices": len(self._tracks["voices"]),
+            },
+            true_claps=len(self._claps),
+            failures=sum(state.restarts for state in system.supervisor.states.values()),
+            series=dict(self._series),
+            utilities={s.cls: s.utility for s in intention.strategies} if intention is not None else {},
+        )
+
+    def _take(self, channel: str, message: Any) -> None:
+        now = self._system.clock.now()
+        if channel in RESULTS:
+            self._ages[channel].append(now - message.stamp)
+            self._series[channel].append((now - self._origin, now - message.stamp))
+        self._note(message)
+
+    def _note(self, message: Any) -> None:
+        match message:
+            case Exploitation():
+                self._beats.append(self._system.clock.now())
+            case Faces():
+                self._tracks["faces"].update(face.track for face in message.faces)
+            case LoudNoise():
+                self._noises += 1
+            case Landmarks():
+                self._tracks["codes"].update(landmark.text for landmark in message.landmarks)
+            case SoundSources():
+                self._tracks["voices"].update(s.track for s in message.sources if s.speech >= 0.5)
+
+    def _learn(self, truth: SceneTruth) -> None:
+        self._claps.update(sound.name for sound in truth.sounds if sound.kind == "clap" and sound.began > self._origin)
+
+    def _watch_guard(self, status: LinkStatus) -> None:
+        self._world_rates.append(status.world_rate)
+        if status.guard == "stale_command" and self._guard == "driving":
+            self._stops += 1
+        self._guard = status.guard
+
+    def _drops(self) -> Counter[str]:
+        return Counter(
+            {
+                name: statistics.dropped
+                for channel in self._system.graph.channels.values()
+                for name, statistics in channel.statistics().subscriptions.items()
+                if statistics.dropped
+            }
+        )
+
+    async def _feel_the_loop(self) -> None:
+        loop = asyncio.get_running_loop()
+        while True:
+            due = loop.time() + LOOP_BEAT_S
+            await asyncio.sleep(LOOP_BEAT_S)
+            self._late.append(loop.time() - due)
+
+
+def _cancel(task: asyncio.Task[None]) -> None:
+    task.cancel()
+
+
+def _family(process: psutil.Process) -> list[psutil.Process]:
+    return [process, *process.children(recursive=True)]
+
+
+def _cpu_s(processes: Iterable[psutil.Process]) -> float:
+    return sum(p.cpu_times().user + p.cpu_times().system for p in processes)

@@ -1,0 +1,46 @@
+"""A program in the simulated world, with the world's truth beside it for whoever measures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from app import paths
+from app.config import Configuration, load_configuration
+from app.errors import ConfigError
+from app.robots.config import RobotConfig
+from app.robots.factory import create_link, load_body
+from app.robots.simulated.link import SimulatedLink
+from app.runtime.clock import RealClock
+from app.runtime.graph import Pin
+from app.system import System
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatedProgram:
+    """A ``configuration``, its ``body`` telling the truth, and the ``scenario`` that it lives in."""
+
+    configuration: Configuration
+    body: RobotConfig
+    scenario: Path
+
+    def system(self, pins: Mapping[str, Pin] | None = None) -> tuple[System, SimulatedLink]:
+        """A program to be entered, and its body. Raises ConfigError."""
+        clock = RealClock()
+        link = create_link(self.body, clock.offset)
+        assert isinstance(link, SimulatedLink)
+        return System(self.configuration, link=link, clock=clock, pins=pins), link
+
+
+def simulated_program(config: Path | None = None, scenario: Path | None = None) -> SimulatedProgram:
+    """The program of ``config`` (default: the lab) in ``scenario`` (default: the trial). Raises ConfigError."""
+    configuration = load_configuration(config or paths.config_dir() / "lab.yaml")
+    robot = configuration.path(configuration.program.robot)
+    body = load_body(robot)
+    if not isinstance(body, RobotConfig):
+        raise ConfigError("is no simulated robot, and experiments need a world whose truth is known", str(robot))
+    scenario = (scenario or paths.config_dir() / "scenarios" / "trial.yaml").resolve()
+    return SimulatedProgram(
+        configuration, body.model_copy(update={"scenario": scenario, "ground_truth": True}), scenario
+    )
