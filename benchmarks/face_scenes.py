@@ -24,7 +24,7 @@ KINECT = CameraModel(640, 480, 589.0, 589.0, 319.5, 239.5)
 IMV = FisheyeModel.from_fov(1024, 768, math.pi, math.pi)
 _FORWARD = (-math.pi / 2, 0.0, -math.pi / 2)
 X_BKINECT = Pose3.from_translation_rpy((0.1, 0.0, 1.3), _FORWARD)
-X_BIMV = Pose3.from_translation_rpy((0.1, 0.0, 1.2), _FORWARD)
+X_BIMV = Pose3.from_translation_rpy((0.1, 0.0, 0.89), _FORWARD)
 NAMES = tuple(FACES)
 #: From the eyes to the mouth (m) of a person of mean height.
 EYES_TO_MOUTH_M = 0.040 * 1.71

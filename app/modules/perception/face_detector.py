@@ -26,7 +26,6 @@ from pydantic import Field
 
 from app.geometry import Pose2
 from app.messages import Face, Faces, Image, Odometry, read_only
-from app.modules.perception.faces.panorama import StripView
 from app.modules.perception.faces.placing import FaceLooker, Sighting
 from app.modules.perception.faces.tracks import FaceTracks, Placed, TrackModel
 from app.modules.perception.faces.yunet import THRESHOLD, ModelMissing
@@ -44,10 +43,8 @@ class FaceDetectorSettings(Settings):
     fine: bool = Field(True, description="used while no strategy says another")
     fine_px: int = Field(640, ge=64, le=4096, description="longest side of images without fisheye, looked at finely")
     coarse_px: int = Field(320, ge=64, le=4096, description="... and otherwise")
-    fine_px_per_rad: float = Field(326, ge=50, le=2000, description="of the fisheye's image unrolled, finely")
-    coarse_px_per_rad: float = Field(200, ge=50, le=2000, description="... and otherwise")
-    lowest_deg: float = Field(-25, ge=-90, le=90, description="least elevation looked at in the fisheye's image")
-    highest_deg: float = Field(45, ge=-90, le=90, description="greatest elevation")
+    fine_px_per_rad: float = Field(400, ge=50, le=2000, description="of the fisheye's image unrolled, finely")
+    coarse_px_per_rad: float = Field(244, ge=50, le=2000, description="... and otherwise")
     height_mean_m: float = Field(1.71, gt=0, description="mean height of the people expected, shoes on")
     height_sigma_m: float = Field(0.10, gt=0, description="its standard deviation")
     forget_s: float = Field(1.2, gt=0, description="a face not seen for longer has gone, and comes back as another")
@@ -110,12 +107,8 @@ class FaceDetector(Module):
         assert self._looker is not None
         settings = self.settings
         self._looker.finder.threshold = min_score
-        view = StripView(
-            settings.fine_px_per_rad if fine else settings.coarse_px_per_rad,
-            lowest=float(np.radians(settings.lowest_deg)),
-            highest=float(np.radians(settings.highest_deg)),
-        )
-        return self._looker.look(image, settings.fine_px if fine else settings.coarse_px, view)
+        longest = settings.fine_px if fine else settings.coarse_px
+        return self._looker.look(image, longest, settings.fine_px_per_rad if fine else settings.coarse_px_per_rad)
 
     def _tell_of_pose(self, X_OB: Pose2 | None) -> None:
         if (X_OB is None) != self._poseless:

@@ -115,6 +115,12 @@ def test_a_strip_shows_what_the_fisheye_sees_there() -> None:
     assert math.degrees(math.acos(min(1.0, float(seen @ ray_B)))) < 0.2
 
 
+@given(camera=st.floats(0.3, 1.9), face=st.floats(1.05, 1.80), distance=st.floats(0.9, 8))
+def test_a_strip_of_people_holds_their_faces(camera: float, face: float, distance: float) -> None:
+    view = StripView.of_people(camera, 100)
+    assert view.lowest < math.atan2(face - camera, distance) < view.highest
+
+
 def test_a_strip_is_made_anew_when_the_camera_tilts_and_not_when_it_trembles() -> None:
     strip = Strip(IMV, X_BIMV.rotation[2], StripView(60))
     for degrees, fits in ((0.3, True), (3.0, False)):
@@ -145,7 +151,7 @@ def test_faces_with_depth_are_placed_within_centimetres(looker: FaceLooker, dist
         facing(n, (distance * math.cos(a), distance * math.sin(a), 1.55))
         for n, a in zip(NAMES, (-0.3, -0.1, 0.1, 0.3), strict=True)
     ]
-    sightings = looker.look(kinect_image(0, Pose2(), cards), 640, VIEW)
+    sightings = looker.look(kinect_image(0, Pose2(), cards), 640, 326)
     assert len(sightings) == 4
     for sighting in sightings:
         assert sighting.measured
@@ -161,7 +167,7 @@ def test_faces_all_around_have_their_direction_and_a_distance_with_its_deviation
 ) -> None:
     a = math.radians(azimuth)
     card = facing("lecturer", (0.1 + distance * math.cos(a), distance * math.sin(a), 1.5))
-    (sighting,) = looker.look(imv_image(0, Pose2(), [card]), None, VIEW)
+    (sighting,) = looker.look(imv_image(0, Pose2(), [card]), None, 326)
     truth = np.array(card.place) - X_BIMV.translation
     true_range = float(np.linalg.norm(truth))
     assert math.degrees(math.acos(min(1.0, float(sighting.ray @ truth) / true_range))) < 1.0
@@ -174,7 +180,7 @@ def test_faces_all_around_have_their_direction_and_a_distance_with_its_deviation
 def test_beyond_the_depths_reach_height_takes_its_place(looker: FaceLooker) -> None:
     image = kinect_image(0, Pose2(), [facing("visitor", (2.0, 0.0, 1.6))])
     blind = type(image)(image.stamp, image.frame, image.color, np.zeros_like(image.depth), image.camera, X_BKINECT)
-    (sighting,) = looker.look(blind, 640, VIEW)
+    (sighting,) = looker.look(blind, 640, 326)
     assert not sighting.measured
     assert sighting.range_sigma_m > 0.3
 

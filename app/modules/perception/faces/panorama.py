@@ -16,6 +16,11 @@ from numpy.typing import NDArray
 
 from app.geometry import FisheyeModel
 
+#: Faces are looked for whose middle is between these heights (m): somebody who sits, and one as tall as 1.96 m.
+_LOWEST_M, _HIGHEST_M = 1.05, 1.80
+#: ... from so far away on (m); half of a face's box is so high (m).
+_NEAREST_M, _HALF_FACE_M = 0.9, 0.14
+
 #: The vertical may tilt so far in the camera (rad) before the strip is made anew: faces turn no further than that.
 _TILT = math.radians(1.0)
 
@@ -26,8 +31,16 @@ class StripView:
 
     pixels_per_rad: float
     azimuth: float = math.radians(90)
-    lowest: float = math.radians(-25)
-    highest: float = math.radians(45)
+    lowest: float = math.radians(-15)
+    highest: float = math.radians(50)
+
+    @staticmethod
+    def of_people(height_m: float, pixels_per_rad: float) -> StripView:
+        """All around, as far up and down as people's faces can be for a camera ``height_m`` above the floor."""
+        down, up = _LOWEST_M - _HALF_FACE_M - height_m, _HIGHEST_M + _HALF_FACE_M - height_m
+        # Faces below the camera go down the nearer they are, faces above it go up; the others near the horizon.
+        lowest, highest = min(0.0, math.atan2(down, _NEAREST_M)), max(0.0, math.atan2(up, _NEAREST_M))
+        return StripView(pixels_per_rad, lowest=lowest, highest=highest)
 
     @property
     def size(self) -> tuple[int, int]:

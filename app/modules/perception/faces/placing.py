@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import CameraModel, FisheyeModel, Pose3
+from app.geometry import FisheyeModel, Pose3
 from app.messages import Image
 from app.modules.perception.faces.panorama import Strip, StripView
 from app.modules.perception.faces.yunet import Detection, FaceFinder
@@ -87,14 +87,14 @@ class FaceLooker:
         self._people = people
         self._strips: dict[str, Strip] = {}
 
-    def look(self, image: Image, longest: int | None, view: StripView) -> list[Sighting]:
+    def look(self, image: Image, longest: int | None, px_per_rad: float) -> list[Sighting]:
         """Every face of ``image``, placed.
 
         Images of a pinhole camera are looked at with their longer side reduced to ``longest`` (None: as they are),
-        those of a fisheye unrolled as ``view`` says.
+        those of a fisheye unrolled to ``px_per_rad``.
         """
         if isinstance(image.camera, FisheyeModel):
-            return self._look_around(image, image.camera, view)
+            return self._look_around(image, image.camera, px_per_rad)
         camera = image.camera
         sightings = []
         for face in self.finder.find(image.color, longest):
@@ -104,15 +104,17 @@ class FaceLooker:
             sightings.append(self._placed(face, np.asarray(camera.rays(at), np.float64), sigma, depth, image.X_BC))
         return sightings
 
-    def _look_around(self, image: Image, camera: FisheyeModel, view: StripView) -> list[Sighting]:
+    def _look_around(self, image: Image, camera: FisheyeModel, px_per_rad: float) -> list[Sighting]:
         up_C = np.asarray(image.X_BC.rotation[2], np.float64)
+        # To the nearest decimetre: a torso that breathes makes no new strip.
+        view = StripView.of_people(round(float(image.X_BC.translation[2]), 1), px_per_rad)
         strip = self._strips.get(image.frame)
         if strip is None or strip.view != view or not strip.fits(camera, up_C):
             strip = self._strips[image.frame] = Strip(camera, up_C, view)
         sightings = []
         for face in self.finder.find(strip.unroll(image.color)):
             ray_C = strip.rays(middle(face.landmarks))
-            sigma = max(0.5, _MIDDLE * face.box[2]) / view.pixels_per_rad
+            sigma = max(0.5, _MIDDLE * face.box[2]) / px_per_rad
             seen = in_image(face, strip)
             if seen is not None:
                 sightings.append(self._placed(seen, ray_C, sigma, None, image.X_BC))
@@ -175,6 +177,3 @@ def in_image(face: Detection, strip: Strip) -> Detection | None:
         return None
     (u0, v0), (u1, v1) = seen.min(axis=0).tolist(), seen.max(axis=0).tolist()
     return Detection(face.score, (u0, v0, u1 - u0, v1 - v0), landmarks.astype(np.float32))
-
-
-__all__ = ["CameraModel", "FaceLooker", "Sighting", "face_depth", "in_image", "middle", "ray_covariance"]
