@@ -21,7 +21,7 @@ ACCELERATION_MPS2 = 1.5
 TURN_RADPS, HEAD_RADPS = math.radians(110), math.radians(140)
 HEAD_YAW, HEAD_PITCH = math.radians(65), math.radians(20)
 CLAP_RAISE_S = 0.35
-REACHED_M = 0.01
+REACHED_M = 0.004
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,7 +167,7 @@ class Actor:
             return 0.0
         if any(self._in_the_way(direction, (other.x, other.y), ahead=0.9, aside=0.45) for other in before):
             return 0.0
-        return min(step.speed, math.sqrt(2 * ACCELERATION_MPS2 * left) + 0.05)
+        return min(step.speed, math.sqrt(2 * ACCELERATION_MPS2 * left) + 0.02)
 
     def _in_the_way(self, direction: float, other: tuple[float, float], ahead: float, aside: float) -> bool:
         dx, dy = other[0] - self.x, other[1] - self.y

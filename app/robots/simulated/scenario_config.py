@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, Field, PlainValidator, field_validator, model_validator
 
 from app.robots.simulated.faces import FACES
 from app.yaml_source import load_yaml, suggestion
@@ -22,7 +22,18 @@ Color = tuple[
     Annotated[int, Field(ge=0, le=255)], Annotated[int, Field(ge=0, le=255)], Annotated[int, Field(ge=0, le=255)]
 ]
 Kind = Literal["speech", "clap", "door", "steps", "music", "alarm", "noise"]
-Look = Literal["ahead", "robot"] | Point
+
+
+def _look(value: object) -> object:
+    """One sentence on what is allowed, where a union would complain of each of its members."""
+    if value in ("ahead", "robot"):
+        return value
+    if isinstance(value, list | tuple) and len(value) == 2 and all(isinstance(v, int | float) for v in value):
+        return (float(value[0]), float(value[1]))
+    raise ValueError("should be 'ahead', 'robot' or a point [x, y]")
+
+
+Look = Annotated[Literal["ahead", "robot"] | Point, PlainValidator(_look)]
 SOUND_FILES = (".wav", ".flac", ".ogg")
 ACTIONS = ("walk", "wait", "wait_for_robot", "say", "clap")
 
