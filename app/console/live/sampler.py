@@ -109,6 +109,8 @@ class Sampler:
             self._history.add(at, rows)
         self._exploitation = None
         self._odometry = None
+        # Whoever watches has forgotten it: the same is news again.
+        self._perceived = {}
 
     def _sample(self, now: float) -> None:
         self._sequence += 1

@@ -9,6 +9,7 @@ import httpx
 
 from app.console.live.feeds import SOUND_CHANNEL
 from app.console.live.hub import Hub
+from app.console.live.outbox import MOST_SOUND
 from app.geometry import Pose2
 from app.messages import LoudNoise, Odometry
 from app.system import System
@@ -121,6 +122,26 @@ async def test_one_click_lets_a_page_hear_the_robot(url: str, system: System, bo
         await ben.send("ping", t=1)
         while not isinstance(frame := await ben.receive(), dict) or frame["type"] != "pong":
             assert isinstance(frame, dict), "who does not listen hears nothing"
+
+
+async def test_a_slow_listener_loses_sound_and_is_told_how_much(url: str, system: System, hub: Hub) -> None:
+    channel = system.graph.channel(SOUND_CHANNEL)
+    async with page(url, "slow", max_queue=1) as slow, page(url, "fast") as fast:
+        for ann in (slow, fast):
+            await ann.send("listen", on=True)
+        viewer = next(viewer for viewer in hub.viewers if viewer.operator == "slow")
+        await until(lambda: channel.wanted and all(viewer.listens for viewer in hub.viewers))
+        slow.connection.transport.pause_reading()
+        long = "x" * 50_000
+        while viewer.outbox.statistics().replaced < 20:
+            system.timeline.add("module", "Nobody", long)
+            await fast.until("events")
+        for number in range(40):
+            channel.publish(sound(number / 50, 960 * number, samples=960))
+            assert (await fast.sound())[0] == number + 1
+        slow.connection.transport.resume_reading()
+        seqs = [(await slow.sound())[0] for _ in range(MOST_SOUND)]
+        assert seqs == list(range(41 - MOST_SOUND, 41))
 
 
 async def test_a_listener_that_goes_is_not_listened_for(url: str, system: System) -> None:
