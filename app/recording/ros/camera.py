@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import CameraModel, Pose3
+from app.geometry import CameraModel, FisheyeModel, Pose3
 from app.messages import EncodedImage, Image, read_only
 from app.recording.ros import typestore
 from app.recording.ros.frames import BASE, TF, Transform, header, pose3_numbers
+from app.recording.ros.generated import generated
 from app.recording.ros.info import InfoTopic, pose_key
 from app.recording.ros.patch import assembled, stamped, with_length
 from app.recording.ros.record import MAIN, Record, Topic
@@ -35,6 +37,17 @@ class ImageInfo:
 
 
 @dataclass(frozen=True, slots=True)
+class FisheyeImageInfo:
+    """The same of a fisheye's Image. A class of its own, so that recordings of before it stay what they are."""
+
+    stamp: float
+    frame: str
+    has_depth: bool
+    camera: FisheyeModel
+    X_BC: Pose3
+
+
+@dataclass(frozen=True, slots=True)
 class EncodedImageInfo:
     """The size (px) of an EncodedImage."""
 
@@ -46,23 +59,37 @@ class EncodedImageInfo:
 class ImageConverter:
     """Colour (JPEG), depth (raw 16UC1, mm), camera and the camera's pose, all of one stamp.
 
-    Everything but the colour's pixels comes back exactly.
+    Everything but the colour's pixels comes back exactly. A channel's images are all a pinhole's or all a fisheye's.
     """
 
-    def __init__(self, channel: str, jpeg_quality: int) -> None:
-        """``jpeg_quality`` 1 to 100."""
+    def __init__(self, channel: str, jpeg_quality: int, main_type: str | None = None) -> None:
+        """``jpeg_quality`` 1 to 100; ``main_type`` of a channel that a file has, else the first image decides."""
         self._color = Topic(f"/{channel}/color/compressed", _COMPRESSED, "color")
         self._depth = Topic(f"/{channel}/depth", _RAW, "depth")
         self._camera = Topic(f"/{channel}/camera_info", _CAMERA_INFO, None)
-        self._info = InfoTopic(channel, ImageInfo)
-        self.topics = (self._color, self._depth, self._camera, TF, self._info.topic)
+        self._channel = channel
+        self._info: InfoTopic[Any]
+        self._set_lens(FisheyeModel if main_type == generated(FisheyeImageInfo).type else CameraModel)
+        self._decided = main_type is not None
         self._options = (cv2.IMWRITE_JPEG_QUALITY, jpeg_quality)
-        self._known: tuple[str, CameraModel, tuple[int, ...]] | None = None
+        self._known: tuple[str, CameraModel | FisheyeModel, tuple[int, ...]] | None = None
+
+    @property
+    def topics(self) -> tuple[Topic, ...]:
+        """Colour, depth, camera, transform, info: the last one's type tells the lens."""
+        return (self._color, self._depth, self._camera, TF, self._info.topic)
 
     def encode(self, message: Image, stamp_ns: int) -> list[Record]:
-        """Colour, depth if there is any, camera, transform, info. Raises cv2.error for what JPEG cannot hold."""
-        if not isinstance(message.camera, CameraModel):
-            raise TypeError("only pinhole cameras can be recorded")
+        """Colour, depth if there is any, camera, transform, info.
+
+        Raises cv2.error for what JPEG cannot hold, and ValueError for an image through another lens than the first.
+        """
+        if not self._decided:
+            self._set_lens(type(message.camera))
+            self._decided = True
+        if type(message.camera) is not self._lens:
+            given, kept = type(message.camera).__name__, self._lens.__name__
+            raise ValueError(f"an image through a {given} among those of a {kept}")
         depth = message.depth
         shape = () if depth is None else depth.shape
         known = (message.frame, message.camera, shape)
@@ -77,7 +104,7 @@ class ImageConverter:
             raw = assembled(self._depth_head, stamp_ns, *with_length(bulk.data.cast("B"), bulk.nbytes))
             records.append(Record(self._depth.name, _RAW, stamp_ns, raw))
         pose = pose3_numbers(message.X_BC)
-        info = ImageInfo(message.stamp, message.frame, depth is not None, message.camera, message.X_BC)
+        info = self._kind(message.stamp, message.frame, depth is not None, message.camera, message.X_BC)
         records += (
             Record(self._camera.name, _CAMERA_INFO, stamp_ns, stamped(self._camera_data, stamp_ns)),
             self._transform.record(stamp_ns, pose),
@@ -101,7 +128,12 @@ class ImageConverter:
         pixels = read_only(color.astype(np.uint8, copy=False))
         return Image(info.stamp, info.frame, pixels, depth, info.camera, info.X_BC)
 
-    def _prepare(self, frame: str, camera: CameraModel, depth: tuple[int, ...]) -> None:
+    def _set_lens(self, lens: type[CameraModel] | type[FisheyeModel]) -> None:
+        self._lens = lens
+        self._kind: type[Any] = ImageInfo if lens is CameraModel else FisheyeImageInfo
+        self._info = InfoTopic(self._channel, self._kind)
+
+    def _prepare(self, frame: str, camera: CameraModel | FisheyeModel, depth: tuple[int, ...]) -> None:
         self._transform = Transform(BASE, frame)
         # Both end with the length of their data, still 0.
         self._color_head = typestore.serialise(_COMPRESSED, header(frame), "jpeg", _NO_BYTES)[:-4]
@@ -112,8 +144,9 @@ class ImageConverter:
         k = np.array([camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1], np.float64)
         p = np.array([camera.fx, 0, camera.cx, 0, 0, camera.fy, camera.cy, 0, 0, 0, 1, 0], np.float64)
         region = typestore.make("sensor_msgs/msg/RegionOfInterest", 0, 0, 0, 0, False)
+        model, terms = ("plumb_bob", 5) if isinstance(camera, CameraModel) else ("equidistant", 4)
         self._camera_data = typestore.serialise(
-            _CAMERA_INFO, header(frame), camera.height, camera.width, "plumb_bob", np.zeros(5), k,
+            _CAMERA_INFO, header(frame), camera.height, camera.width, model, np.zeros(terms), k,
             np.eye(3).reshape(-1), p, 0, 0, region,
         )  # fmt: skip
 

@@ -23,15 +23,19 @@ from app.recording.ros.record import Converter
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """What converters may be told: nominal rate of the channel (Hz), quality of JPEG (1 to 100)."""
+    """What converters may be told: nominal rate of the channel (Hz), quality of JPEG (1 to 100).
+
+    ``main_type`` is the ROS type of the main records in a file that is read.
+    """
 
     rate_hz: float | None = None
     jpeg_quality: int = 90
+    main_type: str | None = None
 
 
 CONVERTERS: Mapping[type[Any], Callable[[str, Options], Converter]] = {
     EncodedImage: lambda channel, _: EncodedImageConverter(channel),
-    Image: lambda channel, options: ImageConverter(channel, options.jpeg_quality),
+    Image: lambda channel, options: ImageConverter(channel, options.jpeg_quality, options.main_type),
     JointState: lambda channel, _: JointStateConverter(channel),
     Landmarks: lambda channel, _: LandmarksConverter(channel),
     LaserScan: lambda channel, options: LaserScanConverter(channel, options.rate_hz),

@@ -11,7 +11,7 @@ from rosbags.typesys import TypesysError, get_types_from_msg
 
 from app.recording import mcap_layout
 from app.recording.ros import typestore
-from app.recording.ros.converters import converter
+from app.recording.ros.converters import Options, converter
 from app.recording.ros.generated import PACKAGE
 from app.recording.ros.patch import STAMP
 from app.recording.ros.record import MAIN, Converter
@@ -32,12 +32,16 @@ class StoredTopic:
 
 @dataclass(frozen=True, slots=True)
 class DecodableChannel:
-    """A channel that can be read: its message class, nominal rate (Hz, None unknown) and topics by part."""
+    """A channel that can be read: its message class, nominal rate (Hz, None unknown) and topics by part.
+
+    ``main_type`` is the ROS type of its main part.
+    """
 
     name: str
     message_type: type[Any]
     rate_hz: float | None
     topics: Mapping[str, str]
+    main_type: str
 
     @property
     def main_topic(self) -> str:
@@ -78,7 +82,8 @@ class Decoder:
     def __init__(self, channels: Iterable[DecodableChannel]) -> None:
         self._lanes: dict[str, tuple[_Lane, str]] = {}
         for channel in channels:
-            lane = _Lane(channel.name, converter(channel.name, channel.message_type))
+            options = Options(main_type=channel.main_type)
+            lane = _Lane(channel.name, converter(channel.name, channel.message_type, options))
             for part, topic in channel.topics.items():
                 self._lanes[topic] = (lane, part)
 
@@ -139,7 +144,9 @@ def _channel(name: str, stored: list[StoredTopic]) -> DecodableChannel:
         cls = ChannelSpec(type=class_name).message_type
     except KeyError:
         raise _Unreadable(f"this program has no message {class_name!r}") from None
-    parts = {topic.part: topic for topic in converter(name, cls).topics if topic.part is not None}
+    main_types = [topic.type for topic in stored if topic.metadata.get(mcap_layout.PART, MAIN) == MAIN]
+    options = Options(main_type=main_types[0] if main_types else None)
+    parts = {topic.part: topic for topic in converter(name, cls, options).topics if topic.part is not None}
     by_part: dict[str, str] = {}
     for topic in stored:
         part = topic.metadata.get(mcap_layout.PART, MAIN)
@@ -152,7 +159,7 @@ def _channel(name: str, stored: list[StoredTopic]) -> DecodableChannel:
         by_part[part] = topic.name
     if MAIN not in by_part:
         raise _Unreadable(f"the topic {parts[MAIN].name}, which says what the others mean, is not in the file")
-    return DecodableChannel(name, cls, _rate(stored), by_part)
+    return DecodableChannel(name, cls, _rate(stored), by_part, parts[MAIN].type)
 
 
 def _rate(stored: list[StoredTopic]) -> float | None:

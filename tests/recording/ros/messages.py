@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from app import messages
-from app.geometry import CameraModel, Pose2, Pose3
+from app.geometry import CameraModel, FisheyeModel, Pose2, Pose3
 from app.messages import EncodedImage, Image, JointState, LaserScan, LogLine, Odometry, PointCloud
 
 #: Stamps as the robot's clock gives them: from there on float64 and nanoseconds say the same.
@@ -36,6 +36,13 @@ def instances(cls: type[Any]) -> st.SearchStrategy[Any]:
         return _SPECIAL[cls]
     hints = typing.get_type_hints(cls)
     return st.builds(cls, **{f.name: _values(f.name, hints[f.name]) for f in fields(cls)})
+
+
+def sequences(cls: type[Any]) -> st.SearchStrategy[list[Any]]:
+    """One to three instances of ``cls`` as one channel may carry them: a camera keeps its lens."""
+    if cls is Image:
+        return st.one_of(*[st.lists(_images((lens,)), min_size=1, max_size=3) for lens in (CameraModel, FisheyeModel)])
+    return st.lists(instances(cls), min_size=1, max_size=3)
 
 
 def same(a: Any, b: Any) -> bool:
@@ -78,12 +85,13 @@ _POSES = st.builds(
 
 
 @st.composite
-def _images(draw: st.DrawFn) -> Image:
+def _images(draw: st.DrawFn, lenses: tuple[type[Any], ...] = (CameraModel, FisheyeModel)) -> Image:
     height, width = draw(st.integers(1, 20)), draw(st.integers(1, 20))
     shade = draw(st.tuples(*[st.integers(0, 255)] * 3))
     color = np.full((height, width, 3), shade, np.uint8)
     depth = draw(st.none() | arrays.arrays(np.uint16, (height, width)))
-    camera = CameraModel(width, height, *draw(st.tuples(*[st.floats(1, 1e4)] * 4)))
+    lens = draw(st.sampled_from(lenses))
+    camera = lens(width, height, *draw(st.tuples(*[st.floats(1, 1e4)] * (5 if lens is FisheyeModel else 4))))
     return Image(draw(STAMPS), draw(_FRAMES), color, depth, camera, draw(_POSES))
 
 

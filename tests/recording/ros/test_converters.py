@@ -14,7 +14,7 @@ from app.messages import Image, Odometry
 from app.recording.ros.converters import converter
 from app.recording.ros.record import MAIN, Converter, Record
 from app.recording.stamps import to_ns
-from tests.recording.ros.messages import instances, message_classes, same
+from tests.recording.ros.messages import instances, message_classes, same, sequences
 
 
 def parts_of(codec: Converter, records: list[Record]) -> dict[str, bytes]:
@@ -40,7 +40,7 @@ def there_and_back(codec: Converter, message: Any) -> Any:
 @given(data=st.data())
 def test_every_message_comes_back_as_it_was(cls: type[Any], data: st.DataObject) -> None:
     codec = converter("channel", cls)
-    for message in data.draw(st.lists(instances(cls), min_size=1, max_size=3)):
+    for message in data.draw(sequences(cls)):
         back = there_and_back(codec, message)
         if cls is Odometry:
             assert abs(back.X_OB.theta - message.X_OB.theta) < 1e-12

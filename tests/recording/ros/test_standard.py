@@ -13,15 +13,16 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from app.geometry import CameraModel, Pose2, Pose3
+from app.geometry import CameraModel, FisheyeModel, Pose2, Pose3
 from app.messages import Image, JointState, Landmark, Landmarks, LaserScan, LogLine, Odometry, PointCloud, Twist
 from app.recording.ros import typestore
 from app.recording.ros.converters import Options, converter
 from app.recording.ros.record import Record
 from app.recording.stamps import to_ns
-from tests.recording.ros.messages import instances, message_classes
+from tests.recording.ros.messages import message_classes, sequences
 
 STAMP = 1_790_000_000.25
+FISHEYE = FisheyeModel.from_fov(64, 48, math.pi, math.pi)
 POSE = Pose3.from_translation_rpy((0.1, 0.2, 1.0), (0.0, 0.0, math.pi / 2))
 
 
@@ -50,7 +51,7 @@ def transform(tf: Any) -> tuple[str, str, list[float], list[float]]:
 @given(data=st.data())
 def test_bytes_are_those_that_rosbags_writes(cls: type[Any], data: st.DataObject) -> None:
     codec = converter("channel", cls)
-    for message in data.draw(st.lists(instances(cls), min_size=1, max_size=3)):
+    for message in data.draw(sequences(cls)):
         for record in codec.encode(message, to_ns(message.stamp)):
             again = typestore.store().serialize_cdr(decoded(record), record.type, little_endian=True)
             assert bytes(again) == record.data, record.type
@@ -91,6 +92,27 @@ def test_an_image_is_jpeg_in_its_true_colours_with_raw_depth_and_its_camera() ->
     parent, child, t, q = transform(records["/tf"])
     assert (parent, child, t) == ("base_link", "eye", [0.1, 0.2, 1.0])
     assert q == pytest.approx([0.0, 0.0, math.sqrt(0.5), math.sqrt(0.5)])
+
+
+def test_a_fisheye_is_an_equidistant_camera_without_further_terms() -> None:
+    fisheye = replace(image(np.zeros((48, 64, 3), np.uint8), depth=False), camera=FISHEYE)
+    records = records_of(fisheye)
+    info = records["/channel/camera_info"]
+    assert (info.distortion_model, info.d.tolist()) == ("equidistant", [0.0] * 4)
+    assert info.k.reshape(3, 3).tolist() == [[FISHEYE.fx, 0.0, 31.5], [0.0, FISHEYE.fy, 23.5], [0.0, 0.0, 1.0]]
+    assert (info.height, info.width) == (48, 64)
+    assert records["/channel/info"].camera.theta_max == math.pi / 2
+    parent, child, t, _ = transform(records["/tf"])
+    assert (parent, child, t) == ("base_link", "eye", [0.1, 0.2, 1.0])
+
+
+def test_another_lens_on_the_same_channel_is_refused() -> None:
+    codec = converter("channel", Image)
+    pinhole = image(np.zeros((48, 64, 3), np.uint8))
+    codec.encode(pinhole, 0)
+    with pytest.raises(ValueError, match="FisheyeModel among those of a CameraModel"):
+        codec.encode(replace(pinhole, camera=FISHEYE), 1)
+    codec.encode(pinhole, 2)
 
 
 def test_a_camera_without_depth_writes_none() -> None:
