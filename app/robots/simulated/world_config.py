@@ -144,8 +144,35 @@ class LightConfig(_Model):
     strength: Annotated[float, Field(ge=0, le=1)]
 
 
+class RoomConfig(_Model):
+    """A room as sound finds it: a rectangle of floor, ``height`` m high (the walls' height if not given).
+
+    ``rt60_s``: reverberation time, of the low and of the high band (about 700 Hz and 4 kHz), or one for the low band
+    (the high is then 0.8 of it); without it, what size and materials make of it.
+    """
+
+    name: str
+    start: Point = Field(alias="from")
+    end: Point = Field(alias="to")
+    height: Positive | None = None
+    rt60_s: Positive | tuple[Positive, Positive] | None = None
+
+    @model_validator(mode="after")
+    def _has_an_area(self) -> RoomConfig:
+        if abs(self.end[0] - self.start[0]) < 0.5 or abs(self.end[1] - self.start[1]) < 0.5:
+            raise ValueError(f"the room {self.name!r} is narrower than half a metre")
+        return self
+
+
+class GapConfig(_Model):
+    """A line on the floor where two rooms meet without a wall."""
+
+    start: Point = Field(alias="from")
+    end: Point = Field(alias="to")
+
+
 class WorldConfig(_Model):
-    """A building of one storey."""
+    """A building of one storey. ``rooms`` and ``gaps`` are for sound alone; doors are openings by themselves."""
 
     name: str
     size: tuple[Positive, Positive]
@@ -155,6 +182,8 @@ class WorldConfig(_Model):
     materials: dict[str, MaterialConfig]
     walls: tuple[WallConfig, ...] = ()
     areas: tuple[AreaConfig, ...] = ()
+    rooms: tuple[RoomConfig, ...] = ()
+    gaps: tuple[GapConfig, ...] = ()
     objects: tuple[ObjectConfig, ...] = ()
     posters: tuple[PosterConfig, ...] = ()
     ambient: Annotated[float, Field(ge=0, le=1)] = 0.45

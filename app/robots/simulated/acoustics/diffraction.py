@@ -12,7 +12,7 @@ K. U. Ingard, "Theoretical Acoustics", 1968, section 8.1.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -26,6 +26,7 @@ TAPS, LEAD = 128, 16
 """Length of a tabulated response (samples), and how many of them come before its arrival."""
 _FRACTIONS = 32
 _ANGLE_STEP_DEG = 2.5
+_FREE_M, _NEAREST_M = 0.02, 0.05
 _PASS, _STOP = 0.80, 0.98
 """Responses fall to nothing between these shares of half the sampling rate, so that they stay short."""
 
@@ -150,6 +151,13 @@ class Microphones:
     p_AM: NDArray[np.float64]
     rate: int
     shadow: bool = True
+    _groups: dict[bool, tuple[tuple[NDArray[np.intp], float], ...]] = field(init=False, default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for near in (False, True):
+            free = near or not self.shadow
+            radii = [0.0 if free or r < _FREE_M else round(float(r), 3) for r in np.linalg.norm(self.p_AM, axis=1)]
+            self._groups[near] = tuple((np.flatnonzero(np.isclose(radii, r)), r) for r in sorted(set(radii)))
 
     def arrivals(self, p_AS: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Lengths (S, M) m of the shortest ways round the torso, and angles (S, M) rad for :func:`response_table`.
@@ -181,12 +189,7 @@ class Microphones:
 
     def tables(self, near: bool = False) -> list[tuple[NDArray[np.intp], Table]]:
         """Microphones (their numbers) that share a table, with it; ``near``: for sources within the sphere."""
-        free = near or not self.shadow
-        radii = [0.0 if free or r < _FREE_M else round(float(r), 3) for r in np.linalg.norm(self.p_AM, axis=1)]
-        return [
-            (np.flatnonzero(np.isclose(radii, radius)), response_table(radius, self.rate))
-            for radius in sorted(set(radii))
-        ]
+        return [(numbers, response_table(radius, self.rate)) for numbers, radius in self._groups[near]]
 
     def impulses(
         self, p_AS: NDArray[np.float64], gains: NDArray[np.float64], length: int, start_s: float = 0.0, taps: int = TAPS
@@ -249,6 +252,3 @@ class Microphones:
             summed = np.bincount(index, weights.ravel(), size)[:-1]
             out[band, microphones] += summed.reshape(microphones.size, length).astype(np.float32)
 
-
-_FREE_M = 0.02
-_NEAREST_M = 0.05

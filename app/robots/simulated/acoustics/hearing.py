@@ -15,7 +15,7 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter, lfilter_zi
+from scipy.signal import lfilter
 
 from app.geometry import Pose3
 from app.robots.simulated.acoustics.bands import AIR_DB_PER_M, low_pass
@@ -95,7 +95,7 @@ class Hearing:
         block: int = 512,
         early_s: float = 0.021,
         late_s: float = 0.6,
-        refresh_blocks: int = 4,
+        refresh_blocks: int = 6,
         floor: float = 0.0,
         voices: int = 8,
         seed: int = 1,
@@ -113,6 +113,7 @@ class Hearing:
         self._early_blocks = -(-(self._step * block + fade + TAPS) // block)
         self._tail = Tail(outputs, block, self._step, max(1, math.ceil(late_s * rate / (self._step * block))))
         self._tail_length = self._tail.count * self._tail.delay
+        self._mouth_state: Samples = np.zeros(1, dtype=np.float32)
         self._noise: Samples | None = None
         self._seed = seed
         self._room: Shoebox | None = None
@@ -144,7 +145,7 @@ class Hearing:
         before = np.zeros((self._outputs, self._block + 1), dtype=np.complex64)
         after = np.zeros_like(before)
         faded = False
-        to_tail = np.zeros(self._block, dtype=np.float32)
+        to_tail = np.zeros((2, self._block), dtype=np.float32)
         ways = [self._surroundings.way(e.p_W, X_WA.translation) for e in emissions]
         audible = self._audible(emissions, ways, X_WA)
         room: Shoebox | None = None
@@ -167,7 +168,7 @@ class Hearing:
             voice.partitions.feed(x)
             faded |= voice.partitions.add_to(before, after)
             if way.room is not None and way.late > 0:
-                to_tail += voice.late(x, way, self.microphones.rate, emission.looks is not None)
+                to_tail[0 if emission.looks is None else 1] += voice.late(x, way, self.microphones.rate)
         self._voices = {
             name: v for name, v in self._voices.items() if name in named or not self._fade_out(v, before, after)
         }
@@ -175,8 +176,14 @@ class Hearing:
         out = finish(before, after, faded)
         if room is not None or self._room is not None:
             self._enter(room)
-            out += self._tail.process(to_tail)
+            out += self._tail.process(to_tail[0] + self._from_mouths(to_tail[1]))
         return out
+
+    def _from_mouths(self, samples: Samples) -> Samples:
+        """What a room gets of sound that mouths give off mostly forward."""
+        low, self._mouth_state = lfilter(*low_pass(self.microphones.rate), samples, zi=self._mouth_state)
+        shelved: Samples = MOUTH_MEAN[1] * samples + (MOUTH_MEAN[0] - MOUTH_MEAN[1]) * low
+        return shelved.astype(np.float32)
 
     def _fade_out(self, voice: _Voice, before: NDArray[np.complex64], after: NDArray[np.complex64]) -> bool:
         """Let a voice that is gone ring out; True when it has."""
@@ -258,7 +265,6 @@ class _Voice:
         self._late_gain = 0.0
         self._age = 0
         self._at: tuple[Way, Pose3, NDArray[np.float64] | None] | None = None
-        self._state: NDArray[np.float32] | None = None
 
     @property
     def silent(self) -> bool:
@@ -305,7 +311,7 @@ class _Voice:
         self._age = 0
         return True
 
-    def late(self, x: Samples, way: Way, rate: int, mouth: bool) -> Samples:
+    def late(self, x: Samples, way: Way, rate: int) -> Samples:
         """What it gives to its room's reverberation, which has died away a little over the direct way's length."""
         assert way.room is not None
         whole_s = (self.delay + MARGIN) / rate
@@ -314,10 +320,4 @@ class _Voice:
             self._late_gain = gain
         y = x * np.linspace(self._late_gain, gain, x.size, endpoint=False, dtype=np.float32)
         self._late_gain = gain
-        if mouth:
-            b, a = low_pass(rate)
-            if self._state is None:
-                self._state = (0 * lfilter_zi(b, a)).astype(np.float32)
-            low, self._state = lfilter(b, a, y, zi=self._state)
-            y = (MOUTH_MEAN[1] * y + (MOUTH_MEAN[0] - MOUTH_MEAN[1]) * low).astype(np.float32)
         return y

@@ -3,7 +3,7 @@
 Early sound is exact: the images of J. B. Allen and D. A. Berkley, "Image method for efficiently simulating small-room
 acoustics", JASA 65, 1979, each through the torso's response for its own direction. Late sound is statistical: waves
 from everywhere, as many as there are images by then, dying away with the reverberation time asked for; what two
-microphones get of it is as alike as in a diffuse field, torso included. Reflections are specular and frequency enters in
+microphones get of it is as alike as in a diffuse field, torso included. Reflections are specular; frequency enters in
 two bands (``bands.py``).
 """
 

@@ -1,0 +1,155 @@
+"""The library of sounds: recorded speech, sounds made by rule, files, and spoken text, each as loud as it is in life.
+
+Levels are sound pressure levels at 1 m, tied to the microphones by ``MicrophonesConfig.sensitivity_db``: that many dB of
+full scale are the 65 dB of a talker of ordinary loudness.
+"""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_closing
+from scipy.signal import resample_poly
+
+from app.errors import ConfigError
+from app.robots.simulated.acoustics.espeak import NoSpeechSynthesis, speak
+from app.robots.simulated.acoustics.synthesis import MAKERS
+from app.yaml_source import suggestion
+
+Samples = NDArray[np.float32]
+ACTIVITY_S = 0.01
+TALKER_DB_SPL = 65.0
+SPEECH = Path(__file__).parent / "speech"
+FILES = (".wav", ".flac", ".ogg")
+
+#: What recorded speech is called, and its file.
+RECORDINGS = MappingProxyType(
+    {
+        "hello": "kennedy_1",
+        "question": "kennedy_2",
+        "answer": "kennedy_3",
+        "remark": "austen_1",
+        "reply": "austen_2",
+        "story": "austen_3",
+    }
+)
+#: Sounds made by rule: dB SPL at 1 m, of the loudest sample (a blow) or of the mean (what lasts).
+PEAK_DB_SPL = MappingProxyType({"clap": 94.0, "knock": 88.0, "door": 92.0, "step": 72.0})
+MEAN_DB_SPL = MappingProxyType({"alarm": 80.0, "music": 65.0, "fan": 42.0})
+_VARIANTS = 8
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Clip:
+    """A sound: ``samples`` (N,) float32, amplitude at 1 m with full scale 1; ``level`` the RMS of its active parts.
+
+    ``activity`` (N / 10 ms,) bool: whether it is louder than its own pauses.
+    """
+
+    samples: Samples
+    activity: NDArray[np.bool_]
+    level: float
+    rate: int
+
+    @property
+    def seconds(self) -> float:
+        """How long it lasts."""
+        return self.samples.size / self.rate
+
+    def active(self, after_s: float, loop: bool = False) -> bool:
+        """Whether it sounds ``after_s`` (s) after its beginning."""
+        if after_s < 0 or not self.activity.size:
+            return False
+        at = int(after_s / ACTIVITY_S)
+        return bool(self.activity[at % self.activity.size if loop else at]) if loop or at < self.activity.size else False
+
+
+class Library:
+    """Gives clips by name at one ``rate``; ``sensitivity_db`` as in MicrophonesConfig."""
+
+    def __init__(self, rate: int, sensitivity_db: float) -> None:
+        self._rate = rate
+        self._sensitivity_db = sensitivity_db
+        self._clips: dict[tuple[str, int], Clip] = {}
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Every sound it has of its own."""
+        return (*sorted(RECORDINGS), *sorted(MAKERS))
+
+    def get(self, clip: str, by: str = "") -> Clip:
+        """The sound called ``clip``: one of ``names``, an absolute path of a sound file, or text to be spoken.
+
+        What has a space in it and is no file is text. ``by`` picks a variant: no two claps are alike, nor two people's
+        spoken voices. Raises ConfigError for a name there is not, a file that is no sound, and text where no speech
+        synthesis is installed.
+        """
+        variant = zlib.crc32(by.encode()) % _VARIANTS if clip not in RECORDINGS and by else 0
+        key = (clip, variant)
+        if key not in self._clips:
+            self._clips[key] = self._make(clip, variant)
+        return self._clips[key]
+
+    def _make(self, clip: str, variant: int) -> Clip:
+        if clip in RECORDINGS:
+            return self._talk(*_read(SPEECH / f"{RECORDINGS[clip]}.flac"))
+        if clip in MAKERS:
+            samples = MAKERS[clip](self._rate, np.random.default_rng([zlib.crc32(clip.encode()), variant]))
+            if clip in PEAK_DB_SPL:
+                return self._clip(samples * (self._amplitude(PEAK_DB_SPL[clip]) / np.abs(samples).max()))
+            return self._clip(samples * (self._amplitude(MEAN_DB_SPL[clip]) / samples.std()))
+        if clip.lower().endswith(FILES):
+            return self._talk(*_read(Path(clip)))
+        if " " in clip.strip():
+            try:
+                return self._talk(*speak(clip, pitch=25 + 8 * variant))
+            except NoSpeechSynthesis as failure:
+                raise ConfigError(f"the text {clip!r} cannot be said: {failure}") from None
+        raise ConfigError(f"there is no sound {clip!r}; {suggestion(clip, self.names)}")
+
+    def _amplitude(self, db_spl: float) -> float:
+        """Root mean square, full scale 1, of a sound of ``db_spl``."""
+        return float(10 ** ((db_spl - TALKER_DB_SPL + self._sensitivity_db) / 20))
+
+    def _talk(self, samples: Samples, rate: int) -> Clip:
+        """Speech or a file, brought to the level of an ordinary talker."""
+        whole = resample_poly(samples, self._rate, rate).astype(np.float32)
+        level = self._clip(whole).level
+        return self._clip(whole * np.float32(self._amplitude(TALKER_DB_SPL) / level) if level > 0 else whole)
+
+    def _clip(self, samples: Samples) -> Clip:
+        active = _activity(samples, self._rate)
+        sounding = _pieces(samples, self._rate)[active]
+        level = float(sounding.std()) if sounding.size else 0.0
+        return Clip(samples.astype(np.float32, copy=False), active, level, self._rate)
+
+
+def _activity(samples: Samples, rate: int, below_db: float = 30.0) -> NDArray[np.bool_]:
+    """For each 10 ms, whether it is within ``below_db`` of the loudest; gaps under 50 ms are filled."""
+    power = np.mean(_pieces(samples, rate).astype(np.float64) ** 2, axis=1)
+    active = (power > power.max(initial=0.0) * 10 ** (-below_db / 10)) & (power > 0)
+    closed: NDArray[np.bool_] = binary_closing(np.pad(active, 5), np.ones(5, dtype=np.bool_))[5:-5]
+    return closed
+
+
+def _read(path: Path) -> tuple[Samples, int]:
+    import soundfile
+
+    try:
+        samples, rate = soundfile.read(path, dtype="float32", always_2d=True)
+    except (soundfile.SoundFileError, OSError) as failure:
+        raise ConfigError(f"{path} cannot be read as sound: {failure}") from None
+    if not samples.size:
+        raise ConfigError(f"{path} holds no sound")
+    return samples.mean(axis=1), int(rate)
+
+
+def _pieces(samples: Samples, rate: int) -> Samples:
+    """``samples`` cut into rows of 10 ms, the last filled up with silence."""
+    size = round(ACTIVITY_S * rate)
+    return np.pad(samples, (0, -samples.size % size)).reshape(-1, size)
