@@ -19,6 +19,7 @@ from app import paths
 from app.errors import ConfigError
 from app.geometry import Pose2, wrap_angle
 from app.messages import GroundTruth, LaserScan, Odometry, OperatorDrive
+from app.robots.simulated.link import SimulatedLink
 from app.robots.simulated.scenario_config import WaypointConfig, load_scenario
 from app.system import System
 
@@ -128,7 +129,7 @@ class _Hands:
         self._sees = "hokuyo" in streams
         if self._sees:
             stack.callback(self._link.attach("hokuyo", self._see_scan))
-        self._start = _start_pose(system)
+        self._start = self._link.start_pose if isinstance(self._link, SimulatedLink) else Pose2()
 
     def _see_truth(self, truth: GroundTruth) -> None:
         self._pose = (truth.stamp, truth.X_WB)
@@ -214,19 +215,6 @@ class _Watch:
             where = f"at ({X_WB.x:.1f}, {X_WB.y:.1f})"
             what = f" on its way to {leg.label or leg.go}" if leg.go is not None else ""
             raise ScriptBlocked(f"{why} {where}{what}, for {PATIENCE_S:.0f} s.")
-
-
-def _start_pose(system: System) -> Pose2:
-    """``X_WO``: where odometry began, as the body's configuration says."""
-    from app.robots.config import RobotConfig
-    from app.robots.factory import load_body
-
-    body = load_body(system.config.path(system.config.program.robot))
-    if not isinstance(body, RobotConfig):
-        return Pose2()
-    start = load_scenario(body.scenario).start if body.scenario is not None else None
-    pose = start or body.start
-    return Pose2(pose.x, pose.y, math.radians(pose.heading_deg))
 
 
 def _turn(error: float, speed: float) -> float:

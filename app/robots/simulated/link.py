@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
+import math
 import os
 import socket
 import sys
@@ -12,6 +13,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any
 
+from app.geometry import Pose2
 from app.link import LinkFailed, RobotDescription, StreamDescription
 from app.messages import (
     Audio,
@@ -68,6 +70,12 @@ class SimulatedLink:
     def description(self) -> RobotDescription:
         """What this body is; known before :meth:`start`."""
         return self._description
+
+    @property
+    def start_pose(self) -> Pose2:
+        """``X_WO``: where in the world odometry begins, as configured."""
+        start = self._robot.start
+        return Pose2(start.x, start.y, math.radians(start.heading_deg))
 
     @property
     def process_id(self) -> int | None:
