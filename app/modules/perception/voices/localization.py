@@ -16,7 +16,7 @@ talkers at once and weak ones among them visible:
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,8 +33,12 @@ _SAME = float(np.cos(np.radians(4.0)))
 _NEAR = float(np.cos(np.radians(8.0)))
 #: How far (rad) a maximum may be from where it is looked for, at each look.
 _LONGEST_STEP = float(np.radians(4.0))
+#: What is nearer to a peak (cosine of 20 degrees) than a lobe's width, and so much weaker, is a side lobe of it.
+_LOBE, _LOBE_SHARE = float(np.cos(np.radians(20.0))), 0.6
 #: How much later than its source a first reflection comes, as far as frames and beams can tell (s).
 _REFLECTION_S = (0.0008, 0.012)
+#: A mean over sound from an array that turned by this (rad, time constant) is too smeared to search.
+_SMEARED = float(np.radians(6.0))
 _AROUND = np.array([-1, 0, 1])[:, None, None]
 
 
@@ -146,21 +150,26 @@ class Localizer:
         self._found = NO_PEAKS
         self._clarity.reset()
 
-    def process(self, samples: NDArray[np.float32], expected: NDArray[np.float64] | None = None) -> Peaks:
+    def process(
+        self, samples: NDArray[np.float32], expected: NDArray[np.float64] | None = None, turned: float = 0.0
+    ) -> Peaks:
         """Hear the next ``step`` samples (step, M), in [-1, 1), columns as the array's positions.
 
         ``expected`` (E, 3): unit vectors near which sources are supposed to be now, by what the caller knows. Peaks
-        follow them without waiting for the next search.
+        follow them without waiting for the next search. ``turned`` (rad, left positive): how far the array itself has
+        turned about its z since the last step; while it turns, the search remembers less, so that nothing is smeared.
         """
         if samples.shape != (self.step, len(self.array)):
             raise ValueError(f"samples are ({self.step}, {len(self.array)}), not {samples.shape}")
-        self._hear(samples)
+        self._hear(samples, abs(turned) / _SMEARED)
+        if turned:
+            self._found = replace(self._found, directions=_turned(self._found.directions, -turned))
         self._steps += 1
         if self._steps % self.settings.search_every == 0:
             self._found = self._search()
         return self._follow(expected)
 
-    def _hear(self, samples: NDArray[np.float32]) -> None:
+    def _hear(self, samples: NDArray[np.float32], smeared: float) -> None:
         settings, hop = self.settings, self.hop
         sound = np.concatenate([self._past, samples])
         self._past = sound[-hop:]
@@ -181,11 +190,11 @@ class Localizer:
             begin = end
         weight = weights.sum(axis=0)
         step_s = self.step / self.rate
-        for mean, total, memory in (
-            (self._long, self._long_weight, settings.search_memory_s),
-            (self._short, self._short_weight, settings.follow_memory_s),
+        for mean, total, age in (
+            (self._long, self._long_weight, step_s / settings.search_memory_s + smeared),
+            (self._short, self._short_weight, step_s / settings.follow_memory_s),
         ):
-            keep = float(np.exp(-step_s / memory))
+            keep = float(np.exp(-age))
             mean *= np.float32(keep)
             mean += cross * np.float32((1 - keep) / settings.frames)
             total *= np.float32(keep)
@@ -243,7 +252,7 @@ class Localizer:
         sizes = np.abs(fft.fft(spectrum))
         pairs, bins = cross.shape
         begin, end = (round(seconds * self.rate) for seconds in _REFLECTION_S)
-        return float(sizes[begin:end].max()) / (2 * pairs * bins)
+        return float(sizes[begin:end].max() / (2 * pairs * bins))
 
     def _steer(self, direction: NDArray[np.float64]) -> NDArray[np.complex64]:
         """What brings sound from ``direction`` (1, 3) into phase at all microphones: (M, B)."""
@@ -289,7 +298,22 @@ class Localizer:
             if not any(directions[k] @ directions[other] > _SAME for other in chosen):
                 chosen.append(k)
         chosen.sort(key=lambda k: -powers[k])
+        # Beside a strong source its side lobes rise and fall with it: nothing of their own.
+        clear = [
+            not any(
+                recent[k] < _LOBE_SHARE * recent[other] and directions[k] @ directions[other] > _LOBE
+                for other in chosen
+            )
+            for k in chosen
+        ]
+        recent[chosen] = np.where(clear, recent[chosen], 0)
         return Peaks(directions[chosen], powers[chosen], recent[chosen], echoes[chosen])
+
+
+def _turned(directions: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
+    """``directions`` (K, 3) turned left by ``angle`` (rad) about z."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.asarray(directions @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]))
 
 
 def _newton_step(gradient: NDArray[np.float64], curving: NDArray[np.float64]) -> NDArray[np.float64]:

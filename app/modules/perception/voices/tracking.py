@@ -48,7 +48,9 @@ class TrackerSettings:
     active_power: float = 0.03
     active_s: float = 0.15
     jerk_degps: float = 20.0
-    rest_s: float = 1.0
+    rest_s: float = 3.0
+    heard_power: float = 0.015
+    sure_power: float = 0.06
     error_deg: float = 2.0
     lag_s: float = 0.06
 
@@ -162,11 +164,16 @@ class Tracker:
         tracks = [source for source in self._sources if source.id]
         maybe = [source for source in self._sources if not source.id]
         strongest = float(peaks.powers.max(initial=0.0))
-        audible = [k for k in self._no_echoes(peaks) if peaks.powers[k] >= settings.keep_share * strongest]
+        audible = [
+            k
+            for k in self._no_echoes(peaks)
+            if peaks.powers[k] >= settings.keep_share * strongest or peaks.recent[k] >= settings.sure_power
+        ]
         free = [
             k
             for k in self._assign(tracks, audible, peaks, passed, time_s)
-            if not any(_degrees(peaks.directions[k], t.motion.direction) < settings.apart_deg for t in tracks)
+            if peaks.powers[k] >= settings.keep_power
+            and not any(_degrees(peaks.directions[k], t.motion.direction) < settings.apart_deg for t in tracks)
         ]
         for k in self._assign(maybe, free, peaks, passed, time_s):
             self._sources.append(self._begin(time_s, peaks, k, passed))
@@ -176,7 +183,11 @@ class Tracker:
 
     def _no_echoes(self, peaks: Peaks) -> list[int]:
         settings = self.settings
-        loud = [k for k, power in enumerate(peaks.powers) if power >= settings.keep_power]
+        loud = [
+            k
+            for k, power in enumerate(peaks.powers)
+            if power >= settings.keep_power or peaks.recent[k] >= settings.sure_power
+        ]
         azimuths = np.degrees(np.arctan2(peaks.directions[:, 1], peaks.directions[:, 0]))
         elevations = np.degrees(np.arcsin(np.clip(peaks.directions[:, 2], -1, 1)))
 
@@ -200,7 +211,7 @@ class Tracker:
         expected = np.array([source.motion.direction for source in sources])
         angles = np.degrees(angle_between(expected[:, None], peaks.directions[free][None]))
         spread = np.degrees(np.sqrt([source.motion.position_variance for source in sources]))[:, None]
-        possible = (angles < settings.gate_deg + np.minimum(spread, 5)) & (peaks.powers[free] >= settings.keep_power)
+        possible = angles < settings.gate_deg + np.minimum(spread, 5)
         rows, columns = linear_sum_assignment(np.where(possible, angles, 1e3))
         taken = set()
         for row, column in zip(rows, columns, strict=True):
@@ -208,16 +219,20 @@ class Tracker:
                 k = free[column]
                 taken.add(k)
                 self._sight(sources[row], peaks, k, passed)
-                sources[row].last_seen = time_s
+                if peaks.recent[k] >= settings.heard_power:
+                    sources[row].last_seen = time_s
                 if peaks.recent[k] >= settings.active_power:
                     sources[row].last_active = time_s
         return [k for k in free if k not in taken]
 
     def _sight(self, source: _Source, peaks: Peaks, k: int, passed: float) -> None:
         settings = self.settings
-        source.power = float(peaks.powers[k])
-        source.evidence += self._evidence(peaks, k, passed)
         recent = float(peaks.recent[k])
+        if recent < settings.heard_power:
+            return
+        if peaks.powers[k] >= settings.keep_power:
+            source.power = float(peaks.powers[k])
+            source.evidence += self._evidence(peaks, k, passed)
         if recent >= settings.keep_power:
             error = math.radians(settings.error_deg) * max(0.5, 0.06 / recent)
             source.motion = source.motion.corrected(peaks.directions[k], error**2)
@@ -247,6 +262,12 @@ class Tracker:
         ready = [source for source in self._sources if not source.id and source.evidence >= 1]
         for source in sorted(ready, key=lambda source: -source.power):
             tracks = [other for other in self._sources if other.id]
+            lost = self._lost(source, tracks, time_s)
+            if lost is not None:
+                lost.motion, lost.power, lost.evidence = source.motion, source.power, lost.evidence + source.evidence
+                lost.last_seen, lost.last_active = source.last_seen, source.last_active
+                self._sources.remove(source)
+                continue
             if any(_degrees(source.motion.direction, t.motion.direction) < self.settings.apart_deg for t in tracks):
                 self._sources.remove(source)
                 continue
@@ -259,6 +280,17 @@ class Tracker:
             source.born = time_s
             self._next += 1
             self._sources.sort(key=lambda source: (not source.id, source.id))
+
+    def _lost(self, source: _Source, tracks: list[_Source], time_s: float) -> _Source | None:
+        """The track that walked on unheard and is heard again as ``source``, if there is one."""
+        found, nearest = None, math.inf
+        for track in tracks:
+            silent = time_s - track.last_seen
+            speed = math.degrees(float(np.linalg.norm(track.motion.velocity)))
+            angle = _degrees(source.motion.direction, track.motion.direction)
+            if silent > 0.15 and angle < min(self.settings.apart_deg + 2 * speed * silent, 30.0, nearest):
+                found, nearest = track, angle
+        return found
 
     def _track(self, source: _Source, time_s: float) -> Track:
         active = time_s - source.last_active <= self.settings.active_s
