@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from app.geometry import wrap_angle
 from app.messages import SeparatedSound, SoundSource, SoundSources, read_only
 from app.modules.perception.height import range_from_height
 from app.modules.perception.voices.array import MicrophoneArray
@@ -88,6 +89,7 @@ class VoicePipeline:
         self._waiting: list[NDArray[np.float32]] = []
         self._separated: tuple[int, ...] = ()
         self._heard = 0
+        self._heading: float | None = None
         self._began: int | None = None
 
     @property
@@ -147,9 +149,15 @@ class VoicePipeline:
 
     def _follow(self, sound: NDArray[np.float32], instant: float, heading: float) -> tuple[Track, ...]:
         """Tracks in ``base_link``'s axes of that instant."""
+        turned = 0.0 if self._heading is None else wrap_angle(heading - self._heading)
+        self._heading = heading
+        # Peaks are of a mean over the last moments, of when the robot had not turned so far yet.
+        localizer = self._localizer
+        mean_age = localizer.settings.follow_memory_s * localizer.rate / localizer.step
+        R_OM = _turn(heading - turned * mean_age)
+        peaks = localizer.process(sound, self._tracker.expected @ R_OM, turned)
+        tracks = self._tracker.update(instant, replace(peaks, directions=peaks.directions @ R_OM.T))
         R_OB = _turn(heading)
-        peaks = self._localizer.process(sound, self._tracker.expected @ R_OB)
-        tracks = self._tracker.update(instant, replace(peaks, directions=peaks.directions @ R_OB.T))
         here = tuple(
             replace(track, id=track.id + self._offset, direction=track.direction @ R_OB, velocity=track.velocity @ R_OB)
             for track in tracks

@@ -1,0 +1,186 @@
+"""VoiceLocalizer: where voices and other sounds come from, who is who, and each by itself (thesis 4.2: ManyEars).
+
+    ┌─────────────────────────────────────────────────────────────────────────────────────────┐
+    │ VoiceLocalizer    in   audio      Audio, 2 and more channels, frames of any length; all  │
+    │                                   or nothing: sound may not be decimated                 │
+    │                   in   odometry   Odometry, 100 Hz, X_OB in odom; never filtered; may be │
+    │                                   absent on a body that never turns                      │
+    │                   out  sources    SoundSources, 23 Hz, directions in base_link           │
+    │                   out  separated  SeparatedSound, 8 blocks/s, 16 kHz, up to 2 voices     │
+    └─────────────────────────────────────────────────────────────────────────────────────────┘
+
+Computes steered response power over the sphere (voices/localization.py), tracks in ``odom``'s axes by the heading at
+the sound's own time (voices/tracking.py), each source's probability of being speech (Silero VAD, voices/speech.py), its
+distance from how tall people are (height.py), and each of up to two sources by itself (voices/separation.py).
+``microphones`` (2, 4, 8 ...: that many of those there are) and ``separation`` are parameters of the strategies for the
+desire LocateVoices, ``voices`` (how many are separated) of the desire itself. After a gap in the sound, and after a
+restart, all begins afresh but the numbers of the tracks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from app.messages import Audio, Odometry, SeparatedSound, SoundSources
+from app.modules.perception.pose_at import PoseAt
+from app.modules.perception.voices.array import MicrophoneArray
+from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
+from app.modules.perception.voices.speech import SpeechJudge
+from app.runtime.errors import InboxOverflow, ModuleFailed
+from app.runtime.module import Module, ModuleContext, Settings
+
+
+class VoiceLocalizerSettings(Settings):
+    """Settings of VoiceLocalizer."""
+
+    microphones: int | None = Field(
+        None, ge=2, description="how many are used while no strategy says another; none: all there are"
+    )
+    separation: bool = Field(True, description="used while no strategy says another")
+    voices: int = Field(2, ge=1, le=4, description="most sources separated, used while no desire says another")
+    speech: bool = Field(True, description="judge whether sources are speech")
+
+
+@dataclass(frozen=True, slots=True)
+class _Wiring:
+    """What a pipeline is made for."""
+
+    p_BM: NDArray[np.float64]
+    rate: int
+
+    def same(self, audio: Audio) -> bool:
+        return audio.rate == self.rate and (audio.p_BM is self.p_BM or np.array_equal(audio.p_BM, self.p_BM))
+
+
+class VoiceLocalizer(Module):
+    """Locates, follows, judges and separates sounds."""
+
+    title = "Voice localizer"
+    Settings = VoiceLocalizerSettings
+    settings: VoiceLocalizerSettings
+
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self._microphones = self.settings.microphones
+        self._wanted = PipelineSettings()
+        self._poses = PoseAt(self.clock)
+        self._heading = 0.0
+        self._poseless = False
+        self._wiring: _Wiring | None = None
+        self._pipeline: VoicePipeline | None = None
+        self._first_track = 1
+        self._waiting: list[NDArray[np.int16]] = []
+        self._waiting_length = 0
+        #: Number and time of the first sample that waits, and the number of the next to come.
+        self._first_sample, self._stamp, self._next_sample = 0, 0.0, -1
+        self.audio = self.input("audio", Audio, capacity=94, lossless=True)
+        self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
+        self.sources = self.output("sources", SoundSources)
+        self.separated = self.output("separated", SeparatedSound)
+        self.on(self.audio, self._hear)
+        self.on(self.odometry, self._remember)
+
+    async def start(self) -> None:
+        """Read the network that judges, and go on with numbers no source told of has had."""
+        if self.settings.speech:
+            await self.compute(SpeechJudge)
+        channel = self.sources.channel
+        if channel is not None and channel.latest is not None:
+            self._first_track = max((source.track for source in channel.latest.sources), default=0) + 1
+
+    def configure(self, parameters: Mapping[str, Any]) -> None:
+        """Take ``microphones``, ``separation`` and ``voices`` from the intention; another pipeline if they changed."""
+        settings = self.settings
+        microphones = parameters.get("microphones", settings.microphones)
+        wanted = PipelineSettings(
+            separation=bool(parameters.get("separation", settings.separation)),
+            voices=int(parameters.get("voices", settings.voices)),
+            speech=settings.speech,
+        )
+        if (microphones, wanted) != (self._microphones, self._wanted):
+            self._microphones, self._wanted = microphones, wanted
+            self._retire()
+
+    def overflowed(self, port: str, loss: InboxOverflow) -> None:
+        """Sound came faster than it could be heard: what was lost is a gap, told by the samples' numbers."""
+        self.log.warning("%s; listening begins afresh", loss)
+
+    async def _remember(self, odometry: Odometry) -> None:
+        self._poses.add(odometry)
+
+    async def _hear(self, audio: Audio) -> None:
+        if self._wiring is None or not self._wiring.same(audio):
+            self._retire()
+            self._wiring = _Wiring(audio.p_BM, audio.rate)
+        if audio.first_sample != self._next_sample:
+            self._forget()
+        if not self._waiting_length:
+            self._first_sample, self._stamp = audio.first_sample, audio.stamp
+        self._waiting.append(audio.samples)
+        self._waiting_length += len(audio.samples)
+        self._next_sample = audio.first_sample + len(audio.samples)
+        while self._pipeline is None:
+            wanted = self._microphones, self._wanted
+            made = await self.compute(_made, self._wiring, *wanted, self._first_track)
+            # Another may have been asked for meanwhile.
+            self._pipeline = made if wanted == (self._microphones, self._wanted) else None
+        pipeline = self._pipeline
+        while self._waiting_length >= pipeline.step and self._pipeline is pipeline:
+            await self._process(pipeline, audio.rate)
+
+    async def _process(self, pipeline: VoicePipeline, rate: int) -> None:
+        """Hear one block of what waits."""
+        sound = np.concatenate(self._waiting)
+        block, rest = sound[: pipeline.step], sound[pipeline.step :]
+        stamp, first_sample = self._stamp, self._first_sample
+        self._waiting, self._waiting_length = ([rest] if len(rest) else []), len(rest)
+        self._stamp, self._first_sample = stamp + pipeline.step / rate, first_sample + pipeline.step
+        headings = [await self._heading_at(instant) for instant in pipeline.instants(stamp)]
+        sources, separated = await self.compute(pipeline.process, block, stamp, first_sample, headings)
+        self.sources.publish(sources)
+        if separated is not None:
+            self.separated.publish(separated)
+
+    async def _heading_at(self, stamp: float) -> float:
+        """The robot's heading then; the last one known where odometry does not reach."""
+        if not self.odometry.connected:
+            return 0.0
+        # Once it was late, it is not waited for again: sound does not wait either.
+        X_OB = await self._poses.at(stamp, 0.0 if self._poseless else 0.5)
+        if (X_OB is None) != self._poseless:
+            self._poseless = X_OB is None
+            if self._poseless:
+                self.log.warning("sounds are followed as if the robot stood still: odometry does not reach their time")
+            else:
+                self.log.info("odometry reaches the time of the sound again")
+        if X_OB is not None:
+            self._heading = X_OB.theta
+        return self._heading
+
+    def _forget(self) -> None:
+        """The next samples do not follow the last."""
+        self._waiting, self._waiting_length = [], 0
+        if self._pipeline is not None:
+            self._pipeline.reset()
+
+    def _retire(self) -> None:
+        """Another pipeline takes over, with numbers of its own."""
+        if self._pipeline is not None:
+            self._first_track = self._pipeline.next_track
+        self._pipeline = None
+        self._forget()
+
+
+def _made(wiring: _Wiring, microphones: int | None, settings: PipelineSettings, first_track: int) -> VoicePipeline:
+    try:
+        array = MicrophoneArray(wiring.p_BM)
+        count = len(array) if microphones is None else min(microphones, len(array))
+        return VoicePipeline(array.subset(count), wiring.rate, settings, first_track=first_track)
+    except ValueError as mistake:
+        raise ModuleFailed(f"voices cannot be located with these microphones: {mistake}") from None
