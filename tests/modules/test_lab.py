@@ -59,13 +59,27 @@ def of_class(table: StrategyTable, cls: str) -> list[Strategy]:
 @pytest.mark.parametrize("cls", ["FindQRCodes", "Telepresence"])
 def test_half_the_rate_is_half_the_utility_and_half_the_cost(table: StrategyTable, cls: str) -> None:
     full, *rest = of_class(table, cls)
-    assert set(full.filters.values()) == {1}
+    assert min(full.filters.values()) == 1
     for strategy in rest:
-        (divisor,) = set(strategy.filters.values())
-        assert strategy.filters.keys() == full.filters.keys()
+        divisor = min(strategy.filters.values())
+        assert strategy.filters == {port: divisor * share for port, share in full.filters.items()}
         assert strategy.utility == full.utility / divisor
         assert strategy.costs["cpu"] == pytest.approx(full.costs["cpu"] / divisor)
         assert strategy.name == full.name.replace("-1", f"-{divisor:.0f}")
+
+
+@pytest.mark.parametrize(("fine", "full_utility"), [(True, 8), (False, 4)])
+def test_faces_are_looked_for_finely_or_not_in_both_cameras_at_each_rate(
+    table: StrategyTable, fine: bool, full_utility: float
+) -> None:
+    strategies = [s for s in of_class(table, "LocateFaces") if s.parameters == {"FaceDetector": {"fine": fine}}]
+    assert len(strategies) == (4 if fine else 3), "none so weak that nobody's desire is fulfilled"
+    full = strategies[0].costs["cpu"]
+    for strategy, divisor in zip(strategies, (1, 2, 4, 8), strict=False):
+        assert strategy.name.endswith(f"-{divisor}")
+        assert strategy.filters == {"FaceDetector.images": divisor, "FaceDetector.panorama": divisor}
+        assert strategy.utility == full_utility / divisor
+        assert strategy.costs["cpu"] == pytest.approx(full / divisor)
 
 
 def test_full_rate_for_all_does_not_fit_but_each_alone_does(table: StrategyTable) -> None:

@@ -1,0 +1,104 @@
+"""PanoramaStream: the panoramic camera's picture unrolled for people.
+
+    ┌─────────────────────────────────────────────────────────────────────────────────────────┐
+    │ PanoramaStream    in   images    Image of a fisheye, 10 Hz / φ                           │
+    │                   out  pictures  EncodedImage, JPEG, with each image taken               │
+    └─────────────────────────────────────────────────────────────────────────────────────────┘
+
+The picture is equirectangular in the axes of ``base_link``, seen from the camera: its ``width`` px are the half circle
+in front, the left edge at azimuth +90°, the right one at -90°; every pixel spans the same angle upwards, and the middle
+row is level. A direction of azimuth a and elevation e (rad) is found at x = width (1/2 - a / π) and
+y = height / 2 - width e / π, edges counted, not middles of pixels. With 640 x 384 px it reaches 54° up and down. What
+the lens does not see is black. ``jpeg_quality`` is a parameter of the desire Telepresence.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from app.geometry import CameraModel, FisheyeModel, Pose3
+from app.messages import EncodedImage, Image
+from app.modules.perception.camera_stream import encode_jpeg
+from app.modules.perception.opencv import use_calling_thread
+from app.runtime.module import Module, ModuleContext, Settings
+
+_TURNED = 1e-4
+"""How far (rad, nearly) a camera may turn before its map is made anew: a fiftieth of a pixel."""
+
+
+def directions(width: int, height: int) -> NDArray[np.float64]:
+    """Unit vectors (height, width, 3) in ``base_link``'s axes along which the pixels of the panorama look."""
+    azimuth = math.pi * (0.5 - (np.arange(width) + 0.5) / width)
+    elevation = math.pi / width * (0.5 * height - (np.arange(height) + 0.5))
+    level = np.cos(elevation)[:, None]
+    up = np.broadcast_to(np.sin(elevation)[:, None], (height, width))
+    return np.stack((level * np.cos(azimuth), level * np.sin(azimuth), up), axis=-1)
+
+
+class Unroller:
+    """Makes panoramas of ``width`` x ``height`` (px) out of one camera's images; remembers where each pixel is."""
+
+    def __init__(self, width: int, height: int) -> None:
+        self._directions = directions(width, height)
+        self._of: tuple[CameraModel | FisheyeModel, Pose3] | None = None
+        self._maps: tuple[NDArray[np.int16], NDArray[np.uint16]]
+
+    def unroll(self, color: NDArray[np.uint8], camera: CameraModel | FisheyeModel, X_BC: Pose3) -> NDArray[np.uint8]:
+        """The panorama (height, width, 3) uint8 of ``color`` (H, W, 3), seen through ``camera`` at ``X_BC``."""
+        if self._of is None or self._of[0] != camera or _turned(self._of[1], X_BC):
+            pixels = camera.project(self._directions @ X_BC.rotation)
+            at = np.where(np.isnan(pixels), -10.0, pixels).astype(np.float32)
+            first, second = cv2.convertMaps(at[..., 0], at[..., 1], cv2.CV_16SC2)
+            self._maps = np.asarray(first, np.int16), np.asarray(second, np.uint16)
+            self._of = camera, X_BC
+        return np.asarray(cv2.remap(color, *self._maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT), np.uint8)
+
+
+def _turned(a: Pose3, b: Pose3) -> bool:
+    return bool(np.abs(a.rotation - b.rotation).max() > _TURNED)
+
+
+class PanoramaStreamSettings(Settings):
+    """Settings of PanoramaStream."""
+
+    jpeg_quality: int = Field(80, ge=1, le=100, description="used while no desire says another")
+    width: int = Field(640, ge=64, le=4096, description="px of the half circle")
+    height: int = Field(384, ge=16, le=4096, description="px; the middle row is level")
+
+
+class PanoramaStream(Module):
+    """Unrolls and encodes what the panoramic camera sees, while somebody looks."""
+
+    title = "Panorama"
+    Settings = PanoramaStreamSettings
+    settings: PanoramaStreamSettings
+
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self._quality = self.settings.jpeg_quality
+        self._unroller = Unroller(self.settings.width, self.settings.height)
+        self.images = self.input("images", Image)
+        self.pictures = self.output("pictures", EncodedImage)
+        self.on(self.images, self._encode)
+
+    async def start(self) -> None:
+        """Keep OpenCV's work where it is measured."""
+        use_calling_thread()
+
+    def configure(self, parameters: Mapping[str, Any]) -> None:
+        """Take ``jpeg_quality`` from the intention."""
+        self._quality = int(parameters.get("jpeg_quality", self.settings.jpeg_quality))
+
+    async def _encode(self, image: Image) -> None:
+        jpeg, width, height = await self.compute(self._picture, image, self._quality)
+        self.pictures.publish(EncodedImage(image.stamp, image.frame, jpeg, width, height))
+
+    def _picture(self, image: Image, quality: int) -> tuple[bytes, int, int]:
+        return encode_jpeg(self._unroller.unroll(image.color, image.camera, image.X_BC), quality)
