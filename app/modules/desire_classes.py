@@ -20,6 +20,21 @@ class FindQRCodesParameters(BaseModel):
     )
 
 
+class LocateFacesParameters(BaseModel):
+    """Parameters of a desire of class LocateFaces."""
+
+    model_config = ConfigDict(extra="forbid", title="Locate faces")
+
+    min_score: float = Field(
+        0.8,
+        gt=0,
+        lt=1,
+        title="Least score",
+        description="How sure the detector must be that it is a face, 0 to 1: higher loses small and turned faces, "
+        "lower takes other things for faces.",
+    )
+
+
 class TeleoperationParameters(BaseModel):
     """Parameters of a desire of class Teleoperation."""
 
@@ -77,6 +92,12 @@ def desire_classes() -> tuple[DesireClass, ...]:
             title="Find QR codes",
             description="Read the QR codes in the camera's view and remember where they hang (m, in odom).",
             parameters=FindQRCodesParameters,
+        ),
+        DesireClass(
+            name="LocateFaces",
+            title="Locate faces",
+            description="Find the faces in both cameras' views, follow them, and tell where they are (m, in base_link).",
+            parameters=LocateFacesParameters,
         ),
         DesireClass(
             name="Teleoperation",
