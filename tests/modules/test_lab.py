@@ -82,20 +82,6 @@ def test_faces_are_looked_for_finely_or_not_in_both_cameras_at_each_rate(
         assert strategy.costs["cpu"] == pytest.approx(full / divisor)
 
 
-@pytest.mark.parametrize(("fine", "full_utility"), [(True, 8), (False, 4)])
-def test_faces_are_looked_for_finely_or_not_in_both_cameras_at_each_rate(
-    table: StrategyTable, fine: bool, full_utility: float
-) -> None:
-    strategies = [s for s in of_class(table, "LocateFaces") if s.parameters == {"FaceDetector": {"fine": fine}}]
-    assert len(strategies) == (4 if fine else 3), "none so weak that nobody's desire is fulfilled"
-    full = strategies[0].costs["cpu"]
-    for strategy, divisor in zip(strategies, (1, 2, 4, 8), strict=False):
-        assert strategy.name.endswith(f"-{divisor}")
-        assert strategy.filters == {"FaceDetector.images": divisor, "FaceDetector.panorama": divisor}
-        assert strategy.utility == full_utility / divisor
-        assert strategy.costs["cpu"] == pytest.approx(full / divisor)
-
-
 def test_full_rate_for_all_does_not_fit_but_each_alone_does(table: StrategyTable) -> None:
     full = [of_class(table, cls)[0].costs["cpu"] for cls in ("FindQRCodes", "Telepresence")]
     capacity = table.capacities()["cpu"]
