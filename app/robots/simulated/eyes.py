@@ -1,7 +1,7 @@
 """The cameras of the body: how each one's picture is drawn, and what its sensor makes of that.
 
 An eye draws in parts, so that a thread that serves several can turn to another in between. It gives the last picture
-again, with fresh noise, where nothing has moved since.
+again, with fresh noise, where nothing that it may see has moved since.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from app.robots.simulated.color_noise import ColorNoise
 from app.robots.simulated.fisheye import Tiling, tile
 from app.robots.simulated.kinect import KinectNoise
 from app.robots.simulated.lenses import fisheye_model
-from app.robots.simulated.painter import Painter, Place, Snapshot, View, moved
+from app.robots.simulated.painter import Painter, Place, Snapshot, View
 
 
 class Eye(Protocol):
@@ -33,6 +33,26 @@ class Eye(Protocol):
     def measure(self, color: NDArray[np.uint8], depth: NDArray[np.uint16] | None) -> None:
         """Write what the sensor gives for the picture drawn last."""
         ...
+
+
+class Watch:
+    """Tells whether what a camera sees has changed since it last had."""
+
+    def __init__(self, painter: Painter, camera: int) -> None:
+        self._painter = painter
+        self._camera = camera
+        self._last: tuple[Snapshot, NDArray[np.bool_]] | None = None
+
+    def changed(self, snapshot: Snapshot, views: tuple[View, ...]) -> bool:
+        """Whether ``snapshot`` looks otherwise in ``views`` than the last one that did."""
+        seen = self._painter.seen(snapshot, self._camera, views)
+        if self._last is not None:
+            last, seen_before = self._last
+            if not self._painter.differ(last, snapshot, seen_before | seen):
+                self._last = last, seen_before | seen
+                return False
+        self._last = snapshot, seen
+        return True
 
 
 class KinectEye:
@@ -51,17 +71,16 @@ class KinectEye:
         # The depth buffer is affine in 1/z, with 0 at the far plane and 1 at the near one
         self._scale = np.float32((painter.far - painter.near) / (painter.far * painter.near))
         self._offset = np.float32(1.0 / painter.far)
-        self._last: Snapshot | None = None
+        self._watch = Watch(painter, self._camera)
         self.drawn = 0
         painter.reserve(width, height)
 
     def draw(self, snapshot: Snapshot) -> Iterator[None]:
         """Draw what is to be seen in ``snapshot``, in one part."""
-        if self._last is None or moved(self._last, snapshot):
+        if self._watch.changed(snapshot, (self._view,)):
             self._painter.draw(snapshot, self._camera, self._view)
             self._painter.read(self.place, self._color, self._depth)
             self.drawn += 1
-        self._last = snapshot
         yield
 
     @property
@@ -91,7 +110,7 @@ class FisheyeEye:
         self._config = config
         self._rng = rng
         self._base = base
-        self._last: Snapshot | None = None
+        self._watch = Watch(painter, self._camera)
         self._tiling: Tiling | None = None
         self.picture = np.zeros((config.height, config.width, 3), dtype=np.uint8)
         self.drawn = 0
@@ -103,14 +122,13 @@ class FisheyeEye:
         if self._tiling is None:
             self._tiling = self._set_up()
             yield
-        if self._last is None or moved(self._last, snapshot):
+        if self._watch.changed(snapshot, self._tiling.views):
             for view in self._tiling.views:
                 self._painter.draw(snapshot, self._camera, view)
                 yield
             self._painter.read(Place(0, self._base, self._tiling.width, self._tiling.height), self._drawn)
             self._tiling.picture(self._drawn, self.picture)
             self.drawn += 1
-        self._last = snapshot
         yield
 
     def measure(self, color: NDArray[np.uint8], depth: NDArray[np.uint16] | None) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import copy
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import mujoco
@@ -106,6 +107,8 @@ class Painter:
         self._groups = self._model.geom_group.copy()
         mujoco.mj_kinematics(self._model, self._data)
         self._occlusion = Occlusion(self._model, self._data)
+        # Which scripted body each shape belongs to, -1 for none: they all stand in the world itself
+        self._scripted = self._model.body_mocapid[self._model.body_rootid[self._model.geom_bodyid]]
         self._placed: Snapshot | None = None
         self._unhidden: dict[int, NDArray[np.bool_]] = {}
         self.near = self._model.vis.map.znear * self._model.stat.extent
@@ -120,11 +123,9 @@ class Painter:
 
     def draw(self, snapshot: Snapshot, camera: int, view: View) -> None:
         """Draw ``view`` of the world in ``snapshot`` from the model's camera number ``camera``."""
-        if snapshot is not self._placed:
-            self._set(snapshot)
+        self._set(snapshot)
         eye, axes = self._data.cam_xpos[camera], self._data.cam_xmat[camera].reshape(3, 3)
-        self._model.geom_group[:] = np.where(self._in_view(camera, view, eye, axes @ view.rotation),
-                                             self._groups, _CULLED_GROUP)  # fmt: skip
+        self._model.geom_group[:] = np.where(self._in_view(camera, view), self._groups, _CULLED_GROUP)
         self._camera.fixedcamid = camera
         mujoco.mjv_updateScene(
             self._model, self._data, self._option, None, self._camera, mujoco.mjtCatBit.mjCAT_ALL, self._scene
@@ -133,6 +134,18 @@ class Painter:
         place = view.place
         self._gl.make_current()
         mujoco.mjr_render(mujoco.MjrRect(place.x, place.y, place.width, place.height), self._scene, self._context)
+
+    def seen(self, snapshot: Snapshot, camera: int, views: Iterable[View]) -> NDArray[np.bool_]:
+        """Which shapes (ngeom,) may be in any of ``views`` from that camera."""
+        self._set(snapshot)
+        return np.asarray(np.any([self._in_view(camera, view) for view in views], axis=0))
+
+    def differ(self, a: Snapshot, b: Snapshot, seen: NDArray[np.bool_]) -> bool:
+        """Whether the robot stands otherwise in ``a`` and ``b``, or any of the shapes ``seen`` (ngeom,) does."""
+        if np.abs(a.qpos - b.qpos).max(initial=0.0) > _STILL:
+            return True
+        moved = np.append(np.abs(a.mocap - b.mocap).max(axis=1, initial=0.0) > _STILL, False)
+        return bool((moved[self._scripted] & seen).any())
 
     def read(self, place: Place, color: NDArray[np.uint8], depth: NDArray[np.float32] | None = None) -> None:
         """What was drawn at ``place``, row 0 at the *bottom*: ``color`` (H, W, 3), ``depth`` (H, W) from 0 far to 1."""
@@ -145,6 +158,8 @@ class Painter:
         self._gl.free()
 
     def _set(self, snapshot: Snapshot) -> None:
+        if snapshot is self._placed:
+            return
         self._data.qpos[:] = snapshot.qpos
         self._data.mocap_pos[:] = snapshot.mocap[:, :3]
         self._data.mocap_quat[:] = snapshot.mocap[:, 3:]
@@ -167,10 +182,10 @@ class Painter:
             if light.headlight:  # shines where the camera looks, in each of its views alike: else there were seams
                 light.dir[:] = -axes[:, 2]
 
-    def _in_view(
-        self, camera: int, view: View, eye: NDArray[np.float64], rotation: NDArray[np.float64]
-    ) -> NDArray[np.bool_]:
+    def _in_view(self, camera: int, view: View) -> NDArray[np.bool_]:
         """Which shapes (ngeom,) may touch the view: their bounding spheres against its five planes, and the walls."""
+        eye = self._data.cam_xpos[camera]
+        rotation = self._data.cam_xmat[camera].reshape(3, 3) @ view.rotation
         if camera not in self._unhidden:
             self._unhidden[camera] = ~self._occlusion.hidden(eye, self._data.geom_xpos)
         centers = (self._data.geom_xpos - eye) @ rotation
@@ -181,10 +196,3 @@ class Painter:
             seen &= low * ahead - centers[:, axis] < radius * math.hypot(1.0, low)
         seen |= radius == 0  # planes are endless and have no bounding sphere
         return np.asarray(seen & self._unhidden[camera])
-
-
-def moved(a: Snapshot, b: Snapshot) -> bool:
-    """Whether anything stands elsewhere in ``b`` than in ``a``."""
-    return bool(
-        np.abs(a.qpos - b.qpos).max(initial=0.0) > _STILL or np.abs(a.mocap - b.mocap).max(initial=0.0) > _STILL
-    )
