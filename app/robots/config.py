@@ -130,7 +130,9 @@ class MicrophonesConfig(_Model):
     """Stream ``microphones``: frames of samples taken together (thesis 4.2).
 
     ``positions`` (m) are in ``link``. ``noise_db`` is a microphone's own noise, ``sensitivity_db`` the level
-    at 1 m of a talker of ordinary loudness (65 dB SPL there), both in dB of full scale.
+    at 1 m of a talker of ordinary loudness (65 dB SPL there), both in dB of full scale. ``fans_db`` and ``wheels_db``
+    are the levels there of the robot's fans, and of its wheels at 0.4 m/s. ``shadow`` puts the torso between them, as a
+    rigid sphere on whose surface they sit; without it they hear a free field.
     """
 
     rate: Annotated[int, Field(ge=8000, le=192000)] = 48000
@@ -141,7 +143,10 @@ class MicrophonesConfig(_Model):
         (0.085, 0.11, 0.25), (0.085, -0.11, 0.25), (-0.085, -0.11, 0.25), (-0.085, 0.11, 0.25),
     )  # fmt: skip
     noise_db: float = -75.0
+    fans_db: float = -62.0
+    wheels_db: float = -52.0
     sensitivity_db: float = -32.0
+    shadow: bool = True
 
 
 class LoudspeakerConfig(_Model):

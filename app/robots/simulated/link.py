@@ -176,6 +176,9 @@ class SimulatedLink:
                 if isinstance(message, LaserScan):
                     read_only(message.ranges)
                     read_only(message.intensities)
+                elif isinstance(message, Audio):
+                    read_only(message.samples)
+                    read_only(message.p_BM)
                 self._deliver(stream, message)
             case wire.ImageNotice():
                 self._deliver_image(frame)
@@ -218,11 +221,21 @@ def describe(robot: RobotConfig) -> RobotDescription:
         table.append(("imv", Image, streams.imv.rate_hz))
     if streams.hokuyo is not None:
         table.append(("hokuyo", LaserScan, streams.hokuyo.rate_hz))
+    if streams.microphones is not None:
+        rate_hz = streams.microphones.rate / streams.microphones.frame_samples
+        table.append(("microphones", Audio, rate_hz))
     if robot.ground_truth:
         table.append(("ground_truth", GroundTruth, streams.odometry.rate_hz))
         table.append(("scene_truth", SceneTruth, streams.status.rate_hz))
     descriptions = {name: StreamDescription(name, kind, rate) for name, kind, rate in table}
-    return RobotDescription(robot.name, robot.model, robot.limits.base(), descriptions, simulated=True)
+    return RobotDescription(
+        robot.name,
+        robot.model,
+        robot.limits.base(),
+        descriptions,
+        simulated=True,
+        loudspeaker=robot.loudspeaker is not None and streams.microphones is not None,
+    )
 
 
 class _Session(asyncio.Protocol):

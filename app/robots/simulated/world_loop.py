@@ -19,6 +19,7 @@ from app.messages import GroundTruth, JointState, LinkStatus, Odometry, SceneTru
 from app.robots import guard
 from app.robots.model import load_model
 from app.robots.simulated import wire
+from app.robots.simulated.acoustics.client import Acoustics
 from app.robots.simulated.body import TIMESTEP_S, build_simulation
 from app.robots.simulated.camera import CameraThread
 from app.robots.simulated.guard_log import GuardLog
@@ -34,6 +35,7 @@ from app.robots.simulated.stage import Stage
 
 STEPS_PER_TURN = 2
 _CAMERA_SETUP_S = 20.0
+_SCENES_HZ = 100.0
 _NICENESS = -5
 
 
@@ -101,6 +103,19 @@ class WorldLoop:
             noise = {"kinect": kinect_rng, "imv": imv_rng}
             self._camera = CameraThread(self._simulation.model, streams, rings, noise, self._wake)
             self._camera.wait_ready(_CAMERA_SETUP_S)
+        self._acoustics: Acoustics | None = None
+        if streams.microphones is not None:
+            wheels = (robot.base.left_wheel_joint, robot.base.right_wheel_joint)
+            self._acoustics = Acoustics(
+                streams.microphones,
+                robot.loudspeaker,
+                start.world,
+                self._kinematics,
+                start.scenario,
+                wheels,
+                robot.seed,
+            )
+            rates["microphones"] = _SCENES_HZ
         self._schedules = {name: Schedule(rate) for name, rate in rates.items()}
         self._ending = False
         self._pacer = Pacer(time.monotonic(), TIMESTEP_S)
@@ -130,6 +145,10 @@ class WorldLoop:
                     notice = self._camera.finished.popleft()
                     self._last_seen[notice.stream] = now
                     self._socket.send(notice)
+            if self._acoustics is not None:
+                for audio in self._acoustics.receive(self._simulation.time_s):
+                    if "microphones" in self._wanted:
+                        self._send("microphones", audio, now)
             self._socket.flush()
             self._sleep()
         self._shut_down()
@@ -166,6 +185,9 @@ class WorldLoop:
                 case wire.Demand(stream, wanted):
                     (self._wanted.add if wanted else self._wanted.discard)(stream)
                     self._last_seen.pop(stream, None)
+                case wire.Play(audio):
+                    if self._acoustics is not None:
+                        self._acoustics.play(audio)
                 case wire.Stop():
                     self._ending = True
 
@@ -189,7 +211,8 @@ class WorldLoop:
             truth = GroundTruth(stamp, self._simulation.true_pose(), speed.linear_mps, speed.angular_radps)
             self._send("ground_truth", truth, mono)
         if "scene_truth" in self._wanted and self._schedules["scene_truth"].due(time_s):
-            self._send("scene_truth", SceneTruth(stamp, self._stage.people, ()), mono)
+            sounds = self._acoustics.truth(time_s, stamp, self._stage) if self._acoustics is not None else ()
+            self._send("scene_truth", SceneTruth(stamp, self._stage.people, sounds), mono)
         if self._laser is not None and "hokuyo" in self._wanted:
             if not self._laser.sweeping and self._schedules["hokuyo"].due(time_s):
                 self._laser.begin(stamp)
@@ -197,6 +220,8 @@ class WorldLoop:
                 self._send("hokuyo", scan, mono)
         if self._camera is not None:
             self._look(self._camera, stamp, time_s)
+        if self._acoustics is not None and "microphones" in self._wanted and self._schedules["microphones"].due(time_s):
+            self._acoustics.tell(time_s, stamp, self._simulation.true_pose(), self._rims(), self._stage)
 
     def _look(self, camera: CameraThread, stamp: float, time_s: float) -> None:
         for stream, link in self._eyes.items():
@@ -205,6 +230,12 @@ class WorldLoop:
                 X_BC = self._kinematics.pose(link, measured)
                 data = self._simulation.data
                 camera.request(stream, Snapshot(stamp, data.qpos.copy(), mocap_poses(data), X_BC))
+
+    def _rims(self) -> tuple[float, float]:
+        """Speeds (m/s) of the left and the right wheel's rim."""
+        base, velocity = self._robot.base, self._simulation.true_velocity()
+        turn = velocity.angular_radps * base.track_m / 2
+        return velocity.linear_mps - turn, velocity.linear_mps + turn
 
     def _measured_joints(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
         true = self._simulation.joint_positions()
@@ -248,7 +279,10 @@ class WorldLoop:
     def _sleep(self) -> None:
         timeout = self._pacer.wait_s(time.monotonic(), STEPS_PER_TURN)
         link = self._socket.fileno()
-        ready, _, _ = select.select([link, self._wake_read], [link] if self._socket.has_unsent else [], [], timeout)
+        ears = self._acoustics.descriptors if self._acoustics is not None else []
+        ready, _, _ = select.select(
+            [link, self._wake_read, *ears], [link] if self._socket.has_unsent else [], [], timeout
+        )
         if self._wake_read in ready:
             os.read(self._wake_read, 4096)
 
@@ -261,4 +295,6 @@ class WorldLoop:
         self._socket.flush()
         if self._camera is not None:
             self._camera.close(timeout_s=0.3)
+        if self._acoustics is not None:
+            self._acoustics.close()
         self._socket.close()

@@ -23,7 +23,7 @@ from app.robots.simulated.world_config import DoorConfig, RoomConfig, WallConfig
 
 BAND_HZ = np.array([700.0, 4000.0])
 """Middles of the two bands, for diffraction."""
-#: How much of sound's energy surfaces swallow, low and high band, by pattern: usual values (H. Kuttruff, "Room Acoustics").
+#: How much of sound's energy surfaces swallow, low and high band, by pattern: after H. Kuttruff, "Room Acoustics".
 ABSORPTION = {
     "plain": (0.06, 0.06), "plaster": (0.04, 0.05), "brick": (0.03, 0.05), "wood": (0.10, 0.08),
     "planks": (0.08, 0.07), "carpet": (0.20, 0.45), "tiles": (0.02, 0.03), "terrazzo": (0.02, 0.02),
@@ -47,6 +47,10 @@ class Opening:
     def area_m2(self) -> float:
         """Of the opening."""
         return math.dist(self.start, self.end) * self.height
+
+    def beyond(self, room: int) -> int:
+        """The room on the other side."""
+        return self.rooms[1] if self.rooms[0] == room else self.rooms[0]
 
 
 class Building:
@@ -78,13 +82,13 @@ class Building:
         lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
         gains = np.ones(2)
         late = 1.0
+        inside = there
         for index, number in enumerate(through):
             gains *= _bent(points[index], points[index + 1], points[index + 2])
             opening = self.openings[number]
+            inside = opening.beyond(inside)
             # What of one room's diffuse sound the next one gets: the opening's share of the absorption there
-            entered = opening.rooms[1] if index + 1 == len(through) and opening.rooms[1] == here else opening.rooms[0]
-            target = self.rooms[here if index + 1 == len(through) else entered]
-            absorbing = 0.161 * target.volume_m3 / target.rt60_s[0]
+            absorbing = 0.161 * self.rooms[inside].volume_m3 / self.rooms[inside].rt60_s[0]
             late *= math.sqrt(min(1.0, opening.area_m2 / absorbing))
         last = points[-2]
         toward = points[-1] - last
@@ -112,7 +116,7 @@ class Building:
             done.add(room)
             for number in self._of[room]:
                 opening = self.openings[number]
-                beyond = opening.rooms[1] if opening.rooms[0] == room else opening.rooms[0]
+                beyond = opening.beyond(room)
                 middle = ((opening.start[0] + opening.end[0]) / 2, (opening.start[1] + opening.end[1]) / 2)
                 if beyond not in done:
                     heapq.heappush(queue, (length + math.dist(at, middle), beyond, (*through, number), middle))
@@ -207,17 +211,14 @@ def _shoebox(world: WorldConfig, room: RoomConfig) -> Shoebox:
     return Shoebox((x0, y0, 0.0), size, rt60)
 
 
-def _usual(
-    world: WorldConfig, corner: tuple[float, float], size: tuple[float, float, float]
-) -> tuple[float, float]:
+def _usual(world: WorldConfig, corner: tuple[float, float], size: tuple[float, float, float]) -> tuple[float, float]:
     """Reverberation times by Sabine from the size and the world's materials."""
     x, y, z = size
     floor = next((a.material for a in world.areas if _covers(a.start, a.end, corner, size)), world.floor)
     walls = [_absorption(world, wall.material) for wall in world.walls] or [np.array(ABSORPTION["plaster"])]
-    swallowed = (
-        x * y * (_absorption(world, floor) + _absorption(world, world.ceiling or world.floor) + FURNITURE_ABSORPTION)
-        + 2 * (x + y) * z * np.mean(walls, axis=0)
-    )
+    swallowed = x * y * (
+        _absorption(world, floor) + _absorption(world, world.ceiling or world.floor) + FURNITURE_ABSORPTION
+    ) + 2 * (x + y) * z * np.mean(walls, axis=0)
     low, high = np.clip(0.161 * x * y * z / swallowed, 0.2, 2.0)
     return float(low), float(high)
 

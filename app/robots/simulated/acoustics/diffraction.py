@@ -251,4 +251,3 @@ class Microphones:
             weights = responses * gains[:, band].astype(np.float32)[:, None, None]
             summed = np.bincount(index, weights.ravel(), size)[:-1]
             out[band, microphones] += summed.reshape(microphones.size, length).astype(np.float32)
-

@@ -19,7 +19,9 @@ class NoSpeechSynthesis(Exception):
     """Text cannot be spoken here; the message says what to install."""
 
 
-def speak(text: str, language: str = "en", pitch: int = 50, words_per_minute: int = 160) -> tuple[NDArray[np.float32], int]:
+def speak(
+    text: str, language: str = "en", pitch: int = 50, words_per_minute: int = 160
+) -> tuple[NDArray[np.float32], int]:
     """``text`` spoken: samples (N,) in [-1, 1] and their rate; ``pitch`` 0 to 100.
 
     Raises NoSpeechSynthesis where espeak-ng is not installed or has no such language.

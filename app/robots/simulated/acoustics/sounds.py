@@ -1,7 +1,7 @@
 """The library of sounds: recorded speech, sounds made by rule, files, and spoken text, each as loud as it is in life.
 
-Levels are sound pressure levels at 1 m, tied to the microphones by ``MicrophonesConfig.sensitivity_db``: that many dB of
-full scale are the 65 dB of a talker of ordinary loudness.
+Levels are sound pressure levels at 1 m, tied to the microphones by ``MicrophonesConfig.sensitivity_db``: that many dB
+of full scale are the 65 dB of a talker of ordinary loudness.
 """
 
 from __future__ import annotations
@@ -41,7 +41,8 @@ RECORDINGS = MappingProxyType(
 #: Sounds made by rule: dB SPL at 1 m, of the loudest sample (a blow) or of the mean (what lasts).
 PEAK_DB_SPL = MappingProxyType({"clap": 94.0, "knock": 88.0, "door": 92.0, "step": 72.0})
 MEAN_DB_SPL = MappingProxyType({"alarm": 80.0, "music": 65.0, "fan": 42.0})
-_VARIANTS = 8
+VARIANTS = 8
+Key = tuple[str, int]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,7 +67,9 @@ class Clip:
         if after_s < 0 or not self.activity.size:
             return False
         at = int(after_s / ACTIVITY_S)
-        return bool(self.activity[at % self.activity.size if loop else at]) if loop or at < self.activity.size else False
+        return (
+            bool(self.activity[at % self.activity.size if loop else at]) if loop or at < self.activity.size else False
+        )
 
 
 class Library:
@@ -75,12 +78,17 @@ class Library:
     def __init__(self, rate: int, sensitivity_db: float) -> None:
         self._rate = rate
         self._sensitivity_db = sensitivity_db
-        self._clips: dict[tuple[str, int], Clip] = {}
+        self._clips: dict[Key, Clip] = {}
 
     @property
     def names(self) -> tuple[str, ...]:
         """Every sound it has of its own."""
         return (*sorted(RECORDINGS), *sorted(MAKERS))
+
+    def key(self, clip: str, by: str = "") -> Key:
+        """Which sound of all that :meth:`get` can give it gives for these."""
+        varied = clip in PEAK_DB_SPL or (clip not in RECORDINGS and clip not in MAKERS and not _is_file(clip))
+        return clip, zlib.crc32(by.encode()) % VARIANTS if varied and by else 0
 
     def get(self, clip: str, by: str = "") -> Clip:
         """The sound called ``clip``: one of ``names``, an absolute path of a sound file, or text to be spoken.
@@ -89,10 +97,12 @@ class Library:
         spoken voices. Raises ConfigError for a name there is not, a file that is no sound, and text where no speech
         synthesis is installed.
         """
-        variant = zlib.crc32(by.encode()) % _VARIANTS if clip not in RECORDINGS and by else 0
-        key = (clip, variant)
+        return self.at(self.key(clip, by))
+
+    def at(self, key: Key) -> Clip:
+        """The sound of a :meth:`key`; raises as :meth:`get` does."""
         if key not in self._clips:
-            self._clips[key] = self._make(clip, variant)
+            self._clips[key] = self._make(*key)
         return self._clips[key]
 
     def _make(self, clip: str, variant: int) -> Clip:
@@ -103,7 +113,7 @@ class Library:
             if clip in PEAK_DB_SPL:
                 return self._clip(samples * (self._amplitude(PEAK_DB_SPL[clip]) / np.abs(samples).max()))
             return self._clip(samples * (self._amplitude(MEAN_DB_SPL[clip]) / samples.std()))
-        if clip.lower().endswith(FILES):
+        if _is_file(clip):
             return self._talk(*_read(Path(clip)))
         if " " in clip.strip():
             try:
@@ -135,6 +145,10 @@ def _activity(samples: Samples, rate: int, below_db: float = 30.0) -> NDArray[np
     active = (power > power.max(initial=0.0) * 10 ** (-below_db / 10)) & (power > 0)
     closed: NDArray[np.bool_] = binary_closing(np.pad(active, 5), np.ones(5, dtype=np.bool_))[5:-5]
     return closed
+
+
+def _is_file(clip: str) -> bool:
+    return clip.lower().endswith(FILES)
 
 
 def _read(path: Path) -> tuple[Samples, int]:

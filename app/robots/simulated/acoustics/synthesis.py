@@ -1,4 +1,4 @@
-"""Sounds made by rule from a seed: claps, knocks, doors, footsteps, an alarm, music, a fan. Any level: the library sets it."""
+"""Sounds made by rule from a seed: claps, knocks, doors, footsteps, an alarm, music, a fan; the library sets levels."""
 
 from __future__ import annotations
 
@@ -21,7 +21,9 @@ def _decay(seconds: float, time_constant_s: float, rate: int) -> NDArray[np.floa
     return decayed
 
 
-def _band(samples: NDArray[np.float64], low_hz: float, high_hz: float, rate: int, order: int = 2) -> NDArray[np.float64]:
+def _band(
+    samples: NDArray[np.float64], low_hz: float, high_hz: float, rate: int, order: int = 2
+) -> NDArray[np.float64]:
     edges = [low_hz, min(high_hz, 0.49 * rate)]
     filtered: NDArray[np.float64] = sosfilt(butter(order, edges, "bandpass", fs=rate, output="sos"), samples)
     return filtered
@@ -50,7 +52,11 @@ def knock(rate: int, rng: Generator) -> Samples:
         one = np.zeros(round(0.2 * rate))
         times = np.arange(one.size) / rate
         for hz, tau in ((170, 0.035), (395, 0.022), (820, 0.012), (1650, 0.006)):
-            one += rng.uniform(0.6, 1.0) * np.sin(2 * math.pi * hz * rng.uniform(0.97, 1.03) * times) * np.exp(-times / tau)
+            one += (
+                rng.uniform(0.6, 1.0)
+                * np.sin(2 * math.pi * hz * rng.uniform(0.97, 1.03) * times)
+                * np.exp(-times / tau)
+            )
         one[: round(0.001 * rate)] *= np.linspace(0, 1, round(0.001 * rate))
         begin = round(at * rate)
         out[begin : begin + one.size] += rng.uniform(0.8, 1.0) * one

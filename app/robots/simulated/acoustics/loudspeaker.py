@@ -1,0 +1,58 @@
+"""The robot's loudspeaker: sound given frame by frame, at most half a second of it waiting, played as it comes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.robots.simulated.acoustics.source import Recorded, read_between
+
+Samples = NDArray[np.float32]
+MOST_S = 0.5
+START_S = 0.03
+"""What must wait before it begins to play: frames come unevenly."""
+_AHEAD = 10
+
+
+class Loudspeaker:
+    """A ``Dry`` sound read strictly onward. ``rate`` is that of the microphones."""
+
+    def __init__(self, rate: int) -> None:
+        self._rate = rate
+        self._their_rate = rate
+        self._waiting: Samples = np.zeros(0, dtype=np.float32)
+        self._at = 0.0
+        self._playing = False
+        self.dropped = 0
+        """Samples dropped because more than half a second waited."""
+
+    def play(self, samples: NDArray[np.int16], rate: int) -> None:
+        """Queue ``samples`` (N,) of ``rate``; of more than half a second the oldest goes."""
+        if rate != self._their_rate:
+            self._their_rate, self._waiting, self._at = rate, np.zeros(0, dtype=np.float32), 0.0
+        self._waiting = np.concatenate([self._waiting, samples.astype(np.float32) / 32768.0])
+        surplus = self._waiting.size - round(MOST_S * rate) - _AHEAD
+        if surplus > 0:
+            self._waiting = self._waiting[surplus:]
+            self._at = 0.0
+            self.dropped += surplus
+
+    @property
+    def waiting_s(self) -> float:
+        """How much waits to be played."""
+        return max(0.0, (self._waiting.size - self._at) / self._their_rate)
+
+    def read(self, start: int, count: int) -> Samples:
+        """The next ``count`` samples whatever ``start`` is; silence where nothing waits."""
+        step = self._their_rate / self._rate
+        if not self._playing:
+            self._playing = self.waiting_s >= START_S
+        if not self._playing:
+            return np.zeros(count, dtype=np.float32)
+        out = read_between(Recorded(self._waiting), self._at, self._at + count * step, count)
+        self._at += count * step
+        done = max(0, int(self._at) - _AHEAD)
+        self._waiting, self._at = self._waiting[done:], self._at - done
+        if self._at >= self._waiting.size:
+            self._playing, self._waiting, self._at = False, np.zeros(0, dtype=np.float32), 0.0
+        return out

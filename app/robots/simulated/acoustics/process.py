@@ -1,0 +1,35 @@
+"""The microphones' process: ``python -m app.robots.simulated.acoustics.process SOCKET SETUP`` (inherited descriptors).
+
+A process of its own, because sound is a third of a processor in bursts of milliseconds, and the control loop beside it
+must decide about the wheels every four. It ends when the other end of the socket closes or its parent dies.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+import sys
+
+_PR_SET_PDEATHSIG = 1
+
+
+def main(arguments: list[str]) -> int:
+    """Run the microphones until told to end; 0."""
+    parent = os.getppid()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if sys.platform == "linux":
+        ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getpriority(os.PRIO_PROCESS, 0) < 0:  # the control loop's, not ours
+            os.setpriority(os.PRIO_PROCESS, 0, 0)
+    if parent != os.getppid():
+        return 0
+
+    from app.robots.simulated.acoustics.server import serve
+
+    serve(int(arguments[0]), int(arguments[1]))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

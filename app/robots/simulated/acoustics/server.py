@@ -1,0 +1,35 @@
+"""The life of the microphones' process: read what never changes, then hear as the world goes on."""
+
+from __future__ import annotations
+
+import gc
+import pickle
+import select
+import socket
+
+from app.robots.simulated.acoustics.ear import Ear
+from app.robots.simulated.acoustics.orders import Played, Scene, Setup
+from app.robots.simulated.wire import Socket
+
+
+def serve(link_descriptor: int, setup_descriptor: int) -> None:
+    """Hear until the other end closes. The setup is a pickle in the memory of ``setup_descriptor``."""
+    with open(setup_descriptor, "rb") as memory:
+        memory.seek(0)
+        setup = pickle.load(memory)
+    assert isinstance(setup, Setup)
+    sock = Socket(socket.socket(fileno=link_descriptor))
+    ear = Ear(setup)
+    gc.collect()
+    gc.freeze()
+    while not sock.closed:
+        select.select([sock.fileno()], [sock.fileno()] if sock.has_unsent else [], [])
+        scenes = []
+        for order in sock.receive():
+            if isinstance(order, Scene):
+                scenes.append(order)
+            elif isinstance(order, Played):
+                ear.play(order)
+        for heard in ear.listen(scenes):
+            sock.send(heard)
+        sock.flush()
