@@ -2,27 +2,44 @@
 
 from __future__ import annotations
 
+import itertools
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from app import paths
+from app.config import load_configuration
 from app.messages import LoudNoise, Message
 from app.recording.log import Logged
+from app.recording.manifest import Manifest
+from app.system import System
 from tests.console.live_client import page, voice
 from tests.console.percepts import faces, sound_source, sound_sources
-from tests.replay.logs import BEGIN, MemoryLog, lab_manifest, lab_messages
+from tests.console.program import sound, write_program
+from tests.replay.logs import BEGIN, MemoryLog, lab_messages
 from tests.replay.playing import Played, prepare
 
 
+def manifest(folder: Path) -> Manifest:
+    """What a recording of the console's test program carries: what it perceived comes from the log alone."""
+    program = write_program(folder)
+    robot = paths.config_dir() / "robots" / "irl1_tr.yaml"
+    program.write_text(program.read_text().replace("robot: robot.yaml", f"robot: {robot}"))
+    system = System(load_configuration(program))
+    return system.graph.modules["Kinect"].context.services[Manifest]  # type: ignore[no-any-return]
+
+
 @pytest.fixture
-def prepared() -> Any:
-    """Six seconds of the lab: somebody is there from 1 to 3 s and claps at 2 s."""
+def prepared(tmp_path: Path) -> Any:
+    """Six seconds of the lab: somebody is there from 1 to 3 s and claps at 2 s; the microphones hear until 4 s."""
     told: list[tuple[str, Message]] = [("loud_noises", LoudNoise(BEGIN + 2.0, 40.0, -9.0))]
     for number in range(20):
         stamp = BEGIN + 1.0 + 0.1 * number
         told += [("faces", faces(stamp)), ("sound_sources", sound_sources(stamp, sound_source(azimuth=0.5)))]
+    told += [("microphones", sound(BEGIN + number * 512 / 48_000, number * 512)) for number in range(375)]
     messages = [*lab_messages(6.0), *(Logged(message.stamp, channel, message) for channel, message in told)]
-    return prepare(MemoryLog(sorted(messages, key=lambda logged: logged.at), lab_manifest()))
+    return prepare(MemoryLog(sorted(messages, key=lambda logged: logged.at), manifest(tmp_path)))
 
 
 async def test_people_are_there_when_they_were_there(replay_url: str, play: Played) -> None:
@@ -39,6 +56,19 @@ async def test_people_are_there_when_they_were_there(replay_url: str, play: Play
         await play.playback.seek(BEGIN + 4.9)
         await ann.until("jump")
         assert (await ann.until("perceived"))["faces"] == []
+
+
+async def test_a_recording_can_be_listened_to(replay_url: str, play: Played) -> None:
+    async with page(replay_url) as ann:
+        assert (await ann.until("hello"))["audio"] == {"listen": True, "speak": False}
+        await ann.send("listen", on=True)
+        await ann.send("ping", t=1)
+        await ann.until("pong")
+        play.playback.play()
+        heard = [await ann.sound() for _ in range(10)]
+        assert all(len(samples) == 1024 for *_, samples in heard)
+        assert [after[0] - before[0] for before, after in itertools.pairwise(heard)] == [1] * 9
+        assert heard[-1][1] - heard[0][1] == pytest.approx(9 * 1024 / 48_000, abs=1e-3)
 
 
 async def test_nobody_hears_what_is_said_into_a_recording(replay_url: str) -> None:
