@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from app.commands.detect import faces, qr
+from app.commands.detect import faces, qr, voices
 
 
 class Detector(Protocol):
@@ -25,6 +25,7 @@ class Detector(Protocol):
 DETECTORS: Mapping[str, Detector] = {
     "faces": faces,
     "qr": qr,
+    "voices": voices,
 }
 
 
