@@ -126,12 +126,6 @@ def _strategies(path: Path) -> None:
         _program(program)
 
 
-def _array(path: Path) -> None:
-    from app.modules.perception.voices.array import load_array
-
-    load_array(path)
-
-
 def _remap(path: Path) -> None:
     from app.recording.foreign.remap import load_remap
 
@@ -191,5 +185,4 @@ _KINDS: tuple[tuple[str, frozenset[str], Callable[[Path], None]], ...] = (
     ("world", frozenset({"walls", "materials", "wall_height"}), _world),
     ("strategies", frozenset({"strategies", "resources"}), _strategies),
     ("remap", frozenset({"channels", "frames"}), _remap),
-    ("microphone array", frozenset({"positions"}), _array),
 )
