@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
 
 from app.messages import (
+    Audio,
     DesiresRecord,
     Divisors,
     EventRecord,
@@ -16,7 +17,9 @@ from app.messages import (
     IntentionRecord,
     LaserScan,
     LogLine,
+    LoudNoise,
     OperatorDrive,
+    SeparatedSound,
     Twist,
 )
 from app.recording.log import Indexed, Log, Logged
@@ -27,8 +30,9 @@ from app.system import System
 
 T = TypeVar("T")
 
-#: These were meant for their moment: what was commanded or noted long ago is not said again at a jump.
-OF_THE_MOMENT = (OperatorDrive, Twist, EventRecord, LogLine)
+#: These were meant for their moment: what was commanded, noted or heard is not said again at a jump. A frame of sound
+#: by itself is a click, and to whoever listens for noises an event.
+OF_THE_MOMENT = (OperatorDrive, Twist, EventRecord, LogLine, Audio, SeparatedSound, LoudNoise)
 #: What a recording tells of its attention; and for how long (s) before a jump it is told again.
 OF_ATTENTION = (DesiresRecord, IntentionRecord, Divisors)
 ATTENTION_S = 60.0
