@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,8 +12,10 @@ import pytest
 from mcap.stream_reader import breakup_chunk
 from mcap.writer import Writer
 
+from app.geometry import FisheyeModel
 from app.messages import Image
 from app.recording import mcap_layout, mcap_log
+from app.recording.export.run import Wish, export
 from app.recording.log import Indexed, Log, LogError, Logged
 from app.recording.manifest import YAML, AttachedFile, Manifest
 from app.recording.mcap_log import McapLog
@@ -47,6 +50,25 @@ def test_a_log_gives_back_what_was_recorded_in_order(recorded: tuple[Path, list[
     path, written = recorded
     log: Log = McapLog(path)
     assert_same(list(log.messages()), written)
+    log.close()
+
+
+def test_a_fisheyes_images_come_back_beside_a_pinholes(tmp_path: Path) -> None:
+    lens = FisheyeModel.from_fov(64, 48, math.pi, math.pi)
+    written = [logged for logged in drive(0.5) if logged.channel == "kinect"]
+    for logged in tuple(written):
+        seen = replace(logged.message, frame="imv_optical_frame", depth=None, camera=lens)
+        written.append(Logged(logged.at, "imv", seen))
+    path = write_log(tmp_path / "both.mcap", written, CHANNELS | {"imv": spec("Image", 10)})
+    log = McapLog(path)
+    assert log.info.ignored == {}
+    assert log.info.channels["imv"].count == len(written) / 2
+    assert_same(list(log.messages(channels=["imv"])), [w for w in written if w.channel == "imv"])
+    assert_same(list(log.messages(channels=["kinect"])), [w for w in written if w.channel == "kinect"])
+    export(log, Wish("png", tmp_path / "out", channels=["imv"]))
+    assert len(list((tmp_path / "out" / "imv").iterdir())) == len(written) / 2
+    export(log, Wish("mp4", tmp_path / "out", channels=["imv"]))
+    assert (tmp_path / "out" / "imv.mp4").stat().st_size > 1000
     log.close()
 
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import wave
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import fields, is_dataclass
-from typing import Any, Protocol
+from typing import Any, BinaryIO, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,10 @@ GAP_S = 0.02
 
 
 class AudioMessage(Protocol):
-    """What a message must have to be sound: ``samples`` (N, C) int16 from ``stamp`` on, ``rate`` of them a second."""
+    """What a message must have to be sound: ``samples`` (N, C) int16 from ``stamp`` on, ``rate`` of them a second.
+
+    Where it also has ``tracks`` (C of them), its columns are sources that come and go, each with a number of its own.
+    """
 
     @property
     def stamp(self) -> float:
@@ -39,11 +42,15 @@ class AudioMessage(Protocol):
 
 def is_audio(message_type: type[Any]) -> bool:
     """Whether messages of this class are sound, told by their fields."""
-    return is_dataclass(message_type) and {"stamp", "samples", "rate"} <= {f.name for f in fields(message_type)}
+    return _has(message_type, {"stamp", "samples", "rate"})
 
 
 class Wav(Unsurveyed):
-    """``<channel>.wav``: silence where pieces are missing, so that it lasts as long as it took."""
+    """``<channel>.wav``, or ``<channel>/track-<number>.wav`` for each source of separated sound.
+
+    Where pieces are missing there is silence, so that a file lasts as long as it took; a source's file begins with its
+    first sample.
+    """
 
     def accepts(self, message_type: type[Any]) -> bool:
         """Every class that is an :class:`AudioMessage`."""
@@ -51,41 +58,92 @@ class Wav(Unsurveyed):
 
     @contextmanager
     def writer(self, channel: LoggedChannel, target: Target) -> Iterator[Write]:
-        """One file; rate and number of channels are those of the first message."""
-        name = f"{channel.name}.wav"
-        target.check(name)
-        sound: wave.Wave_write | None = None
-        first, rate, shape, frames, silence = 0.0, 0, 0, 0, 0
+        """One file, or one for each track; rate and number of channels are those of the first message."""
+        with ExitStack() as files:
+            if _has(channel.message_type, {"tracks"}):
+                yield _separated(channel.name, target.subfolder(channel.name), files)
+            else:
+                target.check(f"{channel.name}.wav")
+                sound = files.enter_context(_file(channel.name, target, f"{channel.name}.wav"))
+                yield lambda message: sound.write(message.stamp, message.samples, message.rate)
 
-        def write(message: AudioMessage) -> None:
-            nonlocal sound, first, rate, shape, frames, silence
-            samples = message.samples
-            if sound is None:
-                sound = wave.open(stream, "wb")  # noqa: SIM115  # without a message it has no header to close with
-                first, rate, shape = message.stamp, message.rate, samples.shape[1]
-                sound.setnchannels(shape)
-                sound.setsampwidth(2)
-                sound.setframerate(rate)
-            if (message.rate, samples.shape[1]) != (rate, shape):
-                raise LogError(
-                    f"{channel.name} changes from {shape} channels at {rate} Hz to {samples.shape[1]} at "
-                    f"{message.rate} Hz at {message.stamp - first:.3f} s; cut the log there"
-                )
-            missing = round((message.stamp - first) * rate) - frames
-            if missing > GAP_S * rate:
-                sound.writeframesraw(bytes(2 * shape * missing))
-                frames, silence = frames + missing, silence + missing
-            sound.writeframesraw(np.ascontiguousarray(samples, "<i2").tobytes())
-            frames += len(samples)
 
-        with target.file(name) as part, part.open("wb") as stream:
-            try:
-                yield write
-            finally:
-                if sound is not None:
-                    sound.close()
-            if sound is None:
-                part.unlink()
-                return
-        quiet = f", {silence / rate:.1f} s of it silence for what is missing" if silence else ""
-        target.written.append(f"{target.folder / name}: {frames / rate:.1f} s, {shape} channels at {rate} Hz{quiet}")
+def _separated(channel: str, folder: Target, files: ExitStack) -> Callable[[Any], None]:
+    sounds: dict[int, _Sound] = {}
+
+    def write(message: Any) -> None:
+        for column, track in enumerate(message.tracks):
+            if track not in sounds:
+                name = f"track-{track:03d}.wav"
+                sounds[track] = files.enter_context(_file(f"track {track} of {channel}", folder, name))
+            sounds[track].write(message.stamp, message.samples[:, column : column + 1], message.rate)
+
+    return write
+
+
+class _Sound:
+    """One WAV file being written to ``stream``."""
+
+    def __init__(self, title: str, stream: BinaryIO) -> None:
+        self._title = title
+        self._stream = stream
+        self._wave: wave.Wave_write | None = None
+        self._first = 0.0
+        self._rate = self._channels = 0
+        self._frames = self._silence = 0
+
+    @property
+    def begun(self) -> bool:
+        """Whether there is anything in it."""
+        return self._wave is not None
+
+    def write(self, stamp: float, samples: NDArray[np.int16], rate: int) -> None:
+        """Add a piece (N, C). Raises LogError for another rate or number of channels than before."""
+        channels = samples.shape[1]
+        if self._wave is None:
+            self._wave = wave.open(self._stream, "wb")  # noqa: SIM115  # closed by `close`, header and all
+            self._first, self._rate, self._channels = stamp, rate, channels
+            self._wave.setnchannels(channels)
+            self._wave.setsampwidth(2)
+            self._wave.setframerate(rate)
+        if (rate, channels) != (self._rate, self._channels):
+            raise LogError(
+                f"{self._title} changes from {self._channels} channels at {self._rate} Hz to {channels} at "
+                f"{rate} Hz at {stamp - self._first:.3f} s; cut the log there"
+            )
+        missing = round((stamp - self._first) * rate) - self._frames
+        if missing > GAP_S * rate:
+            self._wave.writeframesraw(bytes(2 * channels * missing))
+            self._frames, self._silence = self._frames + missing, self._silence + missing
+        self._wave.writeframesraw(np.ascontiguousarray(samples, "<i2").tobytes())
+        self._frames += len(samples)
+
+    def close(self) -> None:
+        """Write the header."""
+        if self._wave is not None:
+            self._wave.close()
+
+    def told(self) -> str:
+        """What it is, for people."""
+        quiet = f", {self._silence / self._rate:.1f} s of it silence for what is missing" if self._silence else ""
+        channels = "1 channel" if self._channels == 1 else f"{self._channels} channels"
+        return f"{self._frames / self._rate:.1f} s, {channels} at {self._rate} Hz{quiet}"
+
+
+@contextmanager
+def _file(title: str, target: Target, name: str) -> Iterator[_Sound]:
+    """A file that is there when all went well and something was written."""
+    with target.file(name) as part, part.open("wb") as stream:
+        sound = _Sound(title, stream)
+        try:
+            yield sound
+        finally:
+            sound.close()
+        if not sound.begun:  # without a message it has no header to close with
+            part.unlink()
+            return
+    target.written.append(f"{target.folder / name}: {sound.told()}")
+
+
+def _has(message_type: type[Any], names: set[str]) -> bool:
+    return is_dataclass(message_type) and names <= {f.name for f in fields(message_type)}

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from app.geometry import Pose2, Pose3
 from app.messages import (
+    Audio,
     Divisors,
     Exploitation,
     JointState,
@@ -24,6 +25,7 @@ from app.messages import (
     LoadRecord,
     LogLine,
     Odometry,
+    SeparatedSound,
     Twist,
     read_only,
 )
@@ -175,3 +177,44 @@ def test_a_change_of_rate_is_said(tmp_path: Path) -> None:
     with pytest.raises(LogError, match="changes from 2 channels at 16000 Hz to 1 at 8000 Hz"):
         export(log, Wish("wav", tmp_path))
     assert list(tmp_path.iterdir()) == []
+
+
+def test_eight_channels_of_the_microphones_come_back_sample_for_sample(tmp_path: Path) -> None:
+    rng = np.random.default_rng(4)
+    whole = rng.integers(-32768, 32767, (20 * 512, 8)).astype(np.int16)
+    log = MemoryLog(
+        [
+            Logged(BEGIN + k * 512 / 48_000, "microphones", Audio(BEGIN + k * 512 / 48_000, "torso_link", piece, 48_000,
+                                                                  k * 512, np.zeros((8, 3))))
+            for k, piece in enumerate(np.split(whole, 20))
+        ]
+    )  # fmt: skip
+    (line,) = export(log, Wish("wav", tmp_path)).lines()
+    assert "8 channels at 48000 Hz" in line
+    rate, samples = heard(tmp_path / "microphones.wav")
+    assert rate == 48_000
+    np.testing.assert_array_equal(samples, whole)
+
+
+def test_each_separated_source_has_a_file_of_its_own_that_lasts_as_long_as_it(tmp_path: Path) -> None:
+    rate, length = 16_000, 320
+    pieces = []
+    for k, tracks in enumerate([(3,), (3, 12), (12, 3), (), (12,)]):
+        samples = np.tile([100 * track + k for track in tracks], (length, 1))
+        stamp = BEGIN + 0.02 * k
+        pieces.append(
+            Logged(stamp, "separated_voices", SeparatedSound(stamp, tracks, samples.astype(np.int16), rate, k * length))
+        )
+    lines = export(MemoryLog(pieces), Wish("wav", tmp_path)).lines()
+    assert len(lines) == 2
+    assert "1 channel at 16000 Hz" in lines[0]
+    _, third = heard(tmp_path / "separated_voices" / "track-003.wav")
+    _, twelfth = heard(tmp_path / "separated_voices" / "track-012.wav")
+    assert third[::length, 0].tolist() == [300, 301, 302]
+    assert twelfth[::length, 0].tolist() == [1201, 1202, 1204]
+
+
+def test_separated_sound_without_a_source_leaves_no_file(tmp_path: Path) -> None:
+    nobody = SeparatedSound(BEGIN, (), np.zeros((320, 0), np.int16), 16_000, 0)
+    export(MemoryLog([Logged(BEGIN, "separated_voices", nobody)]), Wish("wav", tmp_path))
+    assert list((tmp_path / "separated_voices").iterdir()) == []
