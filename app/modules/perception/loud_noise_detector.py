@@ -1,0 +1,121 @@
+"""LoudNoiseDetector: noises much louder than what was heard before, by one front microphone (thesis 4.2).
+
+    ┌─────────────────────────────────────────────────────────────────────────────────────────┐
+    │ LoudNoiseDetector    in   audio   Audio, frames of 512 at 48 kHz, all of them (lossless) │
+    │                      out  noises  LoudNoise, one for each noise, when it begins          │
+    └─────────────────────────────────────────────────────────────────────────────────────────┘
+
+Judges each frame by the rule of ``loud_noises``: its energy against the robust mean of those before it. Nothing is told
+within the first second, nor after a gap of more than a second (``first_sample``), for want of a background.
+
+It costs so little that the frames are judged where they arrive, on the event loop, without a thread's detour. ``ratio``
+and ``hold_off_s`` are parameters of the desire DetectNoises.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from pydantic import Field
+
+from app.messages import Audio, LoudNoise
+from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudNoiseJudge, Rule, decibels, whole_energies
+from app.runtime.errors import InboxOverflow, ModuleFailed
+from app.runtime.module import Module, ModuleContext, Settings
+
+#: A second of frames: what may wait when the loop is held up.
+_CAPACITY = 94
+
+
+class LoudNoiseDetectorSettings(Settings):
+    """Settings of LoudNoiseDetector."""
+
+    microphone: int = Field(0, ge=0, description="which channel of the sound is listened to: a front microphone")
+    ratio: float = Field(20.0, gt=1, description="so many times the background's energy is loud; unless a desire says")
+    hold_off_s: float = Field(0.25, ge=0, description="quiet between two noises; unless a desire says")
+    window_s: float = Field(200 * FRAME / 48_000, gt=0, description="over which the background is averaged")
+    history_s: float = Field(
+        100 * FRAME / 48_000, gt=0, description="how long nothing is told at first, or after a gap"
+    )
+    floor_db: float = Field(
+        -32.0,
+        le=0,
+        description="dB of full scale: nothing below it is loud; here, a talker of ordinary loudness at 1 m",
+    )
+
+
+class LoudNoiseDetector(Module):
+    """Hears claps and calls."""
+
+    title = "Loud noise detector"
+    Settings = LoudNoiseDetectorSettings
+    settings: LoudNoiseDetectorSettings
+
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self._ratio = self.settings.ratio
+        self._hold_off_s = self.settings.hold_off_s
+        self._rate = 0
+        self._awaited = -1
+        self._rest = np.zeros(0, np.float32)
+        self._band = BandEnergy(48_000)
+        self._judge = LoudNoiseJudge()
+        self.audio = self.input("audio", Audio, capacity=_CAPACITY, lossless=True)
+        self.noises = self.output("noises", LoudNoise)
+        self.on(self.audio, self._listen)
+
+    def configure(self, parameters: Mapping[str, Any]) -> None:
+        """Take ``ratio`` and ``hold_off_s`` from the intention."""
+        self._ratio = float(parameters.get("ratio", self.settings.ratio))
+        self._hold_off_s = float(parameters.get("hold_off_s", self.settings.hold_off_s))
+        if self._rate:
+            self._judge.follow(self._rule())
+
+    def overflowed(self, port: str, loss: InboxOverflow) -> None:
+        """Say so and begin afresh: what the background was by now is not known."""
+        self.log.warning("sound was lost, listening afresh: %s", loss)
+        self._awaited = -1
+
+    async def _listen(self, audio: Audio) -> None:
+        count, channels = audio.samples.shape
+        if self.settings.microphone >= channels:
+            raise ModuleFailed(
+                f"{self.name} listens to microphone {self.settings.microphone}, but {audio.frame} has {channels}: "
+                f"set `microphone` to 0 … {channels - 1}"
+            )
+        lost = audio.first_sample - self._awaited
+        if lost or audio.rate != self._rate:
+            self._resume(audio, lost)
+        self._awaited = audio.first_sample + count
+        samples = audio.samples[:, self.settings.microphone].astype(np.float32)
+        begin = audio.stamp - len(self._rest) / audio.rate
+        if count != FRAME or len(self._rest):
+            samples = np.concatenate((self._rest, samples))
+            whole = len(samples) - len(samples) % FRAME
+            samples, self._rest = samples[:whole], samples[whole:]
+        energies = self._band.frames(samples).tolist()
+        for number, (energy, whole) in enumerate(zip(energies, whole_energies(samples).tolist(), strict=True)):
+            ratio = self._judge.judge(energy, whole)
+            if ratio is not None:
+                self.noises.publish(LoudNoise(begin + number * FRAME / audio.rate, ratio, decibels(whole)))
+
+    def _resume(self, audio: Audio, lost: int) -> None:
+        """Go on after a gap of ``lost`` samples; afresh if it is long, or if the sound is another."""
+        self._rest = np.zeros(0, np.float32)
+        self._band = BandEnergy(audio.rate)
+        if self._awaited < 0 or audio.rate != self._rate or not 0 <= lost <= audio.rate:
+            self._rate = audio.rate
+            self._judge = LoudNoiseJudge(self._rule())
+
+    def _rule(self) -> Rule:
+        frames_per_s = self._rate / FRAME
+        window = max(2, round(self.settings.window_s * frames_per_s))
+        return Rule(
+            ratio=self._ratio,
+            floor_db=self.settings.floor_db,
+            window=window,
+            history=max(1, min(window, round(self.settings.history_s * frames_per_s))),
+            hold_off=round(self._hold_off_s * frames_per_s),
+        )

@@ -1,0 +1,173 @@
+"""Loud noises in one microphone's sound: the thesis's rule (4.2), made robust; no event loop, constant work per frame.
+
+The thesis calls a frame of 512 samples a loud noise where its energy is more than 20 times the moving mean of the last
+200 frames. Ours keeps that and adds to it::
+
+    e = mean square of the frame from 300 Hz to 6 kHz          b = mean of min(e', CLIP max(b', floor / ratio))
+    loud:  e > max(floor, ratio b, CREST q)                        over the last 200 frames (e', b': as they were)
+
+- *Band.* Below 300 Hz lie hum, footfalls, the thud of a door and of a microphone that is switched on, above 6 kHz
+  little of a clap or a voice.
+- *Robust background b.* A frame counts at most ``CLIP`` times the background of its time: one clap leaves it where it
+  was, while a level that stays is followed within seconds, however far it jumped.
+- *No thud.* A frame with more than ``THUD`` times as much energy outside the band as in it begins no noise, however
+  loud.
+- *Usual peaks q.* What 98 of 100 frames stay below, followed by steps up and down (a stochastic quantile): people who
+  talk and music that plays are far above their own mean again and again, and are no news.
+- *Floor.* Nothing below it is loud, however silent it was before; and what is more silent than ``floor / ratio`` makes
+  no difference.
+- *One noise, one event.* A noise begins where a frame is loud and lasts while frames stay above a quarter of that; the
+  next can begin only ``hold_off`` frames after its end. And nobody judges before a background is known.
+
+Only ratios of energies are compared: scaling the whole sound changes nothing as long as its background stays above
+``floor / ratio``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import butter, lfilter, lfilter_zi
+
+#: Samples that are judged together (thesis 4.2).
+FRAME = 512
+#: A frame counts in the background at most this often the background itself.
+CLIP = 4.0
+#: A loud frame is at least this often what frames usually stay below: 6 dB.
+CREST = 4.0
+#: A frame whose whole energy is more often that of its band is a thud: 10 dB.
+THUD = 10.0
+#: A noise lasts while its frames are above this share of what would begin one.
+LASTS = 0.25
+
+_HIGH_PASS_HZ = 300.0
+_DECIMATED_HZ = 12_000.0
+_FULL_SCALE = 32768.0
+#: The share of frames that stay below the usual peaks, and how far a frame above moves them up: 0.3 decibels. A frame
+#: of a noise that is being told moves them a third of that, or nobody could clap twice.
+_BELOW = 0.98
+_UP = 10.0 ** (0.03 * _BELOW)
+_UP_IN_NOISE = _UP**0.3
+_DOWN = 10.0 ** (-0.03 * (1.0 - _BELOW))
+_LONG_AGO = 1 << 30
+#: -90 dB: one step of 16 bits. A background below it is silence.
+_SILENCE = 1e-9
+
+
+def whole_energies(samples: NDArray[np.float32]) -> NDArray[np.float64]:
+    """Mean square (K,), full scale 1, of each frame of ``samples`` (K * 512,), whatever its frequencies."""
+    framed = samples.reshape(-1, FRAME)
+    return np.asarray(np.einsum("ij,ij->i", framed, framed) / (FRAME * _FULL_SCALE**2), np.float64)
+
+
+def decibels(energy: float) -> float:
+    """``energy`` (mean square, full scale 1) in dB of full scale; -120 at the least."""
+    return 10.0 * float(np.log10(max(energy, 1e-12)))
+
+
+class BandEnergy:
+    """Energies of the frames of one microphone between 300 Hz and 6 kHz; remembers its filter from call to call."""
+
+    def __init__(self, rate: int) -> None:
+        # A power of two, so that it divides a frame.
+        self._step = 1 << max(0, round(math.log2(rate / _DECIMATED_HZ)))
+        self._b, self._a = butter(2, _HIGH_PASS_HZ, "highpass", fs=rate / self._step)
+        self._rest: NDArray[np.float64] = lfilter_zi(self._b, self._a)
+        self._state: NDArray[np.float64] | None = None
+
+    def frames(self, samples: NDArray[np.float32]) -> NDArray[np.float64]:
+        """Mean square (K,), full scale 1, of each frame of ``samples`` (K * 512,) float32, full scale 32768."""
+        thinned = samples.reshape(-1, self._step).sum(axis=1) / self._step
+        if not len(thinned):
+            return np.zeros(0)
+        if self._state is None:
+            # As if the first sample had stood there for ever: no step at the beginning.
+            self._state = self._rest * thinned[0]
+        passed, self._state = lfilter(self._b, self._a, thinned, zi=self._state)
+        framed = passed.reshape(-1, FRAME // self._step)
+        return np.einsum("ij,ij->i", framed, framed) / (framed.shape[1] * _FULL_SCALE**2)
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """When a frame is loud. ``floor_db`` is in dB of full scale, lengths are in frames."""
+
+    ratio: float = 20.0
+    floor_db: float = -32.0
+    window: int = 200
+    history: int = 100
+    hold_off: int = 24
+
+    @property
+    def floor(self) -> float:
+        """The least energy of a loud frame."""
+        return float(10.0 ** (self.floor_db / 10.0))
+
+
+class LoudNoiseJudge:
+    """Judges frame after frame: ``judge(energy)`` gives the ratio to the background where a loud noise begins."""
+
+    def __init__(self, rule: Rule | None = None) -> None:
+        self._rule = rule or Rule()
+        self._floor = self._rule.floor
+        self._energies = [0.0] * self._rule.window
+        self._known = 0
+        self._next = 0
+        self._sum = 0.0
+        self._usual_peaks = 0.0
+        #: Frames since a noise was last under way.
+        self._quiet = _LONG_AGO
+
+    def follow(self, rule: Rule) -> None:
+        """Judge by ``rule`` from now on; begins afresh if its window is another."""
+        if rule.window != self._rule.window:
+            self._energies = [0.0] * rule.window
+            self._known = self._next = 0
+            self._sum = self._usual_peaks = 0.0
+        self._rule, self._floor = rule, rule.floor
+
+    @property
+    def background(self) -> float:
+        """The background's energy; 0 before the first frame."""
+        return self._sum / self._known if self._known else 0.0
+
+    def judge(self, energy: float, whole: float | None = None) -> float | None:
+        """Take the energy of the next frame; its ratio to the background if a loud noise begins with it, or None.
+
+        ``whole`` is its energy without the band's limits; None: nothing is a thud.
+        """
+        rule = self._rule
+        if self._known < rule.history:
+            self._remember(energy)
+            self._usual_peaks = max(self._usual_peaks * (_UP if energy > self._usual_peaks else _DOWN), self.background)
+            return None
+        background = max(self.background, _SILENCE)
+        loud = max(self._floor, rule.ratio * background, CREST * self._usual_peaks)
+        under_way = self._quiet < rule.hold_off
+        begins = energy > loud and not under_way and (whole is None or whole < THUD * energy)
+        if energy > LASTS * loud and (begins or under_way):
+            self._quiet = 0
+        else:
+            self._quiet += 1
+        self._remember(min(energy, CLIP * max(background, self._floor / rule.ratio)))
+        if energy > self._usual_peaks:
+            self._usual_peaks *= _UP_IN_NOISE if self._quiet < rule.hold_off else _UP
+        else:
+            self._usual_peaks *= _DOWN
+        # A background that rises takes them along: steps are slow.
+        self._usual_peaks = max(self._usual_peaks, self.background)
+        return energy / background if begins else None
+
+    def _remember(self, energy: float) -> None:
+        place = self._next
+        if self._known < len(self._energies):
+            self._known += 1
+        self._sum += energy - self._energies[place]
+        self._energies[place] = energy
+        self._next = (place + 1) % len(self._energies)
+        if self._next == 0:
+            # What sums and differences lose in rounding does not add up.
+            self._sum = sum(self._energies)
