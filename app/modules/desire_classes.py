@@ -15,8 +15,8 @@ class FindQRCodesParameters(BaseModel):
     upscale: bool = Field(
         True,
         title="Second try enlarged",
-        description="Look again in the image enlarged two times when nothing was found: reads codes from further away, "
-        "for about twice the computing time.",
+        description="Look again in the Kinect's image enlarged two times when nothing was found: reads codes from "
+        "further away, for about twice the computing time.",
     )
 
 
@@ -32,6 +32,41 @@ class LocateFacesParameters(BaseModel):
         title="Least score",
         description="How sure the detector must be that it is a face, 0 to 1: higher loses small and turned faces, "
         "lower takes other things for faces.",
+    )
+
+
+class LocateVoicesParameters(BaseModel):
+    """Parameters of a desire of class LocateVoices."""
+
+    model_config = ConfigDict(extra="forbid", title="Locate voices")
+
+    voices: int = Field(
+        2,
+        ge=1,
+        le=4,
+        title="Voices apart",
+        description="Most sources of sound that are given each by itself, where the strategy in force separates.",
+    )
+
+
+class DetectNoisesParameters(BaseModel):
+    """Parameters of a desire of class DetectNoises."""
+
+    model_config = ConfigDict(extra="forbid", title="Detect loud noises")
+
+    ratio: float = Field(
+        20.0,
+        ge=2,
+        le=1000,
+        title="How loud",
+        description="So many times the energy of what was heard before makes a noise a loud one.",
+    )
+    hold_off_s: float = Field(
+        0.25,
+        ge=0,
+        le=10,
+        title="Hold-off",
+        description="Quiet between two noises that are told as two, in seconds.",
     )
 
 
@@ -90,7 +125,7 @@ def desire_classes() -> tuple[DesireClass, ...]:
         DesireClass(
             name="FindQRCodes",
             title="Find QR codes",
-            description="Read the QR codes in the camera's view and remember where they hang (m, in odom).",
+            description="Read the QR codes in both cameras' views and remember where they hang (m, in odom).",
             parameters=FindQRCodesParameters,
         ),
         DesireClass(
@@ -98,6 +133,18 @@ def desire_classes() -> tuple[DesireClass, ...]:
             title="Locate faces",
             description="Find the faces in both cameras' views, follow them, and tell where they are (m, in base_link).",
             parameters=LocateFacesParameters,
+        ),
+        DesireClass(
+            name="DetectNoises",
+            title="Detect loud noises",
+            description="Tell when a clap, a call or the like is heard, much louder than what was heard before.",
+            parameters=DetectNoisesParameters,
+        ),
+        DesireClass(
+            name="LocateVoices",
+            title="Locate voices",
+            description="Tell where voices and other sounds come from (in base_link), and hear each by itself.",
+            parameters=LocateVoicesParameters,
         ),
         DesireClass(
             name="Teleoperation",

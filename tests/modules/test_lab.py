@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -80,6 +81,16 @@ def test_faces_are_looked_for_finely_or_not_in_both_cameras_at_each_rate(
         assert strategy.filters == {"FaceDetector.images": divisor, "FaceDetector.panorama": divisor}
         assert strategy.utility == full_utility / divisor
         assert strategy.costs["cpu"] == pytest.approx(full / divisor)
+
+
+def test_voices_are_located_at_full_rate_by_more_microphones_or_fewer(table: StrategyTable) -> None:
+    strategies = of_class(table, "LocateVoices")
+    assert all(strategy.filters == {"VoiceLocalizer.audio": 1} for strategy in strategies), "they exclude each other"
+    parameters = [strategy.parameters["VoiceLocalizer"] for strategy in strategies]
+    assert [(p["microphones"], p["separation"]) for p in parameters] == [(8, True), (8, False), (4, False), (2, False)]
+    for better, worse in pairwise(strategies):
+        assert better.utility > worse.utility
+        assert better.costs["cpu"] > worse.costs["cpu"]
 
 
 def test_full_rate_for_all_does_not_fit_but_each_alone_does(table: StrategyTable) -> None:

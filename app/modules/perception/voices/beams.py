@@ -28,18 +28,18 @@ class DelayAndSum:
 
     def reset(self) -> None:
         """Forget the past: the next samples do not follow the last."""
-        self._sound = np.zeros((2 * self.latency, len(self._array)), np.float32)
+        self._sound = np.zeros((len(self._array), 2 * self.latency), np.float32)
 
     def hear(self, samples: Sound) -> None:
         """Take the next samples (N, M), columns as the array's positions."""
-        self._sound = np.concatenate([self._sound[len(self._sound) - 2 * self.latency :], samples])
+        self._sound = np.concatenate([self._sound[:, -2 * self.latency :], samples.T], axis=1)
 
     def beam(self, direction: NDArray[np.float64]) -> Sound:
         """What comes from ``direction`` (3,) in the samples taken last: (N,), the mean over the microphones."""
         delays = arrivals(self._array.offsets, direction[None], self._range_m)[0] * self._rate
         begins = np.rint(delays).astype(int) + self.latency
-        length = len(self._sound) - 2 * self.latency
+        length = self._sound.shape[1] - 2 * self.latency
         total = np.zeros(length, np.float32)
         for microphone, begin in enumerate(begins.tolist()):
-            total += self._sound[begin : begin + length, microphone]
+            total += self._sound[microphone, begin : begin + length]
         return total / np.float32(len(self._array))
