@@ -1,10 +1,11 @@
-"""What recording costs, at the full rates of the lab: Kinect 15 Hz, laser 40 Hz, odometry 100 Hz, and all the rest.
+"""What recording costs, at the full rates of the lab: Kinect 15 Hz, panoramic camera 10 Hz, laser 40 Hz, and the rest.
 
 ``lab``: the running program, simulated body and all, recording and not recording in turn: the Recorder's CPU time as
 the program itself counts it (loop and writer's thread), that of the whole process, and how late the event loop comes.
 ``stream``: what the lab's body gave, set to exactly these rates (a busy computer's simulation gives less) and written
 as fast as it goes, by ours and by rosbags' Writer; the latter makes the ROS types of the same sensors (JPEG quality 90,
-raw depth), without tf, points and what ROS has no place for. ``phi 2`` to ``8``: pictures and scans thinned so.
+raw depth, sound as Int16MultiArray), without tf, points and what ROS has no place for. ``phi 2`` to ``8``: pictures and
+scans thinned so, sound left out from 4 on, as the lab's strategies do.
 ``python -m benchmarks.recording`` prints the table. Per cent are of one core.
 """
 
@@ -27,7 +28,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from app.attention.desires import Source
 from app.config import load_configuration
-from app.messages import Image, JointState, LaserScan, Odometry, Twist
+from app.messages import Audio, Image, JointState, LaserScan, Odometry, Twist
 from app.recording.file_sink import FileSink
 from app.recording.library import RecordingLibrary
 from app.recording.manifest import Manifest
@@ -41,6 +42,7 @@ CONFIG = Path(__file__).resolve().parent.parent / "config" / "lab.yaml"
 Arrived = tuple[float, str, Any]
 #: A body turning before the lab's furniture: its pictures change, as they do when a robot is worth recording.
 SPIN_RADPS = 0.4
+_SOUND_UP_TO = 2
 
 
 def measure(rounds: int, window_s: int) -> list[Row]:
@@ -149,7 +151,8 @@ def _tap(system: System, stream: list[Arrived]) -> list[Callable[[], None]]:
     def take(channel: str) -> Callable[[Any], None]:
         return lambda message: stream.append((system.clock.now(), channel, message))
 
-    channels = {"kinect": "kinect", "hokuyo": "scan", "odometry": "odometry", "joints": "joints"}
+    channels = {"kinect": "kinect", "imv": "imv", "microphones": "microphones", "hokuyo": "scan",
+                "odometry": "odometry", "joints": "joints"}  # fmt: skip
     return [system.link.attach(name, take(channel)) for name, channel in channels.items()]
 
 
@@ -168,10 +171,12 @@ def at_full_rates(stream: list[Arrived], seconds: int) -> list[Arrived]:
 
 
 def thinned(stream: list[Arrived], divisor: int) -> list[Arrived]:
-    """Every so-manieth picture and scan, and all the rest."""
-    seen = {"kinect": 0, "scan": 0}
+    """Every so-manieth picture and scan, and all the rest; sound only where that is every second one at least."""
+    seen = {"kinect": 0, "imv": 0, "scan": 0}
     kept = []
     for arrived in stream:
+        if arrived[1] == "microphones" and divisor > _SOUND_UP_TO:
+            continue
         if arrived[1] in seen:
             seen[arrived[1]] += 1
             if seen[arrived[1]] % divisor:
@@ -245,7 +250,8 @@ class _Peer:
                 bgr = cv2.cvtColor(message.color, cv2.COLOR_RGB2BGR)
                 jpeg = cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, 90])[1].reshape(-1)
                 self._put(at, f"/{channel}/color", "sensor_msgs/msg/CompressedImage", header, "jpeg", jpeg)
-                assert message.depth is not None
+                if message.depth is None:
+                    return
                 height, width = message.depth.shape
                 depth = message.depth.view(np.uint8).reshape(-1)
                 kind = "sensor_msgs/msg/Image"
@@ -269,6 +275,9 @@ class _Peer:
                     self._make("geometry_msgs/msg/PoseWithCovariance", pose, zeros),
                     self._make("geometry_msgs/msg/TwistWithCovariance", twist, zeros),
                 )  # fmt: skip
+            case Audio():
+                layout = self._make("std_msgs/msg/MultiArrayLayout", [], 0)
+                self._put(at, f"/{channel}", "std_msgs/msg/Int16MultiArray", layout, message.samples.reshape(-1))
             case JointState():
                 none = np.empty(0)
                 positions = np.array(message.positions)
