@@ -10,10 +10,11 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app import paths
 from app.errors import ConfigError
@@ -32,6 +33,8 @@ REACHED_M, FACED_RAD = 0.08, 0.03
 TURN_FIRST_RAD, TURNED_RAD = 0.45, 0.12
 LANE_M, STOP_M = 0.34, 0.55
 """Half the width that the robot needs, and how far before its laser it stops."""
+SHY_M, SHY_AHEAD_M, SHY_PER_M, SHY_MOST = 0.60, 1.1, 2.0, 0.35
+"""It leans away from what is nearer aside than the first, up to the second ahead."""
 STALE_S = 0.5
 _OPERATOR = "script"
 
@@ -83,12 +86,25 @@ def steer(leg: Waypoint, X_WB: Pose2, turning: bool) -> Sticks:
 
 def in_the_way(scan: LaserScan) -> float | None:
     """How far before the laser (m) the first thing stands that the robot would drive into; None if it is far enough."""
-    angles = scan.angle_min + scan.angle_increment * np.arange(scan.ranges.size)
-    ranges = np.where(np.isfinite(scan.ranges), scan.ranges, np.inf).astype(np.float64)
-    with np.errstate(invalid="ignore"):
-        ahead, aside = ranges * np.cos(angles), ranges * np.sin(angles)
-        near = (ahead > 0.02) & (ahead < STOP_M) & (np.abs(aside) < LANE_M)
+    ahead, aside = _points(scan)
+    near = (ahead > 0.02) & (ahead < STOP_M) & (np.abs(aside) < LANE_M)
     return float(ahead[near].min()) if near.any() else None
+
+
+def lean(scan: LaserScan) -> float:
+    """How to turn away (stick, left positive) from what is near aside: what an operator does who sees a wall come."""
+    ahead, aside = _points(scan)
+    beside = (ahead > 0.02) & (ahead < SHY_AHEAD_M) & (np.abs(aside) < SHY_M)
+    left, right = (float((SHY_M - side * aside[beside & (side * aside > 0)]).max(initial=0.0)) for side in (1, -1))
+    return max(-SHY_MOST, min(SHY_MOST, SHY_PER_M * (right - left)))
+
+
+def _points(scan: LaserScan) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """How far ahead and aside (m, left positive) of the laser each thing is that a ray has met."""
+    met = np.isfinite(scan.ranges)
+    angles = (scan.angle_min + scan.angle_increment * np.arange(scan.ranges.size))[met]
+    ranges = scan.ranges[met].astype(np.float64)
+    return ranges * np.cos(angles), ranges * np.sin(angles)
 
 
 async def drive_script(
@@ -167,6 +183,8 @@ class _Hands:
             turning = sticks.turning
             blocked = not turning and self._blocked(now)
             watch.look(now, X_WB, blocked, leg)
+            if not turning and self._scan is not None:
+                sticks = replace(sticks, angular=max(-1.0, min(1.0, sticks.angular + lean(self._scan))))
             self._push(Sticks() if blocked else sticks)
             await self._clock.sleep(PERIOD_S)
 
