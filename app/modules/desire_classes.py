@@ -159,6 +159,11 @@ def desire_classes() -> tuple[DesireClass, ...]:
             parameters=TelepresenceParameters,
         ),
         DesireClass(
+            name="Listen",
+            title="Hear through the robot's ears",
+            description="Send people what the robot's front microphone hears.",
+        ),
+        DesireClass(
             name="Record",
             title="Record",
             description="Write what the robot senses, decides and does into a log that can be replayed.",

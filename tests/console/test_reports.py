@@ -50,7 +50,7 @@ async def test_page_and_rest_and_timeline_tell_one_story_of_a_channel(
     assert (await listed("kinect"))["state"] == "closed"
     assert (await listed("kinect"))["expected_hz"] == 0.0
     assert {told["channel"] for told in reports.sources_json(system.graph, late)} == {
-        "kinect", "scan", "odometry", "joints", "exploitation",
+        "kinect", "imv", "microphones", "scan", "odometry", "joints", "exploitation",
     }  # fmt: skip
 
 
