@@ -142,7 +142,7 @@ def _spread(values: Sequence[float]) -> float:
 
 
 def how_soon(count: int, speech: Path) -> list[Row]:
-    """From a talker's onset, in a room with noise, to the message that first tells of him where he is."""
+    """From when a talker is first louder than the noise (over 10 ms) to the message that first tells where he is."""
     rows = []
     for rt60_s, snr_db in ((0.3, 20.0), (0.45, 10.0)):
         delays = []
@@ -163,7 +163,9 @@ def _delay(scene: Scene, array: MicrophoneArray) -> float:
     quiet = rng.normal(0, noise, (int(QUIET_S * scene.rate), len(array)))
     sound = np.round(32768 * np.concatenate([quiet, scene.samples])).astype(np.int16)
     (talker,) = scene.talkers
-    begun = QUIET_S + float(np.flatnonzero(talker.active)[0]) * 0.01
+    frame = scene.rate // 100
+    alone = scene.alone[0][: scene.alone.shape[1] // frame * frame].reshape(-1, frame)
+    begun = QUIET_S + float(np.flatnonzero((alone**2).mean(1) > noise**2)[0]) * 0.01
     pipeline = VoicePipeline(array, scene.rate, PipelineSettings(separation=False))
     for begin in range(0, len(sound) - pipeline.step + 1, pipeline.step):
         began = time.thread_time()
