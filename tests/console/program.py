@@ -117,6 +117,7 @@ strategies:
     utility: 1
     filters: {Teleop.twist: 1}
     costs: {cpu: 5}
+  - {name: listen, class: Listen, utility: 4, filters: {AudioStream.audio: 1}, costs: {cpu: 1}}
   - name: picture-fast
     class: Telepresence
     utility: 4

@@ -64,6 +64,10 @@ async def test_a_recording_can_be_listened_to(replay_url: str, play: Played) -> 
         await ann.send("listen", on=True)
         await ann.send("ping", t=1)
         await ann.until("pong")
+        system = play.replay.system
+        # Past attention: nobody desires it, so that no other intention is made than there was.
+        assert system.graph.filters.divisors()["AudioStream.audio"] == 1
+        assert not [desire for desire in system.workspace.desires() if desire.cls == "Listen"]
         play.playback.play()
         heard = [await ann.sound() for _ in range(10)]
         assert all(len(samples) == 1024 for *_, samples in heard)

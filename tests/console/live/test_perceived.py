@@ -6,6 +6,7 @@ import asyncio
 import struct
 
 import httpx
+import pytest
 
 from app.console.live.feeds import SOUND_CHANNEL
 from app.console.live.hub import Hub
@@ -105,8 +106,12 @@ async def test_one_click_lets_a_page_hear_the_robot(url: str, system: System, bo
     async with page(url) as ann, page(url, "Ben") as ben:
         await ann.until("status")
         assert not channel.wanted
+        assert not [desire for desire in system.workspace.desires() if desire.cls == "Listen"]
+        assert not system.graph.channel("microphones").wanted
         await ann.send("listen", on=True)
         await until(lambda: channel.wanted and system.graph.channel("microphones").wanted)
+        (desire,) = [desire for desire in system.workspace.desires() if desire.cls == "Listen"]
+        assert (desire.intensity, desire.utility, desire.source.name) == (4, 1, "console")
         for number in range(8):
             body.emit("microphones", sound(50.0 + number * 512 / 48_000, number * 512))
             await asyncio.sleep(0)
@@ -145,11 +150,24 @@ async def test_a_slow_listener_loses_sound_and_is_told_how_much(url: str, system
 
 
 async def test_a_listener_that_goes_is_not_listened_for(url: str, system: System) -> None:
+    """A page that is reloaded finds the desire still there; after 2 s it is withdrawn, and the microphones rest."""
     channel = system.graph.channel(SOUND_CHANNEL)
     async with page(url) as ann:
         await ann.send("listen", on=True)
-        await until(lambda: channel.wanted)
+        await until(lambda: system.graph.channel("microphones").wanted)
     await until(lambda: not channel.wanted)
+    assert [desire for desire in system.workspace.desires() if desire.cls == "Listen"]
+    await until(lambda: not [desire for desire in system.workspace.desires() if desire.cls == "Listen"])
+    await until(lambda: not system.graph.channel("microphones").wanted)
+
+
+async def test_a_page_that_cannot_hear_is_told(url: str, system: System, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delitem(system.graph.producers, SOUND_CHANNEL)
+    async with page(url) as ann:
+        assert not (await ann.until("hello"))["audio"]["listen"]
+        await ann.send("listen", on=True)
+        assert "nothing to listen to" in (await ann.until("notice"))["text"]
+        assert not [desire for desire in system.workspace.desires() if desire.cls == "Listen"]
 
 
 async def test_what_is_said_into_a_page_is_played_by_the_robot(url: str, system: System, body: Body, hub: Hub) -> None:
