@@ -58,7 +58,7 @@ class LocalizerSettings:
     frame: int = 1024
     frames: int = 2
     search_every: int = 4
-    search_memory_s: float = 0.5
+    search_memory_s: float = 0.4
     follow_memory_s: float = 0.06
     sources: int = 4
     lowest_hz: float = 200.0
@@ -80,16 +80,19 @@ class Peaks:
     ``directions`` (K, 3) float64, unit vectors from the array's middle in its axes; ``powers`` (K,) float64 in [0, 1]:
     how strongly the microphones agree on it over the last half second; ``recent`` (K,): over the last moments.
     ``echoes`` (K,), from 0 up: how well what comes from there is a later copy of what comes from a stronger peak. About
-    0.3 between two talkers, about 0.6 between one and his reflection in a wall; 0 for the strongest.
+    0.3 between two talkers, about 0.6 between one and his reflection in a wall; 0 for the strongest. ``steady`` (K, 3):
+    the direction over the last half second, each source heard apart from the others: better than ``directions`` for
+    those that stand still, and late for those that walk; NaN where the search found none.
     """
 
     directions: NDArray[np.float64]
     powers: NDArray[np.float64]
     recent: NDArray[np.float64]
     echoes: NDArray[np.float64]
+    steady: NDArray[np.float64]
 
 
-NO_PEAKS = Peaks(np.zeros((0, 3)), np.zeros(0), np.zeros(0), np.zeros(0))
+NO_PEAKS = Peaks(np.zeros((0, 3)), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros((0, 3)))
 
 
 class Localizer:
@@ -236,7 +239,8 @@ class Localizer:
                 cross = cross - share * turned.conj()
         if not directions:
             return NO_PEAKS
-        return Peaks(np.array(directions), np.array(powers), np.zeros(len(powers)), np.array(echoes))
+        places = np.array(directions)
+        return Peaks(places, np.array(powers), np.zeros(len(powers)), np.array(echoes), places)
 
     def _copy(self, cross: NDArray[np.complex64], beam: NDArray[np.complex64], later: NDArray[np.complex64]) -> float:
         """The most that the second of two beams (M, B) has of the first at any delay of a first reflection.
@@ -281,18 +285,24 @@ class Localizer:
         raise AssertionError("unreachable")
 
     def _follow(self, expected: NDArray[np.float64] | None) -> Peaks:
-        starts, powers, echoes = self._found.directions, self._found.powers, self._found.echoes
+        found = self._found
+        starts, powers, echoes, steady = found.directions, found.powers, found.echoes, found.steady
         if expected is not None and len(expected):
-            near = expected @ starts.T > _NEAR
-            powers = np.concatenate([powers, np.where(near, powers, 0).max(axis=1, initial=0)])
-            echoes = np.concatenate([echoes, np.where(near, echoes, 0).max(axis=1, initial=0)])
+            meant = np.full(len(expected), -1)
+            if len(starts):
+                nearness = expected @ starts.T
+                meant = np.where(nearness.max(axis=1) > _NEAR, nearness.argmax(axis=1), -1)
+            known = meant >= 0
+            powers = np.concatenate([powers, np.where(known, np.append(powers, 0)[meant], 0)])
+            echoes = np.concatenate([echoes, np.where(known, np.append(echoes, 0)[meant], 0)])
+            steady = np.concatenate([steady, np.append(steady, [[np.nan] * 3], axis=0)[meant]])
             starts = np.concatenate([starts, expected])
         if not len(starts):
             return NO_PEAKS
         cross = self._short / (self._short_weight + np.float32(self.settings.doubt))
         directions, recent = self._climb(self._correlation(cross), starts, 1)
         # What the caller expects is the better start, where it and the search mean the same source.
-        order = [*range(len(self._found.powers), len(starts)), *range(len(self._found.powers))]
+        order = [*range(len(found.powers), len(starts)), *range(len(found.powers))]
         chosen: list[int] = []
         for k in order:
             if not any(directions[k] @ directions[other] > _SAME for other in chosen):
@@ -307,7 +317,7 @@ class Localizer:
             for k in chosen
         ]
         recent[chosen] = np.where(clear, recent[chosen], 0)
-        return Peaks(directions[chosen], powers[chosen], recent[chosen], echoes[chosen])
+        return Peaks(directions[chosen], powers[chosen], recent[chosen], echoes[chosen], steady[chosen])
 
 
 def _turned(directions: NDArray[np.float64], angle: float) -> NDArray[np.float64]:

@@ -33,26 +33,32 @@ class TrackerSettings:
     """
 
     tracks: int = 4
-    birth_power: float = 0.03
-    patience_s: float = 0.5
-    birth_share: float = 0.25
+    birth_power: float = 0.027
+    patience_s: float = 0.3
+    birth_share: float = 0.23
     keep_power: float = 0.02
     keep_share: float = 0.12
     echo_azimuth_deg: float = 15.0
     echo_elevation_deg: float = 20.0
     echo_share: float = 0.5
-    echo: tuple[float, float] = (0.4, 0.6)
+    echo: tuple[float, float] = (0.42, 0.62)
     gate_deg: float = 10.0
     apart_deg: float = 15.0
-    silence_s: float = 1.5
+    silence_s: float = 2.5
+    walking_degps: float = 8.0
     active_power: float = 0.03
     active_s: float = 0.15
-    jerk_degps: float = 20.0
+    jerk_degps: float = 8.0
+    jerk_share: float = 1.5
     rest_s: float = 3.0
     heard_power: float = 0.015
     sure_power: float = 0.06
-    error_deg: float = 2.0
-    lag_s: float = 0.06
+    error_deg: float = 3.0
+    lag_s: float = 0.05
+    steady_error_deg: float = 3.0
+    steady_lag_s: float = 0.4
+    pull: float = 1.2
+    steady_doubt: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,7 +95,8 @@ class _Motion:
 
     def predicted(self, seconds: float, settings: TrackerSettings, heard: bool) -> _Motion:
         direction, velocity = self.ahead(seconds)
-        noise = math.radians(settings.jerk_degps) ** 2
+        speed = math.sqrt(float(self.velocity @ self.velocity))
+        noise = (math.radians(settings.jerk_degps) + settings.jerk_share * speed) ** 2
         keep = 1.0 if heard else math.exp(-seconds / settings.rest_s)
         a, b, c = self.position_variance, self.covariance, self.velocity_variance
         return _Motion(
@@ -234,8 +241,19 @@ class Tracker:
             source.power = float(peaks.powers[k])
             source.evidence += self._evidence(peaks, k, passed)
         if recent >= settings.keep_power:
-            error = math.radians(settings.error_deg) * max(0.5, 0.06 / recent)
+            # What is weak is pulled toward what is strong, in this mean of all sources together.
+            doubt = max(0.5, 0.06 / recent) * max(1.0, settings.pull * float(peaks.recent.max()) / recent)
+            error = math.radians(settings.error_deg) * doubt
             source.motion = source.motion.corrected(peaks.directions[k], error**2)
+        steady = peaks.steady[k]
+        if peaks.powers[k] >= settings.keep_power and not math.isnan(steady[0]):
+            # Of old: supposed to have moved since as the source does.
+            speed = float(np.linalg.norm(source.motion.velocity))
+            since = settings.steady_lag_s - settings.lag_s
+            now, _ = _along(steady, source.motion.velocity, since)
+            if _degrees(now, source.motion.direction) < settings.gate_deg:
+                error = math.radians(settings.steady_error_deg) + settings.steady_doubt * speed
+                source.motion = source.motion.corrected(now, error**2)
 
     def _evidence(self, peaks: Peaks, k: int, passed: float) -> float:
         settings = self.settings
@@ -252,8 +270,11 @@ class Tracker:
 
     def _bury(self, time_s: float) -> None:
         def lives(source: _Source) -> bool:
-            longest = self.settings.silence_s if source.id else 0.2
-            return time_s - source.last_seen <= min(longest, 0.2 + 0.2 * source.evidence)
+            if not source.id:
+                return time_s - source.last_seen <= 0.2
+            speed = math.degrees(float(np.linalg.norm(source.motion.velocity)))
+            longest = self.settings.silence_s / (1 + speed / self.settings.walking_degps)
+            return time_s - source.last_seen <= min(longest, 0.3 + 0.4 * source.evidence)
 
         self._sources = [source for source in self._sources if lives(source)]
 
