@@ -9,6 +9,7 @@ matters beside that (35 dB and more).
 from __future__ import annotations
 
 import heapq
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,7 +22,7 @@ from app.robots.simulated.acoustics.hearing import Way
 from app.robots.simulated.acoustics.room import Shoebox
 from app.robots.simulated.world_config import DoorConfig, RoomConfig, WallConfig, WorldConfig
 
-BAND_HZ = np.array([700.0, 4000.0])
+BAND_HZ = (700.0, 4000.0)
 """Middles of the two bands, for diffraction."""
 #: How much of sound's energy surfaces swallow, low and high band, by pattern: after H. Kuttruff, "Room Acoustics".
 ABSORPTION = {
@@ -32,6 +33,9 @@ ABSORPTION = {
 FURNITURE_ABSORPTION = 0.12
 """Of what stands in a room, per square metre of its floor."""
 _AT_DOOR_M = 0.15
+
+
+Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,104 +67,114 @@ class Building:
         for number, opening in enumerate(self.openings):
             for room in opening.rooms:
                 self._of[room].append(number)
+        self._plans = [(r.corner[0], r.corner[1], r.corner[0] + r.size[0], r.corner[1] + r.size[1]) for r in rooms]
+        self._middles = [((o.start[0] + o.end[0]) / 2, (o.start[1] + o.end[1]) / 2) for o in openings]
 
-    def room_at(self, p_W: NDArray[np.float64]) -> int:
-        """Number of the room that holds the point, else of the nearest."""
-        away = [float(np.linalg.norm(room.clamp(p_W, 0.0) - p_W)) for room in self.rooms]
-        return int(np.argmin(away))
+    def room_at(self, p_W: Sequence[float]) -> int:
+        """Number of the room that holds the point (m, world), else of the nearest."""
+        x, y = float(p_W[0]), float(p_W[1])
+        best, nearest = 0, math.inf
+        for number, (x0, y0, x1, y1) in enumerate(self._plans):
+            away = max(x0 - x, x - x1, 0.0) + max(y0 - y, y - y1, 0.0)
+            if away < nearest:
+                best, nearest = number, away
+                if away == 0.0:
+                    break
+        return best
 
     def way(self, p_WS: NDArray[np.float64], p_WA: NDArray[np.float64]) -> Way:
         """As ``Surroundings`` says."""
-        here, there = self.room_at(p_WA), self.room_at(p_WS)
+        # In plain numbers: for a few points numpy would take ten times as long
+        source, listener = _point(p_WS), _point(p_WA)
+        here, there = self.room_at(listener), self.room_at(source)
         room = self.rooms[here]
         if here == there:
             return Way(room, room.clamp(p_WS))
-        through = self._shortest(p_WS, there, p_WA, here)
+        through = self._shortest(source, there, listener, here)
         if through is None:
             return Way(room, room.clamp(p_WS), gains=(1e-3, 1e-4), late=0.0)
-        points = self._pull(p_WS, p_WA, through)
-        lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
-        gains = np.ones(2)
-        late = 1.0
+        points = self._pull(source, listener, through)
+        whole = sum(math.dist(a, b) for a, b in itertools.pairwise(points))
+        low, high, late = 1.0, 1.0, 1.0
         inside = there
         for index, number in enumerate(through):
-            gains *= _bent(points[index], points[index + 1], points[index + 2])
+            bent = _bent(points[index], points[index + 1], points[index + 2])
+            low, high = low * bent[0], high * bent[1]
             opening = self.openings[number]
             inside = opening.beyond(inside)
             # What of one room's diffuse sound the next one gets: the opening's share of the absorption there
             absorbing = 0.161 * self.rooms[inside].volume_m3 / self.rooms[inside].rt60_s[0]
             late *= math.sqrt(min(1.0, opening.area_m2 / absorbing))
         last = points[-2]
-        toward = points[-1] - last
         # Just inside the listener's room, so that its walls mirror it
-        nudge = min(_AT_DOOR_M, 0.5 * float(np.linalg.norm(toward))) / max(float(np.linalg.norm(toward)), 1e-9)
-        p_W = room.clamp(last + nudge * toward)
-        before = max(0.0, float(lengths.sum()) - float(np.linalg.norm(p_W - p_WA)))
-        return Way(room, p_W, before, (float(gains[0]), float(gains[1])), late)
+        rest = math.dist(last, listener)
+        nudge = min(_AT_DOOR_M, 0.5 * rest) / max(rest, 1e-9)
+        p_W = room.clamp([a + nudge * (b - a) for a, b in zip(last, listener, strict=True)])
+        before = max(0.0, whole - math.dist(_point(p_W), listener))
+        return Way(room, p_W, before, (low, high), late)
 
-    def _shortest(
-        self, p_WS: NDArray[np.float64], there: int, p_WA: NDArray[np.float64], here: int
-    ) -> tuple[int, ...] | None:
+    def _shortest(self, source: Point, there: int, listener: Point, here: int) -> tuple[int, ...] | None:
         """Openings on the shortest way from source to listener, by their middles; None if there is none."""
-        queue: list[tuple[float, int, tuple[int, ...], tuple[float, float]]] = [(0.0, there, (), (p_WS[0], p_WS[1]))]
+        queue: list[tuple[float, int, tuple[int, ...], tuple[float, float], bool]] = [
+            (0.0, there, (), source[:2], False)
+        ]
         done: set[int] = set()
         while queue:
-            length, room, through, at = heapq.heappop(queue)
+            length, room, through, at, arrived = heapq.heappop(queue)
+            if arrived:
+                return through
             if room == here:
-                if through and through[-1] == -1:
-                    return through[:-1]
-                heapq.heappush(queue, (length + math.dist(at, (p_WA[0], p_WA[1])), room, (*through, -1), at))
+                heapq.heappush(queue, (length + math.dist(at, listener[:2]), room, through, at, True))
                 continue
             if room in done:
                 continue
             done.add(room)
             for number in self._of[room]:
-                opening = self.openings[number]
-                beyond = opening.beyond(room)
-                middle = ((opening.start[0] + opening.end[0]) / 2, (opening.start[1] + opening.end[1]) / 2)
+                beyond, middle = self.openings[number].beyond(room), self._middles[number]
                 if beyond not in done:
-                    heapq.heappush(queue, (length + math.dist(at, middle), beyond, (*through, number), middle))
+                    heapq.heappush(queue, (length + math.dist(at, middle), beyond, (*through, number), middle, False))
         return None
 
-    def _pull(
-        self, p_WS: NDArray[np.float64], p_WA: NDArray[np.float64], through: Sequence[int]
-    ) -> NDArray[np.float64]:
-        """The way (n, 3) drawn taut through the openings."""
-        middles = [np.add(self.openings[n].start, self.openings[n].end) / 2 for n in through]
-        flat = np.array([p_WS[:2], *middles, p_WA[:2]])
-        for _ in range(8 if len(through) > 1 else 1):
+    def _pull(self, source: Point, listener: Point, through: Sequence[int]) -> list[Point]:
+        """The way drawn taut through the openings."""
+        flat = [source[:2], *(self._middles[number] for number in through), listener[:2]]
+        for _ in range(6 if len(through) > 1 else 1):
             for index, number in enumerate(through, 1):
                 flat[index] = _cross(flat[index - 1], flat[index + 1], self.openings[number])
-        along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(flat, axis=0), axis=1))])
-        height = p_WS[2] + (p_WA[2] - p_WS[2]) * along / max(float(along[-1]), 1e-9)
+        along = [0.0, *itertools.accumulate(math.dist(a, b) for a, b in itertools.pairwise(flat))]
+        points = [source]
         for index, number in enumerate(through, 1):
-            height[index] = min(height[index], self.openings[number].height - 0.05)
-        return np.column_stack([flat, height])
+            height = source[2] + (listener[2] - source[2]) * along[index] / max(along[-1], 1e-9)
+            points.append((*flat[index], min(height, self.openings[number].height - 0.05)))
+        return [*points, listener]
 
 
-def _cross(a: NDArray[np.float64], b: NDArray[np.float64], opening: Opening) -> NDArray[np.float64]:
-    """The point of ``opening`` on the shortest way from ``a`` to ``b`` (2,): on the straight line, else at its edge."""
-    start, along = np.array(opening.start), np.subtract(opening.end, opening.start)
-    width = float(np.linalg.norm(along))
-    unit = along / width
-    normal = np.array([-unit[1], unit[0]])
-    near, far = float((a - start) @ normal), float((b - start) @ normal)
-    at_a, at_b = float((a - start) @ unit), float((b - start) @ unit)
-    share = abs(near) / max(abs(near) + abs(far), 1e-9)
-    place = at_a + share * (at_b - at_a)
+def _point(p: NDArray[np.float64]) -> Point:
+    return float(p[0]), float(p[1]), float(p[2])
+
+
+def _cross(a: tuple[float, float], b: tuple[float, float], opening: Opening) -> tuple[float, float]:
+    """The point of ``opening`` on the shortest way from ``a`` to ``b``: on the straight line, else at its edge."""
+    (x0, y0), (x1, y1) = opening.start, opening.end
+    width = math.dist(opening.start, opening.end)
+    ux, uy = (x1 - x0) / width, (y1 - y0) / width
+    near, far = abs((a[1] - y0) * ux - (a[0] - x0) * uy), abs((b[1] - y0) * ux - (b[0] - x0) * uy)
+    at_a, at_b = (a[0] - x0) * ux + (a[1] - y0) * uy, (b[0] - x0) * ux + (b[1] - y0) * uy
+    place = at_a + near / max(near + far, 1e-9) * (at_b - at_a)
     edge = min(0.1, 0.4 * width)
-    crossed: NDArray[np.float64] = start + unit * min(max(place, edge), width - edge)
-    return crossed
+    place = min(max(place, edge), width - edge)
+    return x0 + place * ux, y0 + place * uy
 
 
-def _bent(a: NDArray[np.float64], edge: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What is left of amplitude (2,), by band, after going from ``a`` round ``edge`` to ``b``."""
-    detour = float(np.linalg.norm(edge - a) + np.linalg.norm(b - edge) - np.linalg.norm(b - a))
-    fresnel = 2 * detour * BAND_HZ / SPEED_OF_SOUND_MPS
+def _bent(a: Point, edge: Point, b: Point) -> tuple[float, float]:
+    """What is left of amplitude, by band, after going from ``a`` round ``edge`` to ``b``."""
+    detour = math.dist(a, edge) + math.dist(edge, b) - math.dist(a, b)
     # Maekawa's 10 log10(3 + 20 N), without the 5 dB that it has already where the line of sight grazes the edge
-    lost_db = np.minimum(10 * np.log10(1 + 20 / 3 * fresnel), 25.0)
-    left: NDArray[np.float64] = 10 ** (-lost_db / 20)
-    return left
+    low, high = (
+        10 ** (-min(10 * math.log10(1 + 40 / 3 * max(detour, 0.0) * hz / SPEED_OF_SOUND_MPS), 25.0) / 20)
+        for hz in BAND_HZ
+    )
+    return low, high
 
 
 def build(world: WorldConfig) -> Building:

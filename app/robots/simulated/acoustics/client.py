@@ -24,8 +24,8 @@ from app.robots.simulated.stage import Cue, Stage
 from app.robots.simulated.wire import Socket
 from app.robots.simulated.world_config import WorldConfig
 
-AFTER_S = 2.0
-"""How long a sound is told of after its end: its echoes and its way."""
+AFTER_S = 0.3
+"""How long a sound is told of after its end: its way, of up to 100 m."""
 _RESTART_S = 2.0
 _TELL_S = 10.0
 

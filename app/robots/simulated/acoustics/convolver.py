@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft
 
 Samples = NDArray[np.float32]
 Spectra = NDArray[np.complex64]
@@ -42,7 +41,7 @@ class Partitions:
         """Take the next ``block`` samples."""
         self._silent_blocks = 0 if samples.any() else self._silent_blocks + 1
         self._history[1:] = self._history[:-1]
-        self._history[0] = fft.rfft(np.concatenate([self._last, samples]))
+        self._history[0] = np.fft.rfft(np.concatenate([self._last, samples]))
         self._last = samples
 
     def add_to(self, before: Spectra, after: Spectra) -> bool:
@@ -69,17 +68,17 @@ def transform(impulses: Samples, block: int, count: int) -> Spectra:
     whole = np.zeros((impulses.shape[0], count * block), dtype=np.float32)
     whole[:, : impulses.shape[1]] = impulses[:, : count * block]
     padded[:, :, :block] = whole.reshape(impulses.shape[0], count, block)
-    spectra: Spectra = fft.rfft(padded, axis=-1)
+    spectra: Spectra = np.fft.rfft(padded, axis=-1).astype(np.complex64, copy=False)
     return spectra
 
 
 def finish(before: Spectra, after: Spectra, faded: bool) -> Samples:
     """The block (M, block) that the summed spectra make, going from ``before`` to ``after`` where ``faded``."""
     block = before.shape[1] - 1
-    end: Samples = fft.irfft(after, axis=-1)[:, block:]
+    end: Samples = np.fft.irfft(after, axis=-1)[:, block:].astype(np.float32, copy=False)
     if not faded:
         return end
-    begin = fft.irfft(before, axis=-1)[:, block:]
+    begin = np.fft.irfft(before, axis=-1)[:, block:]
     share = ((np.arange(block, dtype=np.float32) + 0.5) / block).astype(np.float32)
     mixed: Samples = begin + (end - begin) * share
     return mixed
@@ -107,9 +106,13 @@ class Tail:
         """Blocks of ``delay`` samples that the kernel has."""
         return self._partitions.count
 
-    def set_kernel(self, impulses: Samples) -> None:
-        """Go over to the response ``impulses`` (M, up to count * delay) with the next large block."""
-        self._partitions.set_kernel(transform(impulses, self._partitions.block, self._partitions.count))
+    def kernel(self, impulses: Samples) -> Spectra:
+        """The response ``impulses`` (M, up to count * delay) as :meth:`set_kernel` wants it."""
+        return transform(impulses, self._partitions.block, self._partitions.count)
+
+    def set_kernel(self, kernel: Spectra) -> None:
+        """Go over to ``kernel`` with the next large block."""
+        self._partitions.set_kernel(kernel)
 
     def process(self, samples: Samples) -> Samples:
         """The next frame (M, frame) of output for the next frame (frame,) of input."""

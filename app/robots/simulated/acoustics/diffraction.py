@@ -17,7 +17,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import special
 
 SPEED_OF_SOUND_MPS = 343.0
 """At 20 degrees Celsius."""
@@ -51,19 +50,32 @@ def sphere_response(
     if near > 0:
         order = max(order, min(600, math.ceil(math.log(1e-6) / math.log(near))))
     total = np.zeros((cos.size, k.size), dtype=np.complex128)
+    x = ka if near == 0 else np.stack([ka, k * distance_m])
+    last, this = _first_hankels(x)
+    legendre_last, legendre = np.ones_like(cos), cos
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         for m in range(order + 1):
-            slope = _hankel2(m, ka, derivative=True)
+            # Here last is h_m, this is h_m+1; upward, both recursions are stable
+            at_surface, above = (last, this) if near == 0 else (last[0], this[0])
+            slope = m / ka * at_surface - above
             if near == 0:
                 # j_m - (j'_m / h'_m) h_m on the surface is -i / (ka^2 h'_m), by the Wronskian
                 term = (1j**m) * (-1j) / (ka**2 * slope)
             else:
-                term = -_hankel2(m, k * distance_m) / slope * (distance_m / (k * radius_m**2))
+                term = -last[1] / slope * (distance_m / (k * radius_m**2))
             term = np.where(np.isfinite(term), term, 0.0)
-            total += (2 * m + 1) * special.eval_legendre(m, cos)[:, None] * term
+            total += (2 * m + 1) * legendre_last[:, None] * term
+            last, this = this, (2 * m + 3) / x * this - last
+            legendre_last, legendre = legendre, ((2 * m + 3) * cos * legendre - (m + 1) * legendre_last) / (m + 2)
     if near > 0:
         total *= np.exp(1j * k * distance_m)
     return total
+
+
+def _first_hankels(x: NDArray[np.float64]) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Spherical Hankel functions of the second kind and orders 0 and 1."""
+    wave = np.exp(-1j * x) / x
+    return 1j * wave, wave * (1j / x - 1)
 
 
 def cylinder_response(
@@ -74,6 +86,8 @@ def cylinder_response(
     ``azimuths`` (microphones,) rad between microphone and source about the axis, ``heights_m`` (microphones,) above the
     origin, ``elevation`` (rad) of the source. (microphones, frequencies) complex128.
     """
+    from scipy import special  # slow to import, and no robot has this shape
+
     phi = np.atleast_1d(np.asarray(azimuths, dtype=np.float64))
     z = np.atleast_1d(np.asarray(heights_m, dtype=np.float64))
     k = 2 * math.pi * np.atleast_1d(np.asarray(frequencies_hz, dtype=np.float64)) / SPEED_OF_SOUND_MPS
@@ -89,13 +103,6 @@ def cylinder_response(
             total += (1 if m == 0 else 2) * np.cos(m * phi)[:, None] * term
     phased: NDArray[np.complex128] = total * np.exp(1j * np.outer(z, k) * math.sin(elevation))
     return phased
-
-
-def _hankel2(m: int, x: NDArray[np.float64], derivative: bool = False) -> NDArray[np.complex128]:
-    result: NDArray[np.complex128] = special.spherical_jn(m, x, derivative) - 1j * special.spherical_yn(
-        m, x, derivative
-    )
-    return result
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -45,7 +45,7 @@ class Ear:
             floor=_amplitude(config.noise_db - _BELOW_NOISE_DB),
             seed=setup.seed,
         )
-        self._hearing.prepare()
+        self._hearing.prepare(building.rooms)
         X_AB = self._X_BA.inverse()
         left, right = (_moved(X_AB, p) for p in setup.p_BW)
         fans = np.array([0.0, 0.0, -0.12])
@@ -70,6 +70,7 @@ class Ear:
             self._speaker_gain = _amplitude(setup.loudspeaker.gain_db)
             self._p_BS = _moved(setup.X_BS, setup.loudspeaker.position)
         self._scenes: deque[Scene] = deque()
+        self._lost = 0
         self.clipped = 0
         """Samples that were louder than full scale so far."""
 
@@ -81,7 +82,6 @@ class Ear:
         """The frames that ``scenes``, the next ones, complete. What is hopelessly late is left out."""
         if not scenes:
             return []
-        lost = 0
         for scene in scenes:
             if not self._scenes or scene.time_s - self._scenes[-1].time_s > PAUSE_S:
                 self._scenes.clear()
@@ -89,11 +89,11 @@ class Ear:
             self._scenes.append(scene)
         behind = self._scenes[-1].time_s - self._hearing.position / self._rate
         if behind > LATE_S:
-            lost = self._skip_to(self._scenes[-1].time_s - self._size / self._rate)
+            self._lost += self._skip_to(self._scenes[-1].time_s - self._size / self._rate)
         heard = []
         while (self._hearing.position + self._size) / self._rate <= self._scenes[-1].time_s:
-            heard.append(Heard(self._next(), lost))
-            lost = 0
+            heard.append(Heard(self._next(), self._lost))
+            self._lost = 0
         return heard
 
     def _skip_to(self, time_s: float) -> int:

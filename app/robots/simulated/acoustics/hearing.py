@@ -11,18 +11,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from app.geometry import Pose3
 from app.robots.simulated.acoustics.bands import AIR_DB_PER_M, low_pass
-from app.robots.simulated.acoustics.convolver import Partitions, Tail, finish, transform
+from app.robots.simulated.acoustics.convolver import Partitions, Spectra, Tail, finish, transform
 from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, TAPS, Microphones
 from app.robots.simulated.acoustics.room import MOUTH_MEAN, Images, Shoebox, diffuse_noise, early, images, late
-from app.robots.simulated.acoustics.source import Dry, Samples, read_between
+from app.robots.simulated.acoustics.source import Dry, Samples, ramp, read_between
 
 MARGIN = 64
 """Samples by which a kernel begins before the sound arrives at the array's middle: some microphones are nearer."""
@@ -113,10 +113,11 @@ class Hearing:
         self._early_blocks = -(-(self._step * block + fade + TAPS) // block)
         self._tail = Tail(outputs, block, self._step, max(1, math.ceil(late_s * rate / (self._step * block))))
         self._tail_length = self._tail.count * self._tail.delay
-        self._mouth_state: Samples = np.zeros(1, dtype=np.float32)
+        self._mouths_before: Samples = np.zeros(low_pass(rate).size - 1, dtype=np.float32)
         self._noise: Samples | None = None
         self._seed = seed
         self._room: Shoebox | None = None
+        self._tails: dict[Shoebox, Spectra] = {}
         self._refresh = refresh_blocks
         self._floor = floor
         self._most = voices
@@ -133,12 +134,15 @@ class Hearing:
         self._tail = Tail(self._outputs, self._block, self._step, self._tail.count)
         self._room = None
 
-    def prepare(self) -> None:
-        """Compute what the first block would else wait for."""
+    def prepare(self, rooms: Sequence[Shoebox] = ()) -> None:
+        """Compute what the first blocks, or the first in each of ``rooms``, would else wait for."""
         self.microphones.tables()
         if self._noise is None:
             length = 1 << (self._tail_length - 1).bit_length()
             self._noise = diffuse_noise(self.microphones, length, self._seed)
+        for room in rooms:
+            if room not in self._tails:
+                self._tails[room] = self._late_kernel(room, self._noise)
 
     def block(self, emissions: Sequence[Emission], X_WA: Pose3) -> Samples:
         """The next block (M, block) float32, full scale 1, with the array's middle at ``X_WA`` at its end."""
@@ -181,7 +185,9 @@ class Hearing:
 
     def _from_mouths(self, samples: Samples) -> Samples:
         """What a room gets of sound that mouths give off mostly forward."""
-        low, self._mouth_state = lfilter(*low_pass(self.microphones.rate), samples, zi=self._mouth_state)
+        known = np.concatenate([self._mouths_before, samples])
+        self._mouths_before = known[known.size - self._mouths_before.size :]
+        low = np.convolve(known, low_pass(self.microphones.rate), mode="valid")
         shelved: Samples = MOUTH_MEAN[1] * samples + (MOUTH_MEAN[0] - MOUTH_MEAN[1]) * low
         return shelved.astype(np.float32)
 
@@ -201,7 +207,7 @@ class Hearing:
             direct = max(way.gains) / max(distance, 0.1)
             around = 0.0
             if way.room is not None:
-                around = way.late**2 * float(way.room.late_power(0.0).max()) * max(way.room.rt60_s) / 13.8
+                around = way.late**2 * _reverberation(way.room)
             levels.append(emission.gain * emission.level * math.sqrt(direct**2 + around))
         order = sorted(range(len(levels)), key=levels.__getitem__, reverse=True)[: self._most]
         return {number for number in order if levels[number] >= self._floor}
@@ -239,19 +245,26 @@ class Hearing:
         if room == self._room or room is None:
             return
         self._room = room
-        self.prepare()
-        assert self._noise is not None
+        self.prepare((room,))
+        self._tail.set_kernel(self._tails[room])
+
+    def _late_kernel(self, room: Shoebox, noise: Samples) -> Spectra:
         rate = self.microphones.rate
         heard_s = max(room.rt60_s) * _LATE_DECAY_DB / 60
         length = min(self._tail_length, max(self._tail.delay, round(heard_s * rate)))
         after_s = (self._tail.delay - MARGIN) / rate
         # Each room its own stretch of the noise
-        shift = hash(room.corner) % self._noise.shape[-1]
-        noise = np.roll(self._noise, shift, axis=-1)
-        impulses = late(room, noise, length, rate, after_s)
+        own = np.roll(noise, hash(room.corner) % noise.shape[-1], axis=-1)
+        impulses = late(room, own, length, rate, after_s)
         end = min(length, 2048)
         impulses[:, -end:] *= np.linspace(1, 0, end, dtype=np.float32)
-        self._tail.set_kernel(impulses)
+        return self._tail.kernel(impulses)
+
+
+@lru_cache(maxsize=64)
+def _reverberation(room: Shoebox) -> float:
+    """Energy of all of a room's reverberation after an impulse of 1 at 1 m."""
+    return float(room.late_power(0.0).max()) * max(room.rt60_s) / (6 * math.log(10))
 
 
 class _Voice:
@@ -285,12 +298,12 @@ class _Voice:
         elif abs(delay - self.delay) <= _JUMP_M / SPEED_OF_SOUND_MPS * rate:
             x = read_between(emission.dry, first, position + block - emission.begin - delay, block)
         else:  # not by motion: go over from one way to the other
-            share = ((np.arange(block) + 0.5) / block).astype(np.float32)
+            share = ramp(0.0, 1.0, block)
             there = position - emission.begin - delay
             old = read_between(emission.dry, first, first + block, block)
             x = old + share * (read_between(emission.dry, there, there + block, block) - old)
         if gain != 1.0 or self._gain != 1.0:
-            x = x * np.linspace(self._gain, gain, block, endpoint=False, dtype=np.float32)
+            x = x * ramp(self._gain, gain, block)
         self.delay, self._gain = delay, gain
         return x
 
@@ -318,6 +331,6 @@ class _Voice:
         gain = way.late * 10 ** (-3 * whole_s / max(way.room.rt60_s))
         if self._late_gain == 0.0:
             self._late_gain = gain
-        y = x * np.linspace(self._late_gain, gain, x.size, endpoint=False, dtype=np.float32)
+        y = x * ramp(self._late_gain, gain, x.size)
         self._late_gain = gain
         return y

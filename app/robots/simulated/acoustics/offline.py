@@ -19,15 +19,13 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.ndimage import binary_closing
 
 from app.geometry import Pose3
+from app.robots.simulated.acoustics.activity import ACTIVITY_S, activity
 from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, Microphones
 from app.robots.simulated.acoustics.hearing import Emission, Hearing, OneRoom, Surroundings
 from app.robots.simulated.acoustics.room import Shoebox
 from app.robots.simulated.acoustics.source import Recorded, Samples
-
-TRUTH_S = 0.01
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,18 +100,8 @@ def render_scene(
     return out, [_truth(source, pose, seconds, rate) for source in sources]
 
 
-def activity(samples: Samples, rate: int, below_db: float = 30.0) -> NDArray[np.bool_]:
-    """For each 10 ms of ``samples`` (N,), whether it is within ``below_db`` of the loudest, gaps under 50 ms filled."""
-    size = round(TRUTH_S * rate)
-    count = samples.size // size
-    power = np.mean(samples[: count * size].reshape(count, size).astype(np.float64) ** 2, axis=1)
-    active = power > (power.max(initial=0.0) * 10 ** (-below_db / 10))
-    closed: NDArray[np.bool_] = binary_closing(np.pad(active, 5), np.ones(5, dtype=np.bool_))[5:-5]
-    return closed
-
-
 def _truth(source: Source, pose: Callable[[float], Pose3], seconds: float, rate: int) -> SourceTruth:
-    times = np.arange(0.0, seconds, TRUTH_S)
+    times = np.arange(0.0, seconds, ACTIVITY_S)
     active = activity(np.asarray(source.samples), rate)
     directions, ranges, heard = np.zeros((times.size, 3)), np.zeros(times.size), np.zeros(times.size, dtype=np.bool_)
     for index, time_s in enumerate(times):
@@ -121,7 +109,7 @@ def _truth(source: Source, pose: Callable[[float], Pose3], seconds: float, rate:
         away = _at(source.place, float(time_s)) - X.translation
         ranges[index] = np.linalg.norm(away)
         directions[index] = (away @ X.rotation) / max(ranges[index], 1e-9)
-        at = math.floor((time_s - ranges[index] / SPEED_OF_SOUND_MPS - source.begin_s) / TRUTH_S)
+        at = math.floor((time_s - ranges[index] / SPEED_OF_SOUND_MPS - source.begin_s) / ACTIVITY_S)
         if source.loop and active.size and at >= 0:
             at %= active.size
         heard[index] = 0 <= at < active.size and active[at]

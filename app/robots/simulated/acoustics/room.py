@@ -15,10 +15,9 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.fft import next_fast_len
 
 from app.geometry import Pose3
-from app.robots.simulated.acoustics.bands import AIR_DB_PER_M, join, low_pass
+from app.robots.simulated.acoustics.bands import AIR_DB_PER_M, fast_length, join, low_pass
 from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, TAPS, Microphones
 
 Vector = tuple[float, float, float]
@@ -177,7 +176,7 @@ def diffuse_noise(microphones: Microphones, length: int, seed: int) -> NDArray[n
     directions = np.stack([flat * np.cos(round_), flat * np.sin(round_), up], axis=1)
     far_m = 100.0
     start_s = (far_m - 0.5) / SPEED_OF_SOUND_MPS
-    size = next_fast_len(max(length, 2 * TAPS), real=True)
+    size = fast_length(max(length, 2 * TAPS))
     spectrum = np.zeros((microphones.p_AM.shape[0], size // 2 + 1), dtype=np.complex128)
     for direction in directions:
         response = microphones.impulses(
@@ -185,9 +184,7 @@ def diffuse_noise(microphones: Microphones, length: int, seed: int) -> NDArray[n
         )[0]
         spectrum += np.fft.rfft(rng.standard_normal(size)) * np.fft.rfft(response, size)
     # The low band's filter in the frequency domain, so that the noise stays cyclic
-    b, a = low_pass(microphones.rate)
-    turn = np.exp(-2j * math.pi * np.arange(size // 2 + 1) / size)
-    low = spectrum * (b[0] + b[1] * turn) / (a[0] + a[1] * turn)
+    low = spectrum * np.fft.rfft(low_pass(microphones.rate), size)
     return np.fft.irfft(np.stack([low, spectrum - low]), size).astype(np.float32)[..., :length]
 
 

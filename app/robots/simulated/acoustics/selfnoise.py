@@ -2,7 +2,7 @@
 
 Each is a stretch of noise made once and played round and round: the fans reach the microphones partly alike (the air
 and the shell carry them) and partly not (each microphone's own turbulence), the wheels from where they are, each as
-loud as it turns. The microphones' own noise is new in every sample.
+loud as it turns. The microphones' own noise is cut from a long stretch at a random place for every frame.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.robots.simulated.acoustics.diffraction import Microphones
+from app.robots.simulated.acoustics.source import ramp
 
 Samples = NDArray[np.float32]
 _LENGTH = 1 << 17
@@ -40,7 +41,7 @@ class SelfNoise:
         p_AR: NDArray[np.float64],
         seed: int,
     ) -> None:
-        seeds = np.random.SeedSequence(seed).spawn(4)
+        seeds = np.random.SeedSequence(seed).spawn(5)
         rate = microphones.rate
         f = np.fft.rfftfreq(_LENGTH, 1 / rate)
         rush = (f / 250) / (1 + (f / 250) ** 2) ** 1.05 * (f > 30)
@@ -54,20 +55,19 @@ class SelfNoise:
             _level(_heard(microphones, place, grind, seed_), wheels / math.sqrt(2))
             for place, seed_ in ((p_AL, seeds[2]), (p_AR, seeds[3]))
         ]
-        self._own = np.float32(own)
-        self._rng = np.random.default_rng(np.random.SeedSequence(seed).spawn(5)[4])
+        self._rng = np.random.default_rng(seeds[4])
+        self._own = np.float32(own) * self._rng.standard_normal(4 * _LENGTH, dtype=np.float32)
         self._loudness = np.zeros(2)
 
     def frame(self, start: int, count: int, left_mps: float, right_mps: float) -> Samples:
         """Samples (M, count) from number ``start`` on, with the wheels' rims at these speeds at the frame's end."""
         out = _round(self._fans, start, count)
-        if self._own > 0:
-            out += self._own * self._rng.standard_normal(out.shape, dtype=np.float32)
+        begin = int(self._rng.integers(self._own.size - out.size))
+        out += self._own[begin : begin + out.size].reshape(out.shape)
         loudness = np.minimum(np.abs([left_mps, right_mps]) / WHEELS_AT_MPS, 2.0)
         for side in range(2):
             if loudness[side] > 1e-3 or self._loudness[side] > 1e-3:
-                ramp = np.linspace(self._loudness[side], loudness[side], count, endpoint=False, dtype=np.float32)
-                out += _round(self._wheels[side], start, count) * ramp
+                out += _round(self._wheels[side], start, count) * ramp(self._loudness[side], loudness[side], count)
         self._loudness = loudness
         return out
 

@@ -13,16 +13,15 @@ from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_closing
-from scipy.signal import resample_poly
 
 from app.errors import ConfigError
+from app.robots.simulated.acoustics.activity import ACTIVITY_S, activity, pieces
+from app.robots.simulated.acoustics.bands import fast_length
 from app.robots.simulated.acoustics.espeak import NoSpeechSynthesis, speak
 from app.robots.simulated.acoustics.synthesis import MAKERS
 from app.yaml_source import suggestion
 
 Samples = NDArray[np.float32]
-ACTIVITY_S = 0.01
 TALKER_DB_SPL = 65.0
 SPEECH = Path(__file__).parent / "speech"
 FILES = (".wav", ".flac", ".ogg")
@@ -128,23 +127,15 @@ class Library:
 
     def _talk(self, samples: Samples, rate: int) -> Clip:
         """Speech or a file, brought to the level of an ordinary talker."""
-        whole = resample_poly(samples, self._rate, rate).astype(np.float32)
+        whole = _resampled(samples, rate, self._rate)
         level = self._clip(whole).level
         return self._clip(whole * np.float32(self._amplitude(TALKER_DB_SPL) / level) if level > 0 else whole)
 
     def _clip(self, samples: Samples) -> Clip:
-        active = _activity(samples, self._rate)
-        sounding = _pieces(samples, self._rate)[active]
+        active = activity(samples, self._rate)
+        sounding = pieces(samples, self._rate)[active]
         level = float(sounding.std()) if sounding.size else 0.0
         return Clip(samples.astype(np.float32, copy=False), active, level, self._rate)
-
-
-def _activity(samples: Samples, rate: int, below_db: float = 30.0) -> NDArray[np.bool_]:
-    """For each 10 ms, whether it is within ``below_db`` of the loudest; gaps under 50 ms are filled."""
-    power = np.mean(_pieces(samples, rate).astype(np.float64) ** 2, axis=1)
-    active = (power > power.max(initial=0.0) * 10 ** (-below_db / 10)) & (power > 0)
-    closed: NDArray[np.bool_] = binary_closing(np.pad(active, 5), np.ones(5, dtype=np.bool_))[5:-5]
-    return closed
 
 
 def _is_file(clip: str) -> bool:
@@ -163,7 +154,15 @@ def _read(path: Path) -> tuple[Samples, int]:
     return samples.mean(axis=1), int(rate)
 
 
-def _pieces(samples: Samples, rate: int) -> Samples:
-    """``samples`` cut into rows of 10 ms, the last filled up with silence."""
-    size = round(ACTIVITY_S * rate)
-    return np.pad(samples, (0, -samples.size % size)).reshape(-1, size)
+def _resampled(samples: Samples, rate: int, wanted: int) -> Samples:
+    """``samples`` at another rate, by its spectrum; silence around it takes what would run round the ends."""
+    if rate == wanted:
+        return samples.astype(np.float32, copy=False)
+    around = rate // 100
+    padded = np.pad(samples, around)
+    padded = np.pad(padded, (0, fast_length(padded.size) - padded.size))
+    size = round(padded.size * wanted / rate)
+    spectrum = np.fft.rfft(padded)[: size // 2 + 1]
+    begin = round(around * wanted / rate)
+    resampled = np.fft.irfft(spectrum, size) * (size / padded.size)
+    return resampled[begin : begin + round(samples.size * wanted / rate)].astype(np.float32)

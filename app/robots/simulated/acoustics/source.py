@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -41,6 +42,16 @@ class Recorded:
         return out
 
 
+def ramp(begin: float, end: float, count: int) -> Samples:
+    """``count`` numbers that go evenly from ``begin`` up to, without, ``end``."""
+    return np.float32(begin) + np.float32((end - begin) / count) * _numbers(count)
+
+
+@lru_cache(maxsize=8)
+def _numbers(count: int) -> Samples:
+    return np.arange(count, dtype=np.float32)
+
+
 def _sinc_table() -> NDArray[np.float32]:
     offsets = np.arange(_TAPS) - (_TAPS // 2 - 1)
     table = np.empty((_PHASES + 1, _TAPS), dtype=np.float64)
@@ -56,8 +67,11 @@ _SINC = _sinc_table()
 
 def read_between(dry: Dry, first: float, last: float, count: int) -> Samples:
     """``count`` samples of ``dry`` at places (in samples) that run evenly from ``first`` up to, without, ``last``."""
-    if first == last - count and first == math.floor(first):
-        return dry.read(int(first), count)
+    begin = math.floor(first)
+    if abs(last - count - first) < 1e-3:  # nothing moves
+        phase_ = round((first - begin) * _PHASES)
+        section = dry.read(begin - (_TAPS // 2 - 1), count + _TAPS - 1)
+        return np.convolve(section, _SINC[phase_][::-1], mode="valid")
     places = first + (last - first) / count * np.arange(count)
     whole = np.floor(places).astype(np.int64)
     phase = np.rint((places - whole) * _PHASES).astype(np.int64)

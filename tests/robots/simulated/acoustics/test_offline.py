@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from app.geometry import Pose3
+from app.robots.simulated.acoustics.activity import activity
 from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, Microphones
-from app.robots.simulated.acoustics.offline import Source, activity, render_scene
+from app.robots.simulated.acoustics.offline import Source, render_scene
 from app.robots.simulated.acoustics.room import Shoebox, response, reverberation_time
 
 RATE = 48000
