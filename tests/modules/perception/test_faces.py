@@ -190,6 +190,10 @@ def test_a_faces_depth_is_not_its_backgrounds() -> None:
     depth[30:70, 38:62] = 1500
     depth[35:50, 40:50] = 0
     assert face_depth((35, 30, 30, 40), depth) == pytest.approx(1.5)
+    # A face turned away, half hidden: what is behind does not pull its depth to its farther cheek.
+    depth[30:70, 40:49] = np.linspace(1450, 1550, 9)
+    depth[30:70, 49:62] = 4000
+    assert face_depth((32, 30, 32, 40), depth) == pytest.approx(1.50, abs=0.01)
     assert face_depth((70, 70, 60, 60), np.zeros((100, 100), np.uint16)) is None
     assert face_depth((120, 30, 30, 40), depth) is None, "outside the image"
 

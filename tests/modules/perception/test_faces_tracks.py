@@ -61,6 +61,16 @@ def test_the_order_of_the_faces_in_an_image_says_nothing() -> None:
     assert numbers(tracks.see(0.1, "kinect", [sight(p) for p in reversed(pair)], HERE)) == [2, 1]
 
 
+def test_of_two_who_could_be_either_each_is_who_is_more_likely() -> None:
+    """After a second unseen both could have gone to either place; they are taken to have moved least, together."""
+    tracks = FaceTracks()
+    for shot in range(5):
+        pair = [sight((2.0, 0.0, 1.6)), sight((2.0, 0.4, 1.6))]
+        assert numbers(tracks.see(shot / 10, "kinect", pair, HERE)) == [1, 2]
+    later = [sight((2.0, 0.42, 1.6)), sight((2.0, 0.05, 1.6))]
+    assert numbers(tracks.see(1.4, "kinect", later, HERE)) == [2, 1]
+
+
 @pytest.mark.parametrize("depth", [True, False])
 def test_a_number_outlives_missed_images_for_about_a_second_and_no_longer(depth: bool) -> None:
     tracks = FaceTracks()
