@@ -103,12 +103,13 @@ def prepare(log: Log, options: ReplayOptions, folder: Path, deaf: Mapping[str, s
 def deaf_modules(program: ReplayProgram, graph: Graph) -> dict[str, str]:
     """Modules of ``graph`` that attention can give nothing, since on none of their inputs anything can come; and why.
 
-    What is always open to a module (its robot's motion, an operator's hands) only goes with what it works on. A
-    motivation, which says nothing on channels, desires even where it hears nothing.
+    What is always open to a module (its robot's motion, an operator's hands), or aids it, only goes with what it works
+    on. A motivation, which says nothing on channels, desires even where it hears nothing.
     """
     found = {}
     for name, slot in graph.modules.items():
-        open_to = [p for p in slot.context.inputs.values() if p.connected and not p.always_open]
+        inputs = slot.context.inputs.values()
+        open_to = [p for p in inputs if p.connected and not p.always_open and p.name not in slot.module.aids]
         if open_to and slot.context.outputs and all(f"{name}.{port.name}" in program.silent for port in open_to):
             channels = sorted({program.silent[f"{name}.{port.name}"] for port in open_to})
             if not isinstance(slot.module, Recorder):

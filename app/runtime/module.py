@@ -64,6 +64,8 @@ class Module:
     Settings: ClassVar[type[Settings]] = Settings
     #: Which stream of the body each output relays: the way back from a recorded channel to the body's stream.
     streams: ClassVar[Mapping[str, str]] = {}
+    #: Inputs that only help with what comes on the others: nothing by themselves.
+    aids: ClassVar[frozenset[str]] = frozenset()
 
     @classmethod
     def default_inputs(cls, channels: Mapping[str, ChannelSpec]) -> Mapping[str, str]:

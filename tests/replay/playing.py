@@ -8,6 +8,7 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 
 from app.recording.log import Log
+from app.replay.options import ReplayOptions
 from app.replay.playback import Playback
 from app.replay.playback_state import PlaybackState
 from app.replay.replay import Replay
@@ -44,10 +45,10 @@ class Played:
         return state
 
 
-def prepare(log: Log) -> tuple[Log, ReplayClock, Replay]:
+def prepare(log: Log, options: ReplayOptions | None = None) -> tuple[Log, ReplayClock, Replay]:
     """What is to be played; off the loop, since it reads files."""
     clock = ReplayClock(log.info.begin, log.info.end)
-    return log, clock, Replay(log, clock)
+    return log, clock, Replay(log, clock, options)
 
 
 @asynccontextmanager

@@ -17,6 +17,7 @@ from app.messages import Image, Landmark, Landmarks
 from app.recording.damage import place
 from app.recording.log import Log, LogError, Logged
 from app.recording.mcap_log import McapLog
+from app.replay.options import ReplayOptions
 from app.replay.playback_state import checked_speed
 from app.replay.replay import Replay
 from app.runtime.replay_clock import ReplayClock
@@ -142,7 +143,8 @@ async def test_desires_are_those_that_stood_there(lab: Prepared) -> None:
     def classes() -> list[tuple[str, str]]:
         return sorted((d.cls, d.source.name) for d in play.replay.system.workspace.desires())
 
-    always = [("FindQRCodes", "ScenarioCoordinator"), ("Teleoperation", "ScenarioCoordinator")]
+    wished = ("DetectNoises", "FindQRCodes", "LocateFaces", "Teleoperation")
+    always = [(cls, "ScenarioCoordinator") for cls in wished]
     async with played(lab) as play:
         await play.playback.seek(BEGIN + 2.5)
         assert classes() == sorted([*always, ("FindQRCodes", "script"), ("Telepresence", "ada")])
@@ -253,8 +255,14 @@ async def test_at_the_end_it_stands_and_play_begins_again(lab: Prepared) -> None
         assert play.playback.state.position < BEGIN + 1.0
 
 
-async def test_who_comes_while_time_stands_is_shown_what_stands_there(lab: Prepared) -> None:
-    async with played(lab) as play:
+@pytest.fixture
+def blind() -> Prepared:
+    """The same with nobody who would look."""
+    return prepare(lab_log(6.0), ReplayOptions(only=("Hokuyo", "MobileBaseControl")))
+
+
+async def test_who_comes_while_time_stands_is_shown_what_stands_there(blind: Prepared) -> None:
+    async with played(blind) as play:
         await play.playback.seek(BEGIN + 4.0)
         channel = play.replay.system.graph.channels["scan"]
         assert channel.latest is None, "nobody wanted scans"

@@ -37,9 +37,11 @@ def test_a_recording_brings_its_own_program(tmp_path: Path) -> None:
     assert program.description.model_path.is_relative_to(tmp_path)
     assert program.description.limits.linear_mps == 0.4
     assert not program.description.simulated
-    assert program.left_out == {"Recorder": "not asked for"}
+    assert program.left_out == {
+        "Recorder": "not asked for", "Imv": "the log has no imv", "Microphones": "the log has no microphones",
+    }  # fmt: skip
     assert program.fed == ("operator_drive",)
-    assert program.silent == {}
+    assert set(program.silent.values()) == {"imv", "microphones"}
 
 
 def test_what_the_log_has_nothing_for_stays_out(tmp_path: Path) -> None:
@@ -106,11 +108,17 @@ def test_modules_that_would_hear_nothing_stay_out_with_their_strategies() -> Non
         notes, table = replay.notes(), replay.system.table
         running = set(replay.system.graph.modules)
         name = replay.system.link.description.name
-    for module in ("QRCodeDetector", "CameraStream", "PointCloudBuilder"):
-        assert f"{module} does not run: the log has no kinect" in notes
-    assert [note for note in notes if "gets nothing" in note] == [
-        "ScenarioCoordinator.landmarks gets nothing: the log has no landmarks"
-    ]
+    for module, channels in (
+        ("QRCodeDetector", "imv and no kinect"),
+        ("FaceDetector", "imv and no kinect"),
+        ("CameraStream", "kinect"),
+        ("PanoramaStream", "imv"),
+        ("PointCloudBuilder", "kinect"),
+    ):
+        assert f"{module} does not run: the log has no {channels}" in notes
+    deaf = [note for note in notes if "gets nothing" in note]
+    assert "ScenarioCoordinator.landmarks gets nothing: the log has no landmarks" in deaf
+    assert all(note.startswith("ScenarioCoordinator.") for note in deaf)
     # What people feed may come or not, and what is desired may be desired in vain.
     assert {"Teleop", "ScenarioCoordinator"} <= running
     assert not {"FindQRCodes", "Telepresence"} & set(table.classes)
@@ -118,7 +126,7 @@ def test_modules_that_would_hear_nothing_stay_out_with_their_strategies() -> Non
 
 
 def test_a_module_alone_that_would_hear_nothing_is_refused() -> None:
-    with pytest.raises(ConfigError, match="QRCodeDetector: the log has no kinect"):
+    with pytest.raises(ConfigError, match="QRCodeDetector: the log has no imv and no kinect"):
         Replay(scans_alone(), VirtualClock(BEGIN), ReplayOptions(only=("QRCodeDetector",))).close()
 
 

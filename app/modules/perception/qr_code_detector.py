@@ -70,6 +70,7 @@ class QRCodeDetector(Module):
     """Reads codes and remembers where they hang."""
 
     title = "QR code detector"
+    aids = frozenset({"scans"})
     Settings = QRCodeDetectorSettings
     settings: QRCodeDetectorSettings
 
