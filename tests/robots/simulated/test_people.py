@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import math
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,6 +15,7 @@ import pytest
 from numpy.typing import NDArray
 
 from app.geometry import Pose2
+from app.messages import SceneTruth
 from app.robots.config import KinectConfig, RobotConfig, StartPose
 from app.robots.guard import Velocity
 from app.robots.model import load_model
@@ -23,6 +25,7 @@ from app.robots.simulated.eyes import KinectEye
 from app.robots.simulated.faces import FACES
 from app.robots.simulated.kinect import camera_model
 from app.robots.simulated.laser import Laser
+from app.robots.simulated.link import SimulatedLink
 from app.robots.simulated.odometry import TrueBase
 from app.robots.simulated.painter import Painter, Snapshot, mocap_poses
 from app.robots.simulated.people import People, limb_poses
@@ -193,3 +196,30 @@ def test_limbs_hang_together_in_every_posture() -> None:
     poses = limb_poses(actor)
     assert np.linalg.norm(poses[:, 3:], axis=1) == pytest.approx(np.ones(len(poses)))
     assert replace(actor.posture, stride=0.0) == gait.Posture()
+
+
+@pytest.mark.slow
+async def test_the_truth_of_a_running_world_is_the_scenarios(robot: RobotConfig, hall: WorldConfig) -> None:
+    """Across the link's process: who walks is told walking, at the height given, looking along the way."""
+    blind = robot.streams.model_copy(update={"kinect": None, "imv": None, "microphones": None, "hokuyo": None})
+    walker = {"name": "walker", "face": "pilot", "at": (3, 3), "height_m": 1.81, "script": [{"walk": (9, 3)}]}
+    scenario = ScenarioConfig.model_validate({"name": "test", "people": [walker | {"repeat": False}]})
+    config = robot.model_copy(update={"streams": blind, "start": START})
+    link = SimulatedLink(config, hall, 0.0, scenario)
+    told: asyncio.Queue[SceneTruth] = asyncio.Queue()
+    link.attach("scene_truth", told.put_nowait)
+    link.demand("scene_truth", True)
+    async with asyncio.timeout(30):
+        await link.start()
+        try:
+            first = await told.get()
+            while (last := await told.get()).people[0].x < first.people[0].x + 0.5:
+                pass
+        finally:
+            await link.stop()
+    [person] = last.people
+    assert (person.name, person.height_m, person.y) == ("walker", 1.81, 3.0)
+    assert person.heading == pytest.approx(0.0)
+    assert person.mouth[0] - person.x == pytest.approx(gait.MOUTH_AHEAD * 1.81)
+    seconds = last.stamp - first.stamp
+    assert (last.people[0].x - first.people[0].x) / seconds < 1.1  # no faster than it walks, whatever the computer does

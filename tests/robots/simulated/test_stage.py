@@ -11,10 +11,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from app import paths
 from app.geometry import Pose2, wrap_angle
 from app.modules.perception.height import SHARES, STANDING
+from app.robots.config import load_robot_config
 from app.robots.simulated import gait
-from app.robots.simulated.scenario_config import ScenarioConfig
+from app.robots.simulated.scenario_config import ScenarioConfig, load_scenario
 from app.robots.simulated.stage import (
     HEIGHT_MEAN_M,
     HEIGHT_SIGMA_M,
@@ -23,6 +25,8 @@ from app.robots.simulated.stage import (
     Stage,
     draw_heights,
 )
+from app.robots.simulated.world_config import WallConfig, WorldConfig
+from app.yaml_source import parse
 
 AWAY = Pose2(50.0, 50.0, 0.0)
 
@@ -202,3 +206,42 @@ def test_how_often_time_is_told_changes_nothing(cuts: list[float], robot: tuple[
     other.advance(time, pose)
     assert one.people == other.people
     assert [c for c in one.cues if c.kind != "steps"] == [c for c in other.cues if c.kind != "steps"]
+
+
+@pytest.mark.parametrize("name", ["lab", "trial"])
+def test_the_shipped_people_keep_off_walls_posters_each_other_and_the_start(name: str) -> None:
+    folder = paths.config_dir()
+    world = parse(folder / "worlds" / "lab.yaml", WorldConfig)
+    scenario = load_scenario(folder / "scenarios" / f"{name}.yaml")
+    start = scenario.start or load_robot_config(folder / "robots" / "irl1_tr.yaml").start
+    robot = Pose2(start.x, start.y, math.radians(start.heading_deg))
+    life = Stage(scenario)
+    before_a_poster = dict.fromkeys((poster.text for poster in world.posters), 0.0)
+    moved = dict.fromkeys((p.name for p in life.people), 0.0)
+    seconds, period = 200.0, 0.4
+    for i in range(1, int(seconds / period)):
+        last = {p.name: (p.x, p.y) for p in life.people}
+        life.advance(i * period, robot)
+        for p in life.people:
+            moved[p.name] += math.dist(last[p.name], (p.x, p.y))
+            assert math.dist((p.x, p.y), (robot.x, robot.y)) > 1.5
+            for wall in world.walls:
+                assert clearance((p.x, p.y), wall) > 0.25, (p, wall)
+            for poster in world.posters:
+                if math.dist((p.x, p.y), poster.at) < 1.0:
+                    before_a_poster[poster.text] += period
+        for one, other in itertools.combinations(life.people, 2):
+            assert math.dist((one.x, one.y), (other.x, other.y)) > 0.6, (one.name, other.name)
+    assert max(before_a_poster.values()) < 0.1 * seconds
+    assert sum(distance > 5.0 for distance in moved.values()) >= 2
+
+
+def clearance(at: tuple[float, float], wall: WallConfig) -> float:
+    """Metres from ``at`` to what of ``wall`` is no door."""
+    (x0, y0), (x1, y1) = wall.start, wall.end
+    ux, uy = (x1 - x0) / wall.length_m, (y1 - y0) / wall.length_m
+    along, aside = (at[0] - x0) * ux + (at[1] - y0) * uy, abs((at[1] - y0) * ux - (at[0] - x0) * uy)
+    if any(abs(along - door.at) < door.width / 2 - 0.2 for door in wall.doors):
+        return math.inf
+    beyond = max(0.0, -along, along - wall.length_m)
+    return math.hypot(beyond, aside) - wall.thickness / 2
