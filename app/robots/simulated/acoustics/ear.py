@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import deque
 
@@ -82,11 +83,13 @@ class Ear:
         """The frames that ``scenes``, the next ones, complete. What is hopelessly late is left out."""
         if not scenes:
             return []
-        for scene in scenes:
-            if not self._scenes or scene.time_s - self._scenes[-1].time_s > PAUSE_S:
-                self._scenes.clear()
-                self._skip_to(scene.time_s)
-            self._scenes.append(scene)
+        told = [*self._scenes, *scenes]
+        if len(told) == len(scenes) or any(b.time_s - a.time_s > PAUSE_S for a, b in itertools.pairwise(told)):
+            # Nobody listened until now, or this process has just begun: no loss
+            self._scenes = deque(scenes[-1:])
+            self._skip_to(scenes[-1].time_s)
+            return []
+        self._scenes.extend(scenes)
         behind = self._scenes[-1].time_s - self._hearing.position / self._rate
         if behind > LATE_S:
             self._lost += self._skip_to(self._scenes[-1].time_s - self._size / self._rate)

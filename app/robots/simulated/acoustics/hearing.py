@@ -95,7 +95,7 @@ class Hearing:
         block: int = 512,
         early_s: float = 0.021,
         late_s: float = 0.6,
-        refresh_blocks: int = 6,
+        refresh_blocks: int = 8,
         floor: float = 0.0,
         voices: int = 8,
         seed: int = 1,

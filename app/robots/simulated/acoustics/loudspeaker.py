@@ -12,10 +12,11 @@ MOST_S = 0.5
 START_S = 0.03
 """What must wait before it begins to play: frames come unevenly."""
 _AHEAD = 10
+KEPT = 1024
 
 
 class Loudspeaker:
-    """A ``Dry`` sound read strictly onward. ``rate`` is that of the microphones."""
+    """A ``Dry`` sound read onward. ``rate`` is that of the microphones."""
 
     def __init__(self, rate: int) -> None:
         self._rate = rate
@@ -23,6 +24,8 @@ class Loudspeaker:
         self._waiting: Samples = np.zeros(0, dtype=np.float32)
         self._at = 0.0
         self._playing = False
+        self._played: Samples = np.zeros(KEPT, dtype=np.float32)
+        self._end = 0
         self.dropped = 0
         """Samples dropped because more than half a second waited."""
 
@@ -43,7 +46,21 @@ class Loudspeaker:
         return max(0.0, (self._waiting.size - self._at) / self._their_rate)
 
     def read(self, start: int, count: int) -> Samples:
-        """The next ``count`` samples whatever ``start`` is; silence where nothing waits."""
+        """Samples ``start`` to ``start + count`` of what it plays: what waits is played when its number first comes up.
+
+        The last ``KEPT`` samples can be read again; older ones are silence.
+        """
+        if start - self._end > KEPT:
+            self._played, self._end = np.zeros(KEPT, dtype=np.float32), start
+        fresh = start + count - self._end
+        if fresh > 0:
+            self._played = np.concatenate([self._played, self._take(fresh)])[-KEPT - count :]
+            self._end += fresh
+        begin = start - (self._end - self._played.size)
+        known = self._played[max(begin, 0) : begin + count]
+        return np.concatenate([np.zeros(count - known.size, dtype=np.float32), known])
+
+    def _take(self, count: int) -> Samples:
         step = self._their_rate / self._rate
         if not self._playing:
             self._playing = self.waiting_s >= START_S

@@ -35,6 +35,11 @@ def sine_at(time_s: float) -> Sounding:
     return Sounding("s", ("sine", 0), 0.0, 0.0, True, (12.0 + 0.5 * time_s, 10.0, 1.5), np.pi)
 
 
+def feed(ear: Ear, scenes: list[Scene]) -> list[Heard]:
+    """One after the other, as they come."""
+    return [heard for scene_ in scenes for heard in ear.listen([scene_])]
+
+
 def level_db(frames: list[Heard]) -> float:
     samples = np.concatenate([frame.audio.samples for frame in frames]).astype(float)
     return float(20 * np.log10(samples.std() / 32768 + 1e-12))
@@ -63,7 +68,7 @@ def test_frames_come_as_soon_as_the_world_is_past_them_and_follow_one_another() 
 
 def test_what_is_hopelessly_late_is_left_out_and_counted() -> None:
     ear = make_ear()
-    ear.listen([scene(0.5), scene(0.52)])
+    feed(ear, [scene(0.5), scene(0.52)])
     late = [scene(0.53 + 0.01 * n) for n in range(round(LATE_S / 0.01) + 20)]
     heard = ear.listen(late) + ear.listen([scene(late[-1].time_s + 0.011)])
     assert len(heard) <= 2
@@ -74,8 +79,8 @@ def test_what_is_hopelessly_late_is_left_out_and_counted() -> None:
 
 def test_after_a_pause_it_goes_on_without_counting_a_loss() -> None:
     ear = make_ear()
-    ear.listen([scene(0.5), scene(0.52)])
-    heard = ear.listen([scene(9.0), scene(9.02), scene(9.04)])
+    feed(ear, [scene(0.5), scene(0.52)])
+    heard = feed(ear, [scene(9.0), scene(9.02), scene(9.04)])
     assert heard
     assert all(frame.lost == 0 for frame in heard)
     assert heard[0].audio.first_sample / 48000 >= 9.0
@@ -83,15 +88,15 @@ def test_after_a_pause_it_goes_on_without_counting_a_loss() -> None:
 
 def test_fans_and_microphones_are_as_loud_as_configured() -> None:
     times = [scene(0.5 + 0.01 * n) for n in range(12)]
-    assert level_db(make_ear(fans_db=-50.0).listen(times)) == pytest.approx(-50.0, abs=1.5)
-    assert level_db(make_ear(noise_db=-60.0).listen(times)) == pytest.approx(-60.0, abs=0.5)
+    assert level_db(feed(make_ear(fans_db=-50.0), times)) == pytest.approx(-50.0, abs=1.5)
+    assert level_db(feed(make_ear(noise_db=-60.0), times)) == pytest.approx(-60.0, abs=0.5)
 
 
 def test_wheels_are_heard_when_they_turn_and_more_the_faster() -> None:
     levels = []
     for rims in (0.0, 0.2, 0.4):
         ear = make_ear()
-        levels.append(level_db(ear.listen([scene(0.5 + 0.01 * n, rims=rims) for n in range(14)])[3:]))
+        levels.append(level_db(feed(ear, [scene(0.5 + 0.01 * n, rims=rims) for n in range(14)])[3:]))
     assert levels[0] < -90
     assert levels[2] == pytest.approx(-52.0, abs=2.0)
     assert levels[2] - levels[1] == pytest.approx(6.0, abs=1.0)
@@ -101,7 +106,7 @@ def test_the_robot_hears_its_own_voice_and_louder_than_another_s() -> None:
     ear = make_ear()
     voice = np.rint(20000 * np.sin(2 * np.pi * 700 * np.arange(9600) / 48000)).astype(np.int16)[:, None]
     ear.play(Played(Audio(0.0, "operator", voice, 48000, 0, np.zeros((0, 3)))))
-    heard = ear.listen([scene(0.5 + 0.01 * n) for n in range(14)])
+    heard = feed(ear, [scene(0.5 + 0.01 * n) for n in range(14)])
     assert level_db(heard[4:]) > -30.0
     spectrum = np.abs(np.fft.rfft(np.concatenate([frame.audio.samples[:, 0] for frame in heard[3:]]), 48000))
     assert np.argmax(spectrum) == pytest.approx(700, abs=5)
@@ -109,7 +114,7 @@ def test_the_robot_hears_its_own_voice_and_louder_than_another_s() -> None:
 
 def test_louder_than_full_scale_is_clipped_and_counted() -> None:
     ear = make_ear(noise_db=0.0)
-    heard = ear.listen([scene(0.5 + 0.01 * n) for n in range(8)])
+    heard = feed(ear, [scene(0.5 + 0.01 * n) for n in range(8)])
     extremes = {int(frame.audio.samples.max()) for frame in heard} | {int(frame.audio.samples.min()) for frame in heard}
     assert extremes == {32767, -32768}
     assert ear.clipped > 100
