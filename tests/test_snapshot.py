@@ -21,7 +21,7 @@ def test_everything_needed_to_replay_is_there(lab: System) -> None:
     names = {file.name for file in manifest.files}
     assert names >= {
         "lab.yaml", "channels.yaml", "strategies/lab.yaml", "robots/irl1_tr.yaml", "robots/irl1_tr.urdf",
-        "worlds/lab.yaml",
+        "worlds/lab.yaml", "scenarios/lab.yaml",
     }  # fmt: skip
     for file in manifest.files:
         assert file.data == (paths.config_dir() / file.name).read_bytes()
@@ -34,6 +34,8 @@ def test_each_stream_of_the_body_is_traced_to_its_channel(lab: System) -> None:
     facts = snapshot(lab.config, lab.graph, "").facts
     assert {key: value for key, value in facts.items() if key.startswith("stream.")} == {
         "stream.kinect": "kinect",
+        "stream.imv": "imv",
+        "stream.microphones": "microphones",
         "stream.hokuyo": "scan",
         "stream.odometry": "odometry",
         "stream.joints": "joints",
