@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from app.attention.desires import DesireClass, DesireClasses
+from app.attention.desires import DesireClass, DesireClasses, Source
+from app.attention.problem import Problem
+from app.attention.solver import solve
 from app.attention.strategies import Strategy, StrategyTable, load_strategies
 from app.attention.workspace import IntentionWorkspace
 from app.link import RobotLink
@@ -98,9 +100,28 @@ def test_voices_are_located_at_full_rate_by_more_microphones_or_fewer(table: Str
 
 
 def test_full_rate_for_all_does_not_fit_but_each_alone_does(table: StrategyTable) -> None:
-    full = [of_class(table, cls)[0].costs["cpu"] for cls in ("FindQRCodes", "Telepresence")]
+    full = {cls: of_class(table, cls)[0].costs.get("cpu", 0.0) for cls in table.classes}
     capacity = table.capacities()["cpu"]
-    assert max(full) <= capacity < sum(full)
+    assert capacity < sum(full.values())
+    # Faces in every full picture of both cameras are for a larger computer.
+    assert max(cost for cls, cost in full.items() if cls != "LocateFaces") <= capacity
+    assert min(strategy.costs["cpu"] for strategy in of_class(table, "LocateFaces")) <= capacity
+
+
+def test_a_located_voice_takes_from_what_people_watch(table: StrategyTable) -> None:
+    workspace = IntentionWorkspace(DesireClasses(desire_classes()), lambda: 0.0)
+
+    def chosen() -> set[str]:
+        selection = solve(Problem(workspace.strongest(), table.strategies, table.capacities()))
+        return {name for name in selection.strategies if name != "drive-by-hand"}
+
+    for cls in ("FindQRCodes", "LocateFaces", "DetectNoises", "Teleoperation", "Telepresence"):
+        workspace.add(cls, intensity=4 if cls == "Telepresence" else 8, utility=1, source=Source("operator", "ada"))
+    assert chosen() == {"find-qr-codes-1", "locate-near-faces-1", "detect-noises", "telepresence-1"}
+    workspace.add("LocateVoices", intensity=8, utility=1, source=Source("operator", "ada"))
+    assert chosen() == {
+        "find-qr-codes-1", "locate-near-faces-1", "detect-noises", "telepresence-2", "locate-voices-8-separated",
+    }  # fmt: skip
 
 
 def test_driving_by_hand_costs_nothing(table: StrategyTable) -> None:
