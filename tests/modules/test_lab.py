@@ -108,7 +108,7 @@ def test_full_rate_for_all_does_not_fit_but_each_alone_does(table: StrategyTable
     assert min(strategy.costs["cpu"] for strategy in of_class(table, "LocateFaces")) <= capacity
 
 
-def test_a_located_voice_takes_from_what_people_watch(table: StrategyTable) -> None:
+def test_while_voices_are_located_faces_are_looked_for_half_as_often(table: StrategyTable) -> None:
     workspace = IntentionWorkspace(DesireClasses(desire_classes()), lambda: 0.0)
 
     def chosen() -> set[str]:
@@ -120,7 +120,7 @@ def test_a_located_voice_takes_from_what_people_watch(table: StrategyTable) -> N
     assert chosen() == {"find-qr-codes-1", "locate-near-faces-1", "detect-noises", "telepresence-1"}
     workspace.add("LocateVoices", intensity=8, utility=1, source=Source("operator", "ada"))
     assert chosen() == {
-        "find-qr-codes-1", "locate-near-faces-1", "detect-noises", "telepresence-2", "locate-voices-8-separated",
+        "find-qr-codes-1", "locate-near-faces-2", "detect-noises", "telepresence-1", "locate-voices-8-separated",
     }  # fmt: skip
 
 
