@@ -33,15 +33,17 @@ class TrackerSettings:
     """
 
     tracks: int = 4
-    birth_power: float = 0.027
+    birth_power: float = 0.025
     patience_s: float = 0.3
+    mercy_s: float = 0.6
+    most_evidence: float = 10.0
     birth_share: float = 0.23
     keep_power: float = 0.02
     keep_share: float = 0.12
     echo_azimuth_deg: float = 15.0
     echo_elevation_deg: float = 20.0
     echo_share: float = 0.5
-    echo: tuple[float, float] = (0.42, 0.62)
+    echo: tuple[float, float] = (0.38, 0.58)
     gate_deg: float = 10.0
     apart_deg: float = 15.0
     silence_s: float = 2.5
@@ -58,6 +60,7 @@ class TrackerSettings:
     steady_error_deg: float = 3.0
     steady_lag_s: float = 0.4
     pull: float = 1.2
+    crowd_doubt: float = 3.0
     steady_doubt: float = 1.0
 
 
@@ -239,14 +242,21 @@ class Tracker:
             return
         if peaks.powers[k] >= settings.keep_power:
             source.power = float(peaks.powers[k])
-            source.evidence += self._evidence(peaks, k, passed)
+            source.evidence = min(source.evidence + self._evidence(peaks, k, passed), settings.most_evidence)
+        # Two that pass one another are one peak for a while: each goes on as it went.
+        crowded = any(
+            other.id
+            and other is not source
+            and _degrees(other.motion.direction, source.motion.direction) < settings.apart_deg
+            for other in self._sources
+        )
         if recent >= settings.keep_power:
             # What is weak is pulled toward what is strong, in this mean of all sources together.
             doubt = max(0.5, 0.06 / recent) * max(1.0, settings.pull * float(peaks.recent.max()) / recent)
-            error = math.radians(settings.error_deg) * doubt
+            error = math.radians(settings.error_deg) * doubt * (settings.crowd_doubt if crowded else 1.0)
             source.motion = source.motion.corrected(peaks.directions[k], error**2)
         steady = peaks.steady[k]
-        if peaks.powers[k] >= settings.keep_power and not math.isnan(steady[0]):
+        if peaks.powers[k] >= settings.keep_power and not math.isnan(steady[0]) and not crowded:
             # Of old: supposed to have moved since as the source does.
             speed = float(np.linalg.norm(source.motion.velocity))
             since = settings.steady_lag_s - settings.lag_s
@@ -257,21 +267,27 @@ class Tracker:
 
     def _evidence(self, peaks: Peaks, k: int, passed: float) -> float:
         settings = self.settings
-        power, strongest = float(peaks.powers[k]), float(peaks.powers.max())
-        strength = min(power / settings.birth_power, power / strongest / settings.birth_share)
+        power, strongest, echo = float(peaks.powers[k]), float(peaks.powers.max()), float(peaks.echoes[k])
         unlike, alike = settings.echo
-        own = min(1.0, max(0.0, (alike - float(peaks.echoes[k])) / (alike - unlike)))
-        return own * strength**3 * passed / settings.patience_s
+        own = min(1.0, max(0.0, (alike - echo) / (alike - unlike)))
+        # What is plainly no copy of the strongest may be much weaker.
+        share = settings.birth_share * min(1.0, max(0.5, echo / unlike))
+        strength = min(power / settings.birth_power, power / strongest / share)
+        gain = own * strength**3 - 1
+        return gain * passed / (settings.patience_s if gain > 0 else settings.mercy_s)
 
     def _begin(self, time_s: float, peaks: Peaks, k: int, passed: float) -> _Source:
         direction, power = peaks.directions[k], float(peaks.powers[k])
         motion = _Motion(direction, np.zeros(3), math.radians(5.0) ** 2, 0.0, math.radians(10.0) ** 2)
-        return _Source(motion, power, self._evidence(peaks, k, passed), time_s, time_s, time_s)
+        return _Source(motion, power, max(0.0, self._evidence(peaks, k, passed)), time_s, time_s, time_s)
 
     def _bury(self, time_s: float) -> None:
         def lives(source: _Source) -> bool:
             if not source.id:
+                source.evidence = max(0.0, source.evidence)
                 return time_s - source.last_seen <= 0.2
+            if source.evidence < 0:
+                return False
             speed = math.degrees(float(np.linalg.norm(source.motion.velocity)))
             longest = self.settings.silence_s / (1 + speed / self.settings.walking_degps)
             return time_s - source.last_seen <= min(longest, 0.3 + 0.4 * source.evidence)
