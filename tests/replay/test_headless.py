@@ -46,11 +46,12 @@ def test_every_module_lives_the_log(report: ReplayReport) -> None:
     assert channels["odometry"].messages == 200
     assert channels["joints"].messages == 120
     assert channels["link_status"].messages == 80
-    assert channels["scan"].messages == 0  # nobody wanted it
+    # As many as came: QRCodeDetector wants every second one, to place what it reads
+    assert channels["scan"].messages == 40
     taken = report.modules["QRCodeDetector"].inputs["images"].taken
     assert channels["qr_codes"].messages == taken > 10
     assert channels["landmarks"].messages > 0
-    assert channels["camera_jpeg"].messages == channels["point_cloud"].messages == 10
+    assert channels["camera_jpeg"].messages == channels["point_cloud"].messages >= 10  # from 1 to 3 s, as φ gives
     assert report.modules["QRCodeDetector"].cpu_s > 0
     assert all(module.restarts == 0 for module in report.modules.values())
 
@@ -76,7 +77,9 @@ def test_desires_of_others_come_at_their_times(report: ReplayReport) -> None:
     """Own motivations from the start; the operator's at 1 s and the script's at 2 s; the operator's gone at 3 s."""
     lines = [(round(line.stamp - BEGIN, 3), line.strategies) for line in report.intentions]
     assert lines[0] == (0.0, ("drive-by-hand",))
-    assert lines[1] == (0.0, ("find-qr-codes-1", "drive-by-hand"))
+    assert lines[1][0] == 0.0
+    assert {"find-qr-codes-1", "drive-by-hand"} <= set(lines[1][1])
+    assert not any(name.startswith("telepresence") for name in lines[1][1])
     assert lines[2][0] == 1.0
     assert any(name.startswith("telepresence") for name in lines[2][1])
     assert [at for at, _ in lines] == [0.0, 0.0, 1.0, 2.0, 3.0]
@@ -145,12 +148,13 @@ def test_only_one_module_on_what_was_recorded() -> None:
     report = run_headless(log, ReplayOptions(only=("QRCodeDetector",), phi={"QRCodeDetector.images": 2.0}))
     assert list(report.modules) == ["QRCodeDetector"]
     assert report.channels["qr_codes"].messages == 20
-    assert log.decoded.keys() == {"kinect", "odometry", "workspace", "link_status"}
+    assert log.decoded.keys() == {"kinect", "scan", "odometry", "workspace", "link_status"}
 
 
 def test_what_is_wanted_by_nobody_is_never_decoded() -> None:
     log = lab_log()
-    run_headless(log, ReplayOptions(desires=False, phi={"QRCodeDetector.images": math.inf}))
+    blind = {"QRCodeDetector.images": math.inf, "QRCodeDetector.scans": math.inf, "FaceDetector.images": math.inf}
+    run_headless(log, ReplayOptions(desires=False, phi=blind))
     assert "kinect" not in log.decoded
     assert "scan" not in log.decoded
 
@@ -244,7 +248,7 @@ def test_a_public_laser_log_runs_through_our_modules(file: str, tmp_path: Path) 
     finally:
         log.close()
     for module in ("Kinect", "QRCodeDetector"):
-        assert f"{module} does not run: the log has no kinect" in report.notes
+        assert any(note.startswith(f"{module} does not run: the log has no ") for note in report.notes)
     taken = report.modules["Recorder"].inputs["odometry"]
     assert taken.taken == expected > 100
     assert taken.dropped == 0
