@@ -28,7 +28,7 @@ from app.robots.simulated.world_config import WorldConfig
 from tests.robots.conftest import needs_gl
 
 OFFSET = time.time() - time.monotonic()
-SENSORS = ("kinect", "imv", "hokuyo", "ground_truth", "scene_truth")
+SENSORS = ("kinect", "imv", "hokuyo", "ground_truth", "scene_truth", "microphones")
 
 pytestmark = pytest.mark.slow
 
@@ -106,6 +106,7 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
             link.demand(name, True)
         await listener.next("kinect", 3)
         await listener.next("imv", 3)
+        await listener.next("microphones", 3)
         marks = {name: len(messages) for name, messages in listener.messages.items()}
         begin, cpu = time.monotonic(), sum(process.cpu_times()[:2])
         await listener.until(lambda: time.monotonic() - begin > 3.0, 30)
@@ -122,7 +123,11 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
                 continue
             rate = (len(listener.messages[name]) - marks[name]) / (wall * world_rate)
             low = 0.85
-            if name in ("kinect", "imv"):  # a busy computer costs pictures before anything else
+            if name in (
+                "kinect",
+                "imv",
+                "microphones",
+            ):  # a busy computer costs pictures and sound first
                 low = 0.7 if load < 3 else 0.05
             assert low * description.rate_hz <= rate <= 1.15 * description.rate_hz + 1, name
         rows = await asyncio.to_thread(read_guard_log, guard_log)
