@@ -15,13 +15,14 @@ and ``hold_off_s`` are parameters of the desire DetectNoises.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
 from pydantic import Field
 
 from app.messages import Audio, LoudNoise
-from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudNoiseJudge, Rule, decibels, whole_energies
+from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudNoiseJudge, Rule, decibels, whole_energy
 from app.runtime.errors import InboxOverflow, ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
 
@@ -59,7 +60,7 @@ class LoudNoiseDetector(Module):
         self._hold_off_s = self.settings.hold_off_s
         self._rate = 0
         self._awaited = -1
-        self._rest = np.zeros(0, np.float32)
+        self._rest = np.zeros(0, np.int16)
         self._band = BandEnergy(48_000)
         self._judge = LoudNoiseJudge()
         self.audio = self.input("audio", Audio, capacity=_CAPACITY, lossless=True)
@@ -89,21 +90,22 @@ class LoudNoiseDetector(Module):
         if lost or audio.rate != self._rate:
             self._resume(audio, lost)
         self._awaited = audio.first_sample + count
-        samples = audio.samples[:, self.settings.microphone].astype(np.float32)
+        samples = audio.samples[:, self.settings.microphone]
         begin = audio.stamp - len(self._rest) / audio.rate
         if count != FRAME or len(self._rest):
             samples = np.concatenate((self._rest, samples))
             whole = len(samples) - len(samples) % FRAME
             samples, self._rest = samples[:whole], samples[whole:]
-        energies = self._band.frames(samples).tolist()
-        for number, (energy, whole) in enumerate(zip(energies, whole_energies(samples).tolist(), strict=True)):
-            ratio = self._judge.judge(energy, whole)
+        for first in range(0, len(samples), FRAME):
+            frame = samples[first : first + FRAME]
+            ratio = self._judge.judge(self._band.frame(frame), partial(whole_energy, frame))
             if ratio is not None:
-                self.noises.publish(LoudNoise(begin + number * FRAME / audio.rate, ratio, decibels(whole)))
+                level_db = decibels(whole_energy(frame))
+                self.noises.publish(LoudNoise(begin + first / audio.rate, ratio, level_db))
 
     def _resume(self, audio: Audio, lost: int) -> None:
         """Go on after a gap of ``lost`` samples; afresh if it is long, or if the sound is another."""
-        self._rest = np.zeros(0, np.float32)
+        self._rest = np.zeros(0, np.int16)
         self._band = BandEnergy(audio.rate)
         if self._awaited < 0 or audio.rate != self._rate or not 0 <= lost <= audio.rate:
             self._rate = audio.rate
@@ -117,5 +119,5 @@ class LoudNoiseDetector(Module):
             floor_db=self.settings.floor_db,
             window=window,
             history=max(1, min(window, round(self.settings.history_s * frames_per_s))),
-            hold_off=round(self._hold_off_s * frames_per_s),
+            hold_off=max(1, round(self._hold_off_s * frames_per_s)),
         )

@@ -26,6 +26,7 @@ Only ratios of energies are compared: scaling the whole sound changes nothing as
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,8 +37,8 @@ from scipy.signal import butter, lfilter, lfilter_zi
 FRAME = 512
 #: A frame counts in the background at most this often the background itself.
 CLIP = 4.0
-#: A loud frame is at least this often what frames usually stay below: 6 dB.
-CREST = 4.0
+#: A loud frame is at least this often what frames usually stay below: 6.5 dB.
+CREST = 4.5
 #: A frame whose whole energy is more often that of its band is a thud: 10 dB.
 THUD = 10.0
 #: A noise lasts while its frames are above this share of what would begin one.
@@ -46,12 +47,12 @@ LASTS = 0.25
 _HIGH_PASS_HZ = 300.0
 _DECIMATED_HZ = 12_000.0
 _FULL_SCALE = 32768.0
-#: The share of frames that stay below the usual peaks, and how far a frame above moves them up: 0.3 decibels. A frame
-#: of a noise that is being told moves them a third of that, or nobody could clap twice.
+#: The share of frames that stay below the usual peaks, and how far a frame above moves them up: 0.3 decibels.
 _BELOW = 0.98
 _UP = 10.0 ** (0.03 * _BELOW)
-_UP_IN_NOISE = _UP**0.3
 _DOWN = 10.0 ** (-0.03 * (1.0 - _BELOW))
+#: Frames, 0.85 s: longer than a clap and most calls.
+_SHORT = 80
 _LONG_AGO = 1 << 30
 #: -90 dB: one step of 16 bits. A background below it is silence.
 _SILENCE = 1e-9
@@ -74,21 +75,37 @@ class BandEnergy:
     def __init__(self, rate: int) -> None:
         # A power of two, so that it divides a frame.
         self._step = 1 << max(0, round(math.log2(rate / _DECIMATED_HZ)))
-        self._b, self._a = butter(2, _HIGH_PASS_HZ, "highpass", fs=rate / self._step)
-        self._rest: NDArray[np.float64] = lfilter_zi(self._b, self._a)
-        self._state: NDArray[np.float64] | None = None
+        b, a = butter(2, _HIGH_PASS_HZ, "highpass", fs=rate / self._step)
+        #: What the filter's state is where a sample of 1 has stood for ever.
+        self._rest: NDArray[np.float64] = lfilter_zi(b, a)
+        # The filter over a whole frame is linear in its samples and its state: one matrix for both, since the calls
+        # of a general filter cost several times what they compute.
+        self._count = FRAME // self._step
+        passed, state = lfilter(b, a, np.eye(self._count), axis=0, zi=np.zeros((2, self._count)))
+        passed_0, state_0 = lfilter(b, a, np.zeros((self._count, 2)), axis=0, zi=np.eye(2))
+        self._filter = np.ascontiguousarray(np.block([[passed, passed_0], [state, state_0]]), dtype=np.float32)
+        self._inputs: NDArray[np.float32] = np.zeros(self._count + 2, np.float32)
+        self._scale = 1.0 / (self._count * (self._step * _FULL_SCALE) ** 2)
+        self._begun = False
 
-    def frames(self, samples: NDArray[np.float32]) -> NDArray[np.float64]:
-        """Mean square (K,), full scale 1, of each frame of ``samples`` (K * 512,) float32, full scale 32768."""
-        thinned = samples.reshape(-1, self._step).sum(axis=1) / self._step
-        if not len(thinned):
-            return np.zeros(0)
-        if self._state is None:
+    def frame(self, samples: NDArray[np.int16]) -> float:
+        """Mean square, full scale 1, of one frame ``samples`` (512,) int16, which may be a column of many channels."""
+        inputs, count = self._inputs, self._count
+        np.add.reduce(samples.reshape(count, self._step), axis=1, dtype=np.float32, out=inputs[:count])
+        if not self._begun:
             # As if the first sample had stood there for ever: no step at the beginning.
-            self._state = self._rest * thinned[0]
-        passed, self._state = lfilter(self._b, self._a, thinned, zi=self._state)
-        framed = passed.reshape(-1, FRAME // self._step)
-        return np.einsum("ij,ij->i", framed, framed) / (framed.shape[1] * _FULL_SCALE**2)
+            inputs[count:] = self._rest * inputs[0]
+            self._begun = True
+        outputs = self._filter @ inputs
+        inputs[count:] = outputs[count:]
+        passed = outputs[:count]
+        return float(passed @ passed) * self._scale
+
+
+def whole_energy(samples: NDArray[np.int16]) -> float:
+    """Mean square, full scale 1, of one frame ``samples`` (512,) int16, whatever its frequencies."""
+    exact = samples.astype(np.float64)
+    return float(exact @ exact) / (len(exact) * _FULL_SCALE**2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,6 +137,8 @@ class LoudNoiseJudge:
         self._usual_peaks = 0.0
         #: Frames since a noise was last under way.
         self._quiet = _LONG_AGO
+        #: Frames since the last one began.
+        self._age = _LONG_AGO
 
     def follow(self, rule: Rule) -> None:
         """Judge by ``rule`` from now on; begins afresh if its window is another."""
@@ -134,10 +153,10 @@ class LoudNoiseJudge:
         """The background's energy; 0 before the first frame."""
         return self._sum / self._known if self._known else 0.0
 
-    def judge(self, energy: float, whole: float | None = None) -> float | None:
+    def judge(self, energy: float, whole: Callable[[], float] | None = None) -> float | None:
         """Take the energy of the next frame; its ratio to the background if a loud noise begins with it, or None.
 
-        ``whole`` is its energy without the band's limits; None: nothing is a thud.
+        ``whole`` gives its energy without the band's limits, asked only where one could; None: nothing is a thud.
         """
         rule = self._rule
         if self._known < rule.history:
@@ -147,16 +166,18 @@ class LoudNoiseJudge:
         background = max(self.background, _SILENCE)
         loud = max(self._floor, rule.ratio * background, CREST * self._usual_peaks)
         under_way = self._quiet < rule.hold_off
-        begins = energy > loud and not under_way and (whole is None or whole < THUD * energy)
+        begins = energy > loud and not under_way and (whole is None or whole() < THUD * energy)
+        self._age = 0 if begins else self._age + 1
         if energy > LASTS * loud and (begins or under_way):
             self._quiet = 0
         else:
             self._quiet += 1
         self._remember(min(energy, CLIP * max(background, self._floor / rule.ratio)))
-        if energy > self._usual_peaks:
-            self._usual_peaks *= _UP_IN_NOISE if self._quiet < rule.hold_off else _UP
-        else:
+        if energy <= self._usual_peaks:
             self._usual_peaks *= _DOWN
+        elif self._quiet >= rule.hold_off or self._age > _SHORT:
+            # Not by a noise that was told, or nobody could clap twice, unless it goes on.
+            self._usual_peaks *= _UP
         # A background that rises takes them along: steps are slow.
         self._usual_peaks = max(self._usual_peaks, self.background)
         return energy / background if begins else None
