@@ -11,6 +11,7 @@ import sys
 from collections.abc import Iterator
 from typing import Any
 
+from app.errors import ConfigError
 from app.geometry import Pose2, Pose3
 from app.messages import Audio, SoundTruth
 from app.robots.config import LoudspeakerConfig, MicrophonesConfig
@@ -48,7 +49,13 @@ class Acoustics:
         seed: int,
     ) -> None:
         self._library = Library(config.rate, config.sensitivity_db)
-        keys = list(_keys(self._library, scenario)) if scenario is not None else []
+        try:
+            clips = (
+                {key: self._library.at(key) for key in _keys(self._library, scenario)} if scenario is not None else {}
+            )
+        except ConfigError as failure:
+            assert scenario is not None
+            raise ConfigError(f"the scenario {scenario.name!r}: {failure.message}") from None
         setup = Setup(
             config=config,
             loudspeaker=loudspeaker,
@@ -56,7 +63,7 @@ class Acoustics:
             X_BM=model.pose(config.link),
             X_BS=model.pose(loudspeaker.link) if loudspeaker is not None else Pose3.identity(),
             p_BW=tuple(_place(model.pose(model.joints[wheel].child)) for wheel in wheels),  # type: ignore[arg-type]
-            clips={key: (clip.samples, clip.level) for key in keys for clip in (self._library.at(key),)},
+            clips={key: (clip.samples, clip.level) for key, clip in clips.items()},
             seed=seed,
         )
         pickled = pickle.dumps(setup, protocol=5)
