@@ -1,4 +1,4 @@
-"""What the robot sees and hears of people at one moment, and how REST and the live stream tell it."""
+"""What the robot sees and hears at one moment, and how REST and the live stream tell it."""
 
 from __future__ import annotations
 
@@ -34,6 +34,17 @@ class SeenFace:
 
 
 @dataclass(frozen=True, slots=True)
+class SeenCode:
+    """A QR code read in one image of ``camera``: its four ``corners`` (px), ``image`` that picture's size (px)."""
+
+    text: str
+    camera: str
+    stamp: float
+    corners: tuple[tuple[float, float], ...]
+    image: tuple[int, int] | None
+
+
+@dataclass(frozen=True, slots=True)
 class HeardSound:
     """A sound at ``stamp``. ``direction`` as of a face, seen from the microphones' middle, which is at ``p_OA``;
     ``v_O`` is that direction as a unit vector in the axes of O. ``p_OS`` is where it is, None without a distance.
@@ -57,12 +68,13 @@ class HeardSound:
 
 @dataclass(frozen=True, slots=True)
 class Perceived:
-    """All of it at ``stamp``: faces by track and camera, sounds by track, noises of the last 2 s in their order."""
+    """All of it at ``stamp``: faces by track and camera, sounds by track, noises of the last 2 s, codes by text."""
 
     stamp: float
     faces: tuple[SeenFace, ...] = ()
     sounds: tuple[HeardSound, ...] = ()
     noises: tuple[LoudNoise, ...] = ()
+    codes: tuple[SeenCode, ...] = ()
 
 
 def perceived_json(perceived: Perceived) -> dict[str, Any]:
@@ -74,6 +86,16 @@ def perceived_json(perceived: Perceived) -> dict[str, Any]:
         "noises": [
             {"stamp": noise.stamp, "ratio": round(noise.ratio, 2), "level_db": round(noise.level_db, 2)}
             for noise in perceived.noises
+        ],
+        "codes": [
+            {
+                "text": code.text,
+                "camera": code.camera,
+                "stamp": code.stamp,
+                "corners": [[round(value, 1) for value in corner] for corner in code.corners],
+                "image": None if code.image is None else list(code.image),
+            }
+            for code in perceived.codes
         ],
     }
 

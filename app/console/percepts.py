@@ -1,4 +1,4 @@
-"""What the robot sees and hears of people, as the page, the 3D view and REST tell it: faces, sounds, loud noises.
+"""What the robot sees and hears, as the page, the 3D view and REST tell it: faces, QR codes, sounds, loud noises.
 
 Each percept is placed with the pose the robot had at its own stamp, once odometry has reached that.
 """
@@ -14,16 +14,28 @@ from typing import Any
 
 import numpy as np
 
-from app.console.perceived import Direction, HeardSound, Perceived, Point, SeenFace
+from app.console.perceived import Direction, HeardSound, Perceived, Point, SeenCode, SeenFace
 from app.geometry import FloatArray, Pose3
-from app.messages import EncodedImage, Face, Faces, Image, LoudNoise, Odometry, SoundSource, SoundSources
+from app.messages import (
+    EncodedImage,
+    Face,
+    Faces,
+    Image,
+    LoudNoise,
+    Odometry,
+    QRCode,
+    QRCodes,
+    SoundSource,
+    SoundSources,
+)
 from app.pose_buffer import PoseBuffer
 from app.runtime.graph import Graph
 
-#: A face is told until it was not seen for this long (s), or for so many images of its camera, but no longer than that.
-FACE_S = 1.0
-FACE_IMAGES = 2.5
-LONGEST_FACE_S = 4.0
+#: A face or a code is told until it was not seen for this long (s), or for so many images of its camera, and never
+#: longer than the last.
+SEEN_S = 1.0
+SEEN_IMAGES = 2.5
+LONGEST_SEEN_S = 4.0
 #: Without news of sounds for this long (s), none of them sounds any more.
 SILENCE_S = 0.5
 #: A sound is told so long (s) after it last sounded, a noise so long after it was heard.
@@ -42,7 +54,7 @@ class _Heard:
 
 
 class Percepts:
-    """Remembers what the channels ``faces``, ``sound_sources`` and ``loud_noises`` said, as far as there are such.
+    """Remembers what was said on channels of faces, QR codes, sound sources and loud noises, as far as there are such.
 
     It is told as messages are published and is no consumer: perceptions may rest for it. :meth:`open` when the program
     runs; what it returns ends it.
@@ -55,13 +67,16 @@ class Percepts:
     @property
     def channels(self) -> tuple[str, ...]:
         """Those of its channels that this program has."""
-        return tuple(name for name in ("faces", "sound_sources", "loud_noises") if name in self._graph.channels)
+        return tuple(
+            name for name in ("faces", "qr_codes", "sound_sources", "loud_noises") if name in self._graph.channels
+        )
 
     def open(self) -> Callable[[], None]:
         """Begin to remember."""
         handlers: dict[str, Callable[[Any], None]] = {
             "odometry": self._on_odometry,
             "faces": self._on_faces,
+            "qr_codes": self._on_codes,
             "sound_sources": self._on_sounds,
             "loud_noises": self._on_noise,
         }
@@ -73,11 +88,13 @@ class Percepts:
 
     def forget(self) -> None:
         """Time has jumped: nothing of before is true."""
-        self._poses = PoseBuffer(span_s=LONGEST_FACE_S + 2.0, tolerance_s=0.0)
+        self._poses = PoseBuffer(span_s=LONGEST_SEEN_S + 2.0, tolerance_s=0.0)
         #: By track and camera, with the stamp of the image.
         self._faces: dict[tuple[int, str], tuple[float, Face]] = {}
-        #: By camera: stamp of its last image, and the time between the last two.
-        self._images: dict[str, tuple[float, float]] = {}
+        #: By text and camera, with the stamp of the image.
+        self._codes: dict[tuple[str, str], tuple[float, QRCode]] = {}
+        #: By what is looked for and camera: stamp of its last image, and the time between the last two.
+        self._images: dict[tuple[str, str], tuple[float, float]] = {}
         self._sounds: dict[int, _Heard] = {}
         self._sounding: frozenset[int] = frozenset()
         self._sounds_stamp = -math.inf
@@ -89,10 +106,18 @@ class Percepts:
         self._poses.add(message.stamp, message.X_OB)
 
     def _on_faces(self, message: Faces) -> None:
-        before, _ = self._images.get(message.frame, (message.stamp, 0.0))
-        self._images[message.frame] = (message.stamp, message.stamp - before)
+        self._looked("faces", message)
         for face in message.faces:
             self._faces[face.track, message.frame] = (message.stamp, face)
+
+    def _on_codes(self, message: QRCodes) -> None:
+        self._looked("codes", message)
+        for code in message.codes:
+            self._codes[code.text, message.frame] = (message.stamp, code)
+
+    def _looked(self, what: str, message: Faces | QRCodes) -> None:
+        before, _ = self._images.get((what, message.frame), (message.stamp, 0.0))
+        self._images[what, message.frame] = (message.stamp, message.stamp - before)
 
     def _on_sounds(self, message: SoundSources) -> None:
         self._sounds_stamp = message.stamp
@@ -111,7 +136,7 @@ class Percepts:
     def at(self, now: float) -> Perceived:
         """What is perceived at ``now`` (the robot's clock)."""
         self._fade(now)
-        if not (self._faces or self._sounds or self._noises):
+        if not (self._faces or self._codes or self._sounds or self._noises):
             return Perceived(now)
         panorama = self._panorama()
         faces = tuple(
@@ -121,18 +146,32 @@ class Percepts:
         # Nobody tells any more that they sound.
         sounding = self._sounding if now - self._sounds_stamp <= SILENCE_S else frozenset()
         sounds = tuple(self._sound(heard, track in sounding, panorama) for track, heard in sorted(self._sounds.items()))
-        return Perceived(now, faces, sounds, tuple(self._noises))
+        codes = tuple(
+            SeenCode(text, frame, stamp, tuple((float(u), float(v)) for u, v in code.corners), self._size(frame))
+            for (text, frame), (stamp, code) in sorted(self._codes.items(), key=lambda item: item[0])
+        )
+        return Perceived(now, faces, sounds, tuple(self._noises), codes)
 
     def _fade(self, now: float) -> None:
-        for key, (stamp, _) in tuple(self._faces.items()):
-            _, period_s = self._images[key[1]]
-            if now - stamp > min(max(FACE_S, FACE_IMAGES * period_s), LONGEST_FACE_S):
-                del self._faces[key]
+        for face, (stamp, _) in tuple(self._faces.items()):
+            if now - stamp > self._told_for("faces", face[1]):
+                del self._faces[face]
+        for code, (stamp, _) in tuple(self._codes.items()):
+            if now - stamp > self._told_for("codes", code[1]):
+                del self._codes[code]
         for track, heard in tuple(self._sounds.items()):
             if now - heard.last_active > SOUND_S:
                 del self._sounds[track]
         while self._noises and now - self._noises[0].stamp > NOISE_S:
             self._noises.popleft()
+
+    def _told_for(self, what: str, frame: str) -> float:
+        _, period_s = self._images[what, frame]
+        return min(max(SEEN_S, SEEN_IMAGES * period_s), LONGEST_SEEN_S)
+
+    def _size(self, frame: str) -> tuple[int, int] | None:
+        image = self._image(frame)
+        return None if image is None else (image.color.shape[1], image.color.shape[0])
 
     def _face(self, track: int, frame: str, stamp: float, face: Face, panorama: Pose3 | None) -> SeenFace:
         p_BF = np.array(face.p_BF)
@@ -150,7 +189,7 @@ class Percepts:
             None if X_OB is None else _direction(X_OB.rotation @ -p_BF)[0],
             face.score,
             face.box,
-            None if image is None else (image.color.shape[1], image.color.shape[0]),
+            self._size(frame),
         )
 
     def _sound(self, heard: _Heard, active: bool, panorama: Pose3 | None) -> HeardSound:

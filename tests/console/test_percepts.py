@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -13,7 +14,7 @@ from hypothesis import strategies as st
 from app.console.perceived import perceived_json
 from app.console.percepts import Percepts
 from app.geometry import Pose2
-from app.messages import LoudNoise, Odometry
+from app.messages import LoudNoise, Odometry, QRCode, QRCodes
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import VirtualClock
 from app.runtime.graph import Graph
@@ -24,6 +25,7 @@ CHANNELS = {
     "faces": "Faces",
     "sound_sources": "SoundSources",
     "loud_noises": "LoudNoise",
+    "qr_codes": "QRCodes",
     "imv": "Image",
     "panorama_jpeg": "EncodedImage",
 }
@@ -56,7 +58,7 @@ def told() -> Iterator[Told]:
 
 
 def test_nothing_is_told_of_nothing(told: Told) -> None:
-    assert told.at(5.0) == {"stamp": 5.0, "faces": [], "sounds": [], "noises": []}
+    assert told.at(5.0) == {"stamp": 5.0, "faces": [], "sounds": [], "noises": [], "codes": []}
     bare = Told(())
     assert bare.percepts.channels == ()
     assert bare.at(1.0)["faces"] == []
@@ -163,7 +165,7 @@ def test_a_jump_in_time_forgets_everything(told: Told) -> None:
     told.say("faces", faces(10.0))
     told.say("sound_sources", sound_sources(10.0))
     told.percepts.forget()
-    assert told.at(9.0) == {"stamp": 9.0, "faces": [], "sounds": [], "noises": []}
+    assert told.at(9.0) == {"stamp": 9.0, "faces": [], "sounds": [], "noises": [], "codes": []}
 
 
 said = st.one_of(
@@ -191,3 +193,19 @@ def test_all_that_is_told_is_young_and_told_once(story: list[tuple[float, tuple[
         assert all(0 <= now - noise.stamp <= 2 for noise in perceived.noises)
         assert len({face.track for face in perceived.faces}) == len(perceived.faces)
         assert len({sound.track for sound in perceived.sounds}) == len(perceived.sounds)
+
+
+def test_a_code_is_told_as_it_was_read_until_it_is_gone(told: Told) -> None:
+    corners = np.array([[1, 2], [11, 2], [11, 12], [1, 12]], np.float32)
+    told.say("imv", imv_image(9.9, width=1024, height=768))
+    told.say("qr_codes", QRCodes(10.0, "imv_optical_frame", (QRCode("stop 1", corners, None),)))
+    (code,) = told.at(10.5)["codes"]
+    assert code == {
+        "text": "stop 1",
+        "camera": "imv_optical_frame",
+        "stamp": 10.0,
+        "corners": [[1, 2], [11, 2], [11, 12], [1, 12]],
+        "image": [1024, 768],
+    }
+    told.say("qr_codes", QRCodes(10.1, "imv_optical_frame", ()))
+    assert told.at(11.05)["codes"] == []

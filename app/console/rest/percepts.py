@@ -1,4 +1,4 @@
-"""What the robot sees and hears of people, now."""
+"""What the robot sees and hears, now."""
 
 from __future__ import annotations
 
@@ -60,6 +60,16 @@ class NoiseModel(Answer):
     level_db: float
 
 
+class CodeModel(Answer):
+    """A QR code read in one camera's image."""
+
+    text: str
+    camera: str = Field(description="Frame of the image.")
+    stamp: Stamp
+    corners: list[tuple[float, float]] = Field(description="Its four corners in the image (px).")
+    image: tuple[int, int] | None = Field(description="Width and height of the image (px).")
+
+
 class PerceptsModel(Answer):
     """What is perceived now; noises are those of the last 2 s."""
 
@@ -67,13 +77,14 @@ class PerceptsModel(Answer):
     faces: list[FaceModel]
     sounds: list[SoundModel]
     noises: list[NoiseModel]
+    codes: list[CodeModel]
 
 
 def percepts_router(percepts: Percepts, clock: Clock) -> APIRouter:
     """Routes of ``/percepts``."""
     router = APIRouter(tags=["robot"])
 
-    @router.get("/percepts", response_model=PerceptsModel, summary="Faces, sounds and loud noises")
+    @router.get("/percepts", response_model=PerceptsModel, summary="Faces, sounds, loud noises, codes")
     async def get_percepts() -> Response:
         """The same as `perceived` on the live stream. What attention has closed is not perceived."""
         return Json(perceived_json(percepts.at(clock.now())))
