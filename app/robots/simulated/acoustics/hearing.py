@@ -30,6 +30,7 @@ _JUMP_M = 0.3
 _MOVED_M, _TURNED_RAD, _LOOKED = 0.015, math.radians(0.7), math.cos(math.radians(6))
 _REFLECTION_TAPS = 48
 _LATE_DECAY_DB = 45.0
+_LATE_NOISE = 1 << 15
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -138,7 +139,8 @@ class Hearing:
         """Compute what the first blocks, or the first in each of ``rooms``, would else wait for."""
         self.microphones.tables()
         if self._noise is None:
-            length = 1 << (self._tail_length - 1).bit_length()
+            # Cyclic: where it comes round again the sound has died away
+            length = min(1 << (self._tail_length - 1).bit_length(), _LATE_NOISE)
             self._noise = diffuse_noise(self.microphones, length, self._seed)
         for room in rooms:
             if room not in self._tails:
@@ -254,7 +256,7 @@ class Hearing:
         length = min(self._tail_length, max(self._tail.delay, round(heard_s * rate)))
         after_s = (self._tail.delay - MARGIN) / rate
         # Each room its own stretch of the noise
-        own = np.roll(noise, hash(room.corner) % noise.shape[-1], axis=-1)
+        own = np.take(noise, np.arange(length) + hash(room.corner) % noise.shape[-1], axis=-1, mode="wrap")
         impulses = late(room, own, length, rate, after_s)
         end = min(length, 2048)
         impulses[:, -end:] *= np.linspace(1, 0, end, dtype=np.float32)

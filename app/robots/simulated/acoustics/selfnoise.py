@@ -16,7 +16,7 @@ from app.robots.simulated.acoustics.diffraction import Microphones
 from app.robots.simulated.acoustics.source import ramp
 
 Samples = NDArray[np.float32]
-_LENGTH = 1 << 17
+_LENGTH = 1 << 16
 _ALIKE = 0.6
 """Share of the fans' energy that all microphones have in common."""
 WHEELS_AT_MPS = 0.4
@@ -56,7 +56,7 @@ class SelfNoise:
             for place, seed_ in ((p_AL, seeds[2]), (p_AR, seeds[3]))
         ]
         self._rng = np.random.default_rng(seeds[4])
-        self._own = np.float32(own) * self._rng.standard_normal(4 * _LENGTH, dtype=np.float32)
+        self._own = np.float32(own) * self._rng.standard_normal(8 * _LENGTH, dtype=np.float32)
         self._loudness = np.zeros(2)
 
     def frame(self, start: int, count: int, left_mps: float, right_mps: float) -> Samples:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import os
+import signal
 import time
 
 import numpy as np
@@ -109,3 +111,27 @@ async def test_frames_follow_one_another_and_a_clap_comes_from_its_place(robot: 
     for other in near[1:]:
         expected = (ways[other] - ways[near[0]]) / SPEED_OF_SOUND_MPS
         assert delays(piece, int(near[0]), int(other), 48000) == pytest.approx(expected, abs=1.0 / 48000)
+
+
+@pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="needs Linux")
+async def test_the_microphones_process_ends_with_the_link_s_however_that_ends(
+    robot: RobotConfig, hall: WorldConfig
+) -> None:
+    link = SimulatedLink(deaf_but_for_sound(robot), hall, OFFSET)
+    heard, ended = asyncio.Event(), asyncio.Event()
+    link.attach("microphones", lambda _: heard.set())
+    await link.start()
+    try:
+        link.demand("microphones", True)
+        async with asyncio.timeout(30):
+            await heard.wait()
+            assert link.process_id is not None
+            (child,) = psutil.Process(link.process_id).children()
+            descriptor = os.pidfd_open(child.pid)
+            asyncio.get_running_loop().add_reader(descriptor, ended.set)
+            os.kill(link.process_id, signal.SIGKILL)
+            await ended.wait()
+    finally:
+        asyncio.get_running_loop().remove_reader(descriptor)
+        os.close(descriptor)
+        await link.stop()
