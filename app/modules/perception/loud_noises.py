@@ -53,6 +53,8 @@ _UP = 10.0 ** (0.03 * _BELOW)
 _DOWN = 10.0 ** (-0.03 * (1.0 - _BELOW))
 #: Frames, 0.85 s: longer than a clap and most calls.
 _SHORT = 80
+#: Frames, about 0.1 s: what is above the usual peaks for longer moves them no further.
+_SYLLABLE = 10
 _LONG_AGO = 1 << 30
 #: -90 dB: one step of 16 bits. A background below it is silence.
 _SILENCE = 1e-9
@@ -139,6 +141,8 @@ class LoudNoiseJudge:
         self._quiet = _LONG_AGO
         #: Frames since the last one began.
         self._age = _LONG_AGO
+        #: Frames on end above the usual peaks.
+        self._above = 0
 
     def follow(self, rule: Rule) -> None:
         """Judge by ``rule`` from now on; begins afresh if its window is another."""
@@ -175,9 +179,12 @@ class LoudNoiseJudge:
         self._remember(min(energy, CLIP * max(background, self._floor / rule.ratio)))
         if energy <= self._usual_peaks:
             self._usual_peaks *= _DOWN
-        elif self._quiet >= rule.hold_off or self._age > _SHORT:
-            # Not by a noise that was told, or nobody could clap twice, unless it goes on.
-            self._usual_peaks *= _UP
+            self._above = 0
+        else:
+            self._above += 1
+            # Little by one that lasts, and not by a noise that was told, or nobody could clap or call twice.
+            if self._above <= _SYLLABLE and (self._quiet >= rule.hold_off or self._age > _SHORT):
+                self._usual_peaks *= _UP
         # A background that rises takes them along: steps are slow.
         self._usual_peaks = max(self._usual_peaks, self.background)
         return energy / background if begins else None

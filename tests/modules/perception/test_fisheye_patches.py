@@ -45,7 +45,9 @@ def test_a_patch_is_resampled_where_its_rays_look() -> None:
 
 
 def test_beyond_the_hemisphere_a_patch_is_black() -> None:
-    white = np.full((PANORAMA.height, PANORAMA.width), 255, np.uint8)
+    v, u = np.mgrid[: PANORAMA.height, : PANORAMA.width]
+    seen = np.isfinite(PANORAMA.rays(np.stack((u, v), axis=-1).astype(float))[..., 0])
+    white = np.where(seen, 255, 0).astype(np.uint8)
     patch = PATCHES.cut(white, (9, 0))
     assert patch[:, :150].min() > 250
     assert patch[:, 175:].max() == 0
