@@ -135,8 +135,20 @@ def speaking(dry: NDArray[np.float64]) -> NDArray[np.bool_]:
     return np.asarray(level > level.max() - 35)
 
 
-def make(recipe: Recipe, positions: NDArray[np.float64], speech: Path) -> Scene:
-    """Play ``recipe`` to microphones at ``positions`` (M, 3), m about their middle."""
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What a recipe's seed draws: the room's ``size`` (3,) m, the array's ``middle`` (3,), each talker's file and path
+    (T, 3), one place every ``BLOCK_S`` or one for all; ``rng`` for what comes after."""
+
+    size: NDArray[np.float64]
+    middle: NDArray[np.float64]
+    files: list[str]
+    paths: list[NDArray[np.float64]]
+    rng: np.random.Generator
+
+
+def draw(recipe: Recipe) -> Plan:
+    """Draw a scene."""
     cast = next(cast for cast in (TUNING, HELD_OUT) if cast.name == recipe.cast)
     rng = np.random.default_rng(recipe.seed)
     size = rng.uniform(cast.room_min, cast.room_max)
@@ -144,15 +156,24 @@ def make(recipe: Recipe, positions: NDArray[np.float64], speech: Path) -> Scene:
     middle = np.array([*(size[:2] * rng.uniform(0.42, 0.47, 2)), HEIGHT_M])
     speakers = rng.choice(sorted(cast.speakers), recipe.talkers, replace=False)
     files = [str(rng.choice(cast.speakers[speaker])) for speaker in speakers]
-    length = int(recipe.duration_s * RATE)
-    dry = []
-    for file in files:
-        words = np.concatenate([reference_speech(speech, file), np.zeros(int(0.3 * RATE))])
-        dry.append(np.resize(words, length))
     if recipe.walking:
         paths = _walks(recipe, rng, size, middle)
     else:
         paths = _places(recipe.talkers, rng, size, middle)
+    return Plan(size, middle, files, paths, rng)
+
+
+def talk(speech: Path, file: str, length: int) -> NDArray[np.float64]:
+    """``length`` samples of a recording, said again and again with 0.3 s between."""
+    return np.resize(np.concatenate([reference_speech(speech, file), np.zeros(int(0.3 * RATE))]), length)
+
+
+def make(recipe: Recipe, positions: NDArray[np.float64], speech: Path) -> Scene:
+    """Play ``recipe`` to microphones at ``positions`` (M, 3), m about their middle."""
+    plan = draw(recipe)
+    rng, size, middle, files, paths = plan.rng, plan.size, plan.middle, plan.files, plan.paths
+    length = int(recipe.duration_s * RATE)
+    dry = [talk(speech, file, length) for file in files]
     heard = np.zeros((recipe.talkers, len(positions), length))
     talkers = []
     for number, (sound, path) in enumerate(zip(dry, paths, strict=True)):

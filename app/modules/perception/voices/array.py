@@ -22,17 +22,21 @@ _FLAT = 0.05
 class MicrophoneArray:
     """Microphones at ``positions`` (M, 3) float64, m, x forward, y left, z up; M from 2 to 32.
 
-    ``channels`` (M,) names the columns of the sound that are theirs: 0, 1, ... except in a :meth:`subset`. Raises
-    ValueError if there are fewer than two, or two at one place.
+    ``channels`` (M,) names the columns of the sound that are theirs: 0, 1, ... except in a :meth:`subset`. ``body_m`` is
+    the radius of the rigid body among them, taken as a sphere about their middle that none lies within; sound goes
+    round it. 0: they hang in free air. Raises ValueError if there are fewer than two, or two at one place.
     """
 
-    def __init__(self, positions: NDArray[np.floating], channels: tuple[int, ...] | None = None) -> None:
+    def __init__(
+        self, positions: NDArray[np.floating], channels: tuple[int, ...] | None = None, body_m: float = 0.0
+    ) -> None:
         placed = np.array(positions, dtype=np.float64)
         if placed.ndim != 2 or placed.shape[1] != 3 or not 2 <= len(placed) <= 32:
             raise ValueError(f"positions are (M, 3) of 2 to 32 microphones, not {placed.shape}")
         placed.flags.writeable = False
         self.positions = placed
         self.channels = tuple(range(len(placed))) if channels is None else channels
+        self.body_m = body_m
         self.first, self.second = np.triu_indices(len(placed), 1)
         apart = np.linalg.norm(placed[self.first] - placed[self.second], axis=1)
         if not np.isfinite(placed).all() or apart.min() < _NEAREST_M:
@@ -78,7 +82,9 @@ class MicrophoneArray:
         if count == len(self):
             return self
         chosen = self._best_pair() if count == 2 else self._best_spread(count)
-        return MicrophoneArray(self.positions[list(chosen)], tuple(self.channels[index] for index in chosen))
+        return MicrophoneArray(
+            self.positions[list(chosen)], tuple(self.channels[index] for index in chosen), self.body_m
+        )
 
     def _best_pair(self) -> tuple[int, ...]:
         across = self.positions[self.first] - self.positions[self.second]
@@ -97,10 +103,14 @@ class MicrophoneArray:
 
 
 class ArrayConfig(BaseModel):
-    """A file of ``config/arrays``: ``positions``, m, x forward, y left, z up, in any frame, one per channel."""
+    """A file of ``config/arrays``: ``positions``, m, x forward, y left, z up, in any frame, one per channel.
+
+    ``body_m``: see :class:`MicrophoneArray`.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
+    body_m: Annotated[float, Field(ge=0, le=1)] = 0.0
     positions: Annotated[tuple[tuple[float, float, float], ...], Field(min_length=2, max_length=32)]
 
     @model_validator(mode="after")
@@ -111,4 +121,5 @@ class ArrayConfig(BaseModel):
 
 def load_array(path: Path | str) -> MicrophoneArray:
     """Read ``config/arrays/<name>.yaml``; raises ConfigError (file, line, key)."""
-    return MicrophoneArray(np.array(parse(path, ArrayConfig).positions))
+    config = parse(path, ArrayConfig)
+    return MicrophoneArray(np.array(config.positions), body_m=config.body_m)

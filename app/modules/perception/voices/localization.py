@@ -137,7 +137,7 @@ class Localizer:
 
     def _lags(self, directions: NDArray[np.float64]) -> NDArray[np.float64]:
         """How many samples later sound of ``directions`` (G, 3) comes to the first of each pair: (G, P)."""
-        delays = arrivals(self.array.offsets, directions, self.settings.range_m) * self.rate
+        delays = arrivals(self.array.offsets, directions, self.settings.range_m, self.array.body_m) * self.rate
         return np.asarray(delays[:, self.array.first] - delays[:, self.array.second])
 
     def reset(self) -> None:
@@ -260,7 +260,8 @@ class Localizer:
 
     def _steer(self, direction: NDArray[np.float64]) -> NDArray[np.complex64]:
         """What brings sound from ``direction`` (1, 3) into phase at all microphones: (M, B)."""
-        delays = arrivals(self.array.offsets, direction, self.settings.range_m)[0] * self.rate
+        array = self.array
+        delays = arrivals(array.offsets, direction, self.settings.range_m, array.body_m)[0] * self.rate
         return np.asarray(np.exp(self._omega * delays[:, None].astype(np.float32)))
 
     def _climb(

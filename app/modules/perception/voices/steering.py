@@ -47,14 +47,28 @@ def search_grid(array: MicrophoneArray, points: int, lowest_deg: float) -> NDArr
     return np.asarray(grid)
 
 
-def arrivals(offsets: NDArray[np.float64], directions: NDArray[np.float64], range_m: float) -> NDArray[np.float64]:
+def arrivals(
+    offsets: NDArray[np.float64], directions: NDArray[np.float64], range_m: float, body_m: float = 0.0
+) -> NDArray[np.float64]:
     """How much later (s) than in the middle sound of ``directions`` (G, 3), ``range_m`` away, comes to each microphone.
 
-    ``offsets`` (M, 3) m about the middle; the result is (G, M). An infinite range makes the waves plane.
+    ``offsets`` (M, 3) m about the middle; the result is (G, M). An infinite range makes the waves plane. Behind a body
+    (a sphere of radius ``body_m``) sound comes by the shortest way round it: straight to its edge, along its surface
+    and on (Woodworth 1938).
     """
+    radius = body_m
     if np.isinf(range_m):
-        return -directions @ offsets.T / SPEED_OF_SOUND
+        if not radius:
+            return np.asarray(-directions @ offsets.T / SPEED_OF_SOUND)
+        range_m = 1e3
     ways = np.linalg.norm(range_m * directions[:, None] - offsets, axis=2)
+    if radius:
+        away = np.maximum(np.linalg.norm(offsets, axis=1), 1e-6)
+        on_body = np.minimum(radius, away)
+        angles = np.arccos(np.clip(directions @ (offsets / away[:, None]).T, -1, 1))
+        arc = angles - np.arccos(on_body / range_m) - np.arccos(on_body / away)
+        round_it = np.sqrt(range_m**2 - on_body**2) + np.sqrt(away**2 - on_body**2) + on_body * arc
+        ways = np.where(arc > 0, round_it, ways)
     return np.asarray((ways - range_m) / SPEED_OF_SOUND)
 
 
