@@ -134,7 +134,7 @@ def _listen(
         if rate < LEAST_RATE:
             raise _NoRecording(f"{path}: has {rate} samples a second; at least {LEAST_RATE} are needed")
         lifted = array.positions - array.middle + np.array([0.0, 0.0, args.height or 0.0])
-        used = MicrophoneArray(lifted).subset(args.microphones or len(array))
+        used = MicrophoneArray(lifted, body_m=array.body_m).subset(args.microphones or len(array))
         pipeline = VoicePipeline(used, rate, PipelineSettings(separation=args.separate is not None))
         tracks: dict[int, Heard] = {}
         timeline: list[dict[str, Any]] = []

@@ -45,6 +45,9 @@ class VoiceLocalizerSettings(Settings):
     separation: bool = Field(True, description="used while no strategy says another")
     voices: int = Field(2, ge=1, le=4, description="most sources separated, used while no desire says another")
     speech: bool = Field(True, description="judge whether sources are speech")
+    body_m: float = Field(
+        0.0, ge=0, le=1, description="radius of the body that the microphones stand on; 0: they hang in free air"
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +130,7 @@ class VoiceLocalizer(Module):
         self._next_sample = audio.first_sample + len(audio.samples)
         while self._pipeline is None:
             wanted = self._microphones, self._wanted
-            made = await self.compute(_made, self._wiring, *wanted, self._first_track)
+            made = await self.compute(_made, self._wiring, *wanted, self.settings.body_m, self._first_track)
             # Another may have been asked for meanwhile.
             self._pipeline = made if wanted == (self._microphones, self._wanted) else None
         pipeline = self._pipeline
@@ -177,9 +180,11 @@ class VoiceLocalizer(Module):
         self._forget()
 
 
-def _made(wiring: _Wiring, microphones: int | None, settings: PipelineSettings, first_track: int) -> VoicePipeline:
+def _made(
+    wiring: _Wiring, microphones: int | None, settings: PipelineSettings, body_m: float, first_track: int
+) -> VoicePipeline:
     try:
-        array = MicrophoneArray(wiring.p_BM)
+        array = MicrophoneArray(wiring.p_BM, body_m=body_m)
         count = len(array) if microphones is None else min(microphones, len(array))
         return VoicePipeline(array.subset(count), wiring.rate, settings, first_track=first_track)
     except ValueError as mistake:

@@ -36,7 +36,7 @@ class DelayAndSum:
 
     def beam(self, direction: NDArray[np.float64]) -> Sound:
         """What comes from ``direction`` (3,) in the samples taken last: (N,), the mean over the microphones."""
-        delays = arrivals(self._array.offsets, direction[None], self._range_m)[0] * self._rate
+        delays = arrivals(self._array.offsets, direction[None], self._range_m, self._array.body_m)[0] * self._rate
         begins = np.rint(delays).astype(int) + self.latency
         length = self._sound.shape[1] - 2 * self.latency
         total = np.zeros(length, np.float32)

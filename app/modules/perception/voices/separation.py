@@ -145,7 +145,7 @@ class Separator:
         """N⁻¹ a (F, M) and c (F,) of a direction; kept while it moves by less than half a degree."""
         known = self._directions.get(track)
         if known is None or known[0] @ direction < np.cos(np.radians(0.5)):
-            delays = arrivals(self.array.offsets, direction[None], self.settings.range_m)[0]
+            delays = arrivals(self.array.offsets, direction[None], self.settings.range_m, self.array.body_m)[0]
             steering = np.exp(-2j * np.pi * self._frequencies[:, None] * delays).astype(np.complex64)
             seen = (self._room @ steering[:, :, None])[:, :, 0]
             strength = (steering.conj() * seen).sum(axis=1).real
