@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.modules.perception.voices.array import MicrophoneArray
-from app.modules.perception.voices.localization import Localizer, LocalizerSettings
+from app.modules.perception.voices.localization import Localizer
 from app.modules.perception.voices.steering import search_grid
-from app.modules.perception.voices.tracking import Tracker, TrackerSettings
+from app.modules.perception.voices.tracking import Tracker
 from benchmarks.voice_rooms import INSTANT_S, SPEED_OF_SOUND, Scene, Talker
 
 WARM_S = 0.5
@@ -56,15 +56,10 @@ def to_line(line: NDArray[np.float64]) -> Angle:
     return angle
 
 
-def ours(
-    scene: Scene,
-    array: MicrophoneArray,
-    localizer: LocalizerSettings = LocalizerSettings(),
-    tracker: TrackerSettings = TrackerSettings(),
-) -> tuple[Located, float]:
+def ours(scene: Scene, array: MicrophoneArray) -> tuple[Located, float]:
     """Tracks over time (when they could be known, what instant they are of, number -> direction), and CPU (%)."""
     samples = np.ascontiguousarray(scene.samples[:, list(array.channels)])
-    locate, follow = Localizer(array, scene.rate, localizer), Tracker(tracker)
+    locate, follow = Localizer(array, scene.rate), Tracker()
     located: Located = []
     began = time.process_time()
     for end in range(locate.step, len(samples) + 1, locate.step):

@@ -6,6 +6,8 @@ and for IRL-1's; then IRL-1's with fewer microphones, and with the torso between
 of a core. The plain method hears the same sound in the same run.
 """
 
+# ruff: noqa: E402
+
 from __future__ import annotations
 
 import os

@@ -22,9 +22,9 @@ _FLAT = 0.05
 class MicrophoneArray:
     """Microphones at ``positions`` (M, 3) float64, m, x forward, y left, z up; M from 2 to 32.
 
-    ``channels`` (M,) names the columns of the sound that are theirs: 0, 1, ... except in a :meth:`subset`. ``body_m`` is
-    the radius of the rigid body among them, taken as a sphere about their middle that none lies within; sound goes
-    round it. 0: they hang in free air. Raises ValueError if there are fewer than two, or two at one place.
+    ``channels`` (M,) names the columns of the sound that are theirs: 0, 1, ... except in a :meth:`subset`. ``body_m``
+    is the radius of the rigid body among them, taken as a sphere about their middle; sound goes round it. 0: they hang
+    in free air. Raises ValueError if there are fewer than two, or two at one place.
     """
 
     def __init__(
