@@ -52,12 +52,12 @@ class LocalizerSettings:
     ``follow_memory_s``. Frequencies in Hz. ``points``: directions on the whole sphere, of which those above
     ``lowest_deg`` are looked at. ``range_m``: how far sounds are supposed to be. ``doubt``: how much weight a frequency
     needs before it counts. ``tail``, ``tail_s`` and ``floor``: see :class:`Clarity`. ``least_power``: what is weaker
-    is no peak.
+    is no peak, nor what is below ``least_share`` of the strongest.
     """
 
     frame: int = 1024
-    frames: int = 2
-    search_every: int = 4
+    frames: int = 4
+    search_every: int = 2
     search_memory_s: float = 0.4
     follow_memory_s: float = 0.06
     sources: int = 4
@@ -71,6 +71,7 @@ class LocalizerSettings:
     tail_s: float = 0.085
     floor: float = 0.01
     least_power: float = 0.02
+    least_share: float = 0.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -220,12 +221,12 @@ class Localizer:
             response = correlation[self._cells].sum(axis=0)
             start = self.grid[int(response.argmax())]
             direction, power = self._climb(correlation, start[None], 2)
-            if power[0] < self.settings.least_power:
+            if power[0] < max(self.settings.least_power, self.settings.least_share * max(powers, default=0.0)):
                 break
             steering = self._steer(direction)
             copies = [
                 self._copy(whole, beam, steering) / math.sqrt(stronger * power[0])
-                for beam, stronger, other in zip(beams, powers, directions, strict=True)
+                for beam, stronger, other in zip(beams[:2], powers[:2], directions[:2], strict=True)
                 if other @ direction[0] < _NEAR
             ]
             directions.append(direction[0])
@@ -294,27 +295,27 @@ class Localizer:
                 nearness = expected @ starts.T
                 meant = np.where(nearness.max(axis=1) > _NEAR, nearness.argmax(axis=1), -1)
             known = meant >= 0
-            powers = np.concatenate([powers, np.where(known, np.append(powers, 0)[meant], 0)])
-            echoes = np.concatenate([echoes, np.where(known, np.append(echoes, 0)[meant], 0)])
-            steady = np.concatenate([steady, np.append(steady, [[np.nan] * 3], axis=0)[meant]])
-            starts = np.concatenate([starts, expected])
+            # What the caller expects is the better start, where it and the search mean the same source.
+            new = np.setdiff1d(np.arange(len(starts)), meant)
+            of_expected = np.where(known, np.append(powers, 0)[meant], 0)
+            powers = np.concatenate([of_expected, powers[new]])
+            echoes = np.concatenate([np.where(known, np.append(echoes, 0)[meant], 0), echoes[new]])
+            steady = np.concatenate([np.append(steady, [[np.nan] * 3], axis=0)[meant], steady[new]])
+            starts = np.concatenate([expected, starts[new]])
         if not len(starts):
             return NO_PEAKS
         cross = self._short / (self._short_weight + np.float32(self.settings.doubt))
         directions, recent = self._climb(self._correlation(cross), starts, 1)
-        # What the caller expects is the better start, where it and the search mean the same source.
-        order = [*range(len(found.powers), len(starts)), *range(len(found.powers))]
+        nearness = directions @ directions.T
         chosen: list[int] = []
-        for k in order:
-            if not any(directions[k] @ directions[other] > _SAME for other in chosen):
+        for k in range(len(directions)):
+            if not any(nearness[k, other] > _SAME for other in chosen):
                 chosen.append(k)
         chosen.sort(key=lambda k: -powers[k])
         # Beside a strong source its side lobes rise and fall with it: nothing of their own.
+        loud = recent.tolist()
         clear = [
-            not any(
-                recent[k] < _LOBE_SHARE * recent[other] and directions[k] @ directions[other] > _LOBE
-                for other in chosen
-            )
+            not any(loud[k] < _LOBE_SHARE * loud[other] and nearness[k, other] > _LOBE for other in chosen)
             for k in chosen
         ]
         recent[chosen] = np.where(clear, recent[chosen], 0)

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from app.modules.perception.voices.localization import Peaks
-from app.modules.perception.voices.steering import angle_between
 
 Vector = NDArray[np.float64]
 
@@ -219,7 +218,7 @@ class Tracker:
         if not sources or not free:
             return free
         expected = np.array([source.motion.direction for source in sources])
-        angles = np.degrees(angle_between(expected[:, None], peaks.directions[free][None]))
+        angles = np.degrees(np.arccos(np.clip(expected @ peaks.directions[free].T, -1, 1)))
         spread = np.degrees(np.sqrt([source.motion.position_variance for source in sources]))[:, None]
         possible = angles < settings.gate_deg + np.minimum(spread, 5)
         rows, columns = linear_sum_assignment(np.where(possible, angles, 1e3))
@@ -258,7 +257,7 @@ class Tracker:
         steady = peaks.steady[k]
         if peaks.powers[k] >= settings.keep_power and not math.isnan(steady[0]) and not crowded:
             # Of old: supposed to have moved since as the source does.
-            speed = float(np.linalg.norm(source.motion.velocity))
+            speed = _speed(source.motion.velocity)
             since = settings.steady_lag_s - settings.lag_s
             now, _ = _along(steady, source.motion.velocity, since)
             if _degrees(now, source.motion.direction) < settings.gate_deg:
@@ -288,7 +287,7 @@ class Tracker:
                 return time_s - source.last_seen <= 0.2
             if source.evidence < 0:
                 return False
-            speed = math.degrees(float(np.linalg.norm(source.motion.velocity)))
+            speed = math.degrees(_speed(source.motion.velocity))
             longest = self.settings.silence_s / (1 + speed / self.settings.walking_degps)
             return time_s - source.last_seen <= min(longest, 0.3 + 0.4 * source.evidence)
 
@@ -323,7 +322,7 @@ class Tracker:
         found, nearest = None, math.inf
         for track in tracks:
             silent = time_s - track.last_seen
-            speed = math.degrees(float(np.linalg.norm(track.motion.velocity)))
+            speed = math.degrees(_speed(track.motion.velocity))
             angle = _degrees(source.motion.direction, track.motion.direction)
             if silent > 0.15 and angle < min(self.settings.apart_deg + 2 * speed * silent, 30.0, nearest):
                 found, nearest = track, angle
@@ -351,4 +350,8 @@ def _carried(tangent: Vector, old: Vector, new: Vector) -> Vector:
 
 
 def _degrees(a: Vector, b: Vector) -> float:
-    return math.degrees(float(angle_between(a, b)))
+    return math.degrees(math.acos(max(-1.0, min(1.0, float(a @ b)))))
+
+
+def _speed(velocity: Vector) -> float:
+    return math.sqrt(float(velocity @ velocity))
