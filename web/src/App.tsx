@@ -1,5 +1,6 @@
 /** The page: bar, view, side, lanes; stacked on a phone. */
 
+import { Around } from "./around/Around";
 import { DesireForm } from "./desires/DesireForm";
 import { DesireList } from "./desires/DesireList";
 import { DrivePad } from "./drive/DrivePad";
@@ -8,8 +9,11 @@ import { Events } from "./panels/Events";
 import { Found } from "./panels/Found";
 import { Intention } from "./panels/Intention";
 import { Load } from "./panels/Load";
+import { People } from "./panels/People";
 import { Transport } from "./playback/Transport";
 import { Recordings } from "./recordings/Recordings";
+import { ListenButton } from "./sound/ListenButton";
+import { TalkButton } from "./sound/TalkButton";
 import { useApp } from "./state/context";
 import { Banner } from "./ui/Banner";
 import { EStop } from "./ui/EStop";
@@ -30,6 +34,8 @@ export function App() {
   const phone = narrow.value;
   const replay = store.replay.value;
   const stopped = store.stopped.value && !replay;
+  // A console that knows of no sound is not asked for any.
+  const hasSound = store.hello.value?.audio !== undefined;
   return (
     <div
       class={`page ${phone ? "narrow" : "wide"} ${phase === "live" ? "" : "not-live"} ${stopped ? "stopped" : ""} ${replay ? "replay" : ""}`}
@@ -39,8 +45,15 @@ export function App() {
       <TopBar narrow={phone} />
       <main class="view" aria-label="View">
         {store.scene.value ? <SceneView /> : <div class="scene" data-testid="scene" data-state="off" />}
-        <Camera />
-        <SceneToggle />
+        <div class="insets">
+          <Camera />
+          {(!phone || store.around.value === "large") && <Around place="view" />}
+        </div>
+        <div class="view-tools">
+          {hasSound && <ListenButton />}
+          {hasSound && <TalkButton />}
+          <SceneToggle />
+        </div>
         <Banner />
         {!phone && !replay && <DrivePad />}
       </main>
@@ -102,7 +115,18 @@ function Side({ phone }: { phone: boolean }) {
         </>
       ),
     },
-    { id: "found", title: "Found", badge: store.landmarks.value?.length ?? 0, content: () => <Found /> },
+    {
+      id: "found",
+      title: "Found",
+      badge: store.landmarks.value?.length ?? 0,
+      content: () => (
+        <>
+          {phone && store.around.value !== "large" && <Around place="tab" />}
+          <People />
+          <Found />
+        </>
+      ),
+    },
     { id: "load", title: "Load", ...(trouble > 0 ? { badge: "!", alarm: true } : {}), content: () => <Load /> },
     { id: "events", title: "Events", content: () => <Events /> },
   ];

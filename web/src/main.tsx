@@ -1,6 +1,6 @@
 /** Starts the page. */
 
-import { effect } from "@preact/signals";
+import { computed, effect } from "@preact/signals";
 import { render } from "preact";
 import { App } from "./App";
 import { DriveController } from "./drive/controller";
@@ -9,13 +9,18 @@ import { RecordingControl } from "./recordings/control";
 import { AppContext } from "./state/context";
 import { Session } from "./state/session";
 import { createStore } from "./state/store";
-import { CameraFeed } from "./view/feed";
+import { CAMERA, PANORAMA } from "./protocol/picture";
+import { Listening } from "./sound/listening";
+import { Talking } from "./sound/talking";
+import { narrow } from "./ui/media";
+import { PictureFeed } from "./view/feed";
 import "./styles/base.css";
 import "./styles/parts.css";
 import "./styles/layout.css";
 import "./styles/overlays.css";
 import "./styles/bar.css";
 import "./styles/view.css";
+import "./styles/senses.css";
 import "./styles/drive.css";
 import "./styles/lanes.css";
 import "./styles/tooltip.css";
@@ -32,10 +37,25 @@ const session = new Session(store);
 const playback = new PlaybackController(store, session.rest);
 const recordings = new RecordingControl(store, session.rest);
 const drive = new DriveController(store, session, playback);
-const camera = new CameraFeed(store, session);
+const camera = new PictureFeed(
+  session,
+  CAMERA,
+  computed(() => store.camera.value !== "hidden" && store.around.value !== "large"),
+);
+const panorama = new PictureFeed(
+  session,
+  PANORAMA,
+  computed(() => {
+    const mode = store.around.value;
+    return mode === "large" || (mode === "inset" && (!narrow.value || store.tab.value === "found"));
+  }),
+);
+panorama.canvas = document.createElement("canvas");
+const listening = new Listening(store, session);
+const talking = new Talking(store, session, listening);
 
 render(
-  <AppContext.Provider value={{ store, session, drive, camera, playback, recordings }}>
+  <AppContext.Provider value={{ store, session, drive, camera, panorama, listening, talking, playback, recordings }}>
     <App />
   </AppContext.Provider>,
   document.getElementById("app")!,
@@ -43,6 +63,9 @@ render(
 drive.start();
 recordings.start();
 camera.start();
+panorama.start();
+listening.start();
+talking.start();
 void session.start();
 
 // A new name is told with a new connection.

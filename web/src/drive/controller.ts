@@ -211,7 +211,7 @@ function closest(target: EventTarget | Element | null, selector: string): Elemen
   return element && typeof element.closest === "function" ? element.closest(selector) : null;
 }
 
-function typesText(target: EventTarget | Element | null): boolean {
+export function typesText(target: EventTarget | Element | null): boolean {
   const field = closest(target, "input, textarea, select, [contenteditable=''], [contenteditable='true']");
   const type = (field as HTMLInputElement | null)?.type;
   return !!field && !(type === "range" || type === "checkbox" || type === "radio" || type === "button");

@@ -38,7 +38,7 @@ function connect() {
   const handlers = {
     opened: vi.fn(),
     message: vi.fn(),
-    picture: vi.fn(),
+    binary: vi.fn(),
     roundTrip: vi.fn(),
     lost: vi.fn(),
   } satisfies LiveHandlers;

@@ -5,7 +5,8 @@ import type { FromRobot, ToRobot } from "./types";
 export interface LiveHandlers {
   opened(): void;
   message(message: FromRobot): void;
-  picture(frame: ArrayBuffer): void;
+  /** A picture or a piece of sound. */
+  binary(frame: ArrayBuffer): void;
   roundTrip(rttMs: number): void;
   /** The connection is gone; the next attempt comes in `retryInMs`. `everOpened`: it had stood. */
   lost(everOpened: boolean, retryInMs: number): void;
@@ -71,10 +72,18 @@ export class LiveConnection {
     return true;
   }
 
+  /** Sends a binary frame. True if it went to the socket: sound that would come late is left out. */
+  sendBinary(frame: ArrayBuffer): boolean {
+    const socket = this.socket;
+    if (!socket || socket.readyState !== WebSocket.OPEN || socket.bufferedAmount > BACKLOG_BYTES) return false;
+    socket.send(frame);
+    return true;
+  }
+
   private receive(data: string | ArrayBuffer): void {
     this.lastHeard = performance.now();
     if (typeof data !== "string") {
-      this.handlers.picture(data);
+      this.handlers.binary(data);
       return;
     }
     const message = JSON.parse(data) as FromRobot;

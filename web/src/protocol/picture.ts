@@ -1,6 +1,7 @@
-/** The binary frames of the live stream: 24 bytes of little-endian header, then the picture. */
+/** The pictures of the live stream: 24 bytes of little-endian header, then a JPEG. */
 
 export const CAMERA = 1;
+export const PANORAMA = 2;
 const HEADER_BYTES = 24;
 
 export interface Picture {

@@ -51,7 +51,9 @@ export interface Hello {
   robot: { name: string; simulated: boolean; limits: Limits };
   scale: { intensity: number; utility: number };
   classes: DesireClass[];
-  channels: { camera?: boolean };
+  channels: { camera?: boolean; panorama?: boolean };
+  /** Whether the robot can be listened to, and be spoken through. */
+  audio?: { listen: boolean; speak: boolean };
   /** Where this page shows a recording instead of a living robot. */
   playback?: Omit<Playback, "type"> | null;
 }
@@ -134,6 +136,8 @@ export interface Status {
   world_rate: number;
   odometry: ({ x: number; y: number; theta: number } & Velocity) | null;
   driver: { operator: string; mine: boolean } | null;
+  /** Who speaks through the robot. */
+  speaker?: { operator: string; mine: boolean } | null;
   exploited: string | null;
   sources: SourceState[];
 }
@@ -260,6 +264,57 @@ export interface Landmark {
   last_seen: number;
 }
 
+/** Azimuth (left positive) and elevation (up positive), rad. */
+export type Direction = [azimuth: number, elevation: number];
+
+/** Where something was perceived: angles in the robot's axes, its place in `odom` (m). What is not known is null. */
+interface Percept {
+  track: number;
+  stamp: number;
+  azimuth: number | null;
+  elevation: number | null;
+  /** Where it is on the panorama; null while there was no such picture. */
+  panorama: Direction | null;
+  range_m: number | null;
+  range_sigma_m: number | null;
+  x: number | null;
+  y: number | null;
+  z: number | null;
+}
+
+export interface SeenFace extends Percept {
+  /** The frame of the image it was seen in. */
+  camera: string;
+  score: number;
+  /** Left, top, width and height, px of `image`. */
+  box: [number, number, number, number];
+  image: [width: number, height: number] | null;
+}
+
+export interface HeardSound extends Percept {
+  power: number;
+  level_db: number;
+  /** Whether it sounds now. */
+  active: boolean;
+  last_active: number;
+  /** Probability that it is a voice. */
+  speech: number | null;
+}
+
+export interface Noise {
+  stamp: number;
+  ratio: number;
+  level_db: number;
+}
+
+export interface Perceived {
+  type: "perceived";
+  stamp: number;
+  faces: SeenFace[];
+  sounds: HeardSound[];
+  noises: Noise[];
+}
+
 export type NoticeLevel = "info" | "warning" | "error";
 
 export type FromRobot =
@@ -272,6 +327,7 @@ export type FromRobot =
   | { type: "intention"; intention: Intention | null }
   | { type: "events"; events: RobotEvent[] }
   | { type: "landmarks"; landmarks: Landmark[] }
+  | Perceived
   | Playback
   | { type: "jump"; stamp: number }
   | Recorder
@@ -293,5 +349,6 @@ export type ToRobot =
   | { type: "take_control" }
   | { type: "release_control" }
   | { type: "ping"; t: number; rtt_ms: number | null }
-  | { type: "ack"; kind: 1; seq: number }
-  | { type: "view"; camera: boolean };
+  | { type: "ack"; kind: number; seq: number }
+  | { type: "view"; camera?: boolean; panorama?: boolean }
+  | { type: "listen"; on: boolean };

@@ -1,11 +1,13 @@
-/** What every component may use: the store, the session with the robot, the hands, the camera. */
+/** What every component may use: the store, the session with the robot, the hands, the pictures, the sound. */
 
 import { createContext } from "preact";
 import { useContext } from "preact/hooks";
 import type { DriveController } from "../drive/controller";
 import type { PlaybackController } from "../playback/controller";
 import type { RecordingControl } from "../recordings/control";
-import type { CameraFeed } from "../view/feed";
+import type { Listening } from "../sound/listening";
+import type { Talking } from "../sound/talking";
+import type { PictureFeed } from "../view/feed";
 import type { Session } from "./session";
 import type { Store } from "./store";
 
@@ -13,7 +15,10 @@ export interface App {
   store: Store;
   session: Session;
   drive: DriveController;
-  camera: CameraFeed;
+  camera: PictureFeed;
+  panorama: PictureFeed;
+  listening: Listening;
+  talking: Talking;
   playback: PlaybackController;
   recordings: RecordingControl;
 }

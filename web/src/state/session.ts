@@ -15,18 +15,18 @@ const HISTORY_EVENTS = 200;
 /** However fast a recording runs, what it says holds until it says the next. */
 const REPLAY_HOLD_S = 10;
 /** What a jump in a recording makes void. */
-const OF_THE_PAST = ["status", "lanes", "load", "landmarks"] as const;
+const OF_THE_PAST = ["status", "lanes", "load", "landmarks", "perceived"] as const;
 
 export class Session {
   readonly rest: Rest;
-  /** Called with each binary frame, at arrival. */
-  onPicture: (frame: ArrayBuffer) => void = () => undefined;
+  /** Called with each binary frame of a kind, at arrival. */
+  readonly onBinary = new Map<number, (frame: ArrayBuffer) => void>();
   /** Called at every chance the page gets: each frame, each message. Timers starve first when it is busy drawing. */
   onChance: () => void = () => undefined;
   /** Called when the robot has greeted a new connection. */
-  onHello: () => void = () => undefined;
+  readonly onHello = new Set<() => void>();
   /** Called when a recording has gone to another place. */
-  onJump: () => void = () => undefined;
+  readonly onJump = new Set<() => void>();
   private readonly live: LiveConnection;
   private readonly waiting = new Map<FromRobot["type"], FromRobot>();
   private lastStatusAt = 0;
@@ -39,7 +39,7 @@ export class Session {
     this.live = new LiveConnection(() => liveAddress(store.operator.value), {
       opened: () => this.opened(),
       message: (message) => this.receive(message),
-      picture: (frame) => this.onPicture(frame),
+      binary: (frame) => this.receiveBinary(frame),
       roundTrip: (rttMs) => this.roundTrip(rttMs),
       lost: (everOpened, retryInMs) => this.lost(everOpened, retryInMs),
     });
@@ -72,6 +72,11 @@ export class Session {
 
   send(message: ToRobot): boolean {
     return this.live.send(message);
+  }
+
+  /** True if it went to the socket. */
+  sendBinary(frame: ArrayBuffer): boolean {
+    return this.live.sendBinary(frame);
   }
 
   /** Sends the emergency stop; while nobody hears it, it is owed and sent first thing on the next connection. */
@@ -122,6 +127,10 @@ export class Session {
     );
   }
 
+  private receiveBinary(frame: ArrayBuffer): void {
+    if (frame.byteLength > 0) this.onBinary.get(new Uint8Array(frame, 0, 1)[0]!)?.(frame);
+  }
+
   private receive(message: FromRobot): void {
     const at = performance.now();
     this.onChance();
@@ -141,9 +150,10 @@ export class Session {
       batch(() => {
         this.store.hello.value = message;
         this.store.playback.value = message.playback ?? null;
+        this.store.perceived.value = null;
         this.store.recorder.value = null; // told anew, by a program that has one
       });
-      this.onHello();
+      this.onHello.forEach((handler) => handler());
     } else this.waiting.set(message.type, message);
   }
 
@@ -169,6 +179,7 @@ export class Session {
     else if (message.type === "desires") store.desires.value = message.desires;
     else if (message.type === "intention") store.intention.value = message.intention;
     else if (message.type === "landmarks") store.landmarks.value = message.landmarks;
+    else if (message.type === "perceived") store.perceived.value = message;
     else if (message.type === "playback") store.playback.value = message;
     else if (message.type === "recorder") store.recorder.value = message;
     else if (message.type === "load") {
@@ -190,7 +201,7 @@ export class Session {
   private jump(): void {
     for (const kind of OF_THE_PAST) this.waiting.delete(kind);
     batch(() => this.store.forget());
-    this.onJump();
+    this.onJump.forEach((handler) => handler());
   }
 
   /** A page that was busy itself reads first what came meanwhile, before it says that nothing came. */

@@ -9,6 +9,7 @@ import type {
   LaneRow,
   Load,
   NoticeLevel,
+  Perceived,
   Playback,
   Recorder,
   Recordings,
@@ -21,7 +22,8 @@ import { PageClock } from "./pageClock";
 
 export type Phase = "connecting" | "live" | "stale" | "lost" | "login";
 export type Tab = "attention" | "lanes" | "found" | "load" | "events" | "recordings";
-export type CameraMode = "inset" | "large" | "hidden";
+/** How a picture over the 3D view is shown. */
+export type InsetMode = "inset" | "large" | "hidden";
 
 export interface LinkView {
   phase: Phase;
@@ -61,6 +63,7 @@ export function createStore() {
   const playback = signal<Omit<Playback, "type"> | null>(null);
   const lanes = new LaneHistory();
   const landmarks = signal<Landmark[] | null>(null);
+  const perceived = signal<Perceived | null>(null);
   const operator = signal(readOperator());
   let noticeId = 0;
 
@@ -81,6 +84,8 @@ export function createStore() {
     playback,
     replay: computed(() => playback.value !== null) as ReadonlySignal<boolean>,
     recorder: signal<Recorder | null>(null),
+    /** What the robot sees and hears of people. */
+    perceived,
     /** The list last read; null: not yet. */
     recordings: signal<Recordings | null>(null),
     /** Whether the list is looked at. */
@@ -96,7 +101,9 @@ export function createStore() {
     /** The same, once a second: for long lists. */
     seconds: computed(() => (now.value === null ? null : Math.floor(now.value))) as ReadonlySignal<number | null>,
     tab: signal<Tab>("attention"),
-    camera: signal<CameraMode>(sceneWanted() ? "inset" : "large"),
+    camera: signal<InsetMode>(sceneWanted() ? "inset" : "large"),
+    /** The strip of all directions around the robot. On a phone its small form is in the tab. */
+    around: signal<InsetMode>("inset"),
     /** Whether the 3D view is drawn at all. */
     scene: signal(sceneWanted()),
     help: signal(false),
@@ -126,6 +133,7 @@ export function createStore() {
       events.value = [];
       landmarks.value = null;
       loadHistory.value = [];
+      perceived.value = null;
     },
     notify(level: NoticeLevel, text: string): void {
       const until = performance.now() + (level === "info" ? 5000 : 9000);
@@ -135,6 +143,16 @@ export function createStore() {
     showScene(shown: boolean): void {
       this.scene.value = shown;
       this.camera.value = shown ? "inset" : "large";
+      if (!shown && this.around.value === "large") this.around.value = "inset";
+    },
+    /** Over all of the view is room for one. */
+    showCamera(mode: InsetMode): void {
+      this.camera.value = mode;
+      if (mode === "large" && this.around.value === "large") this.around.value = "inset";
+    },
+    showAround(mode: InsetMode): void {
+      this.around.value = mode;
+      if (mode === "large" && this.camera.value === "large") this.camera.value = "inset";
     },
     dismiss(id: number): void {
       notices.value = notices.value.filter((notice) => notice.id !== id);

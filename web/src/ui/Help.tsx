@@ -9,6 +9,7 @@ const KEYS: [string[], string][] = [
   [["Shift"], "Held: slowly"],
   [["Space"], "Stop driving: every key must be pressed anew"],
   [["Esc"], "Emergency stop, from anywhere on the page. It stays latched until it is released. While the robot stands, it closes this sheet instead"],
+  [["V"], "Speak through the robot while held"],
   [["?"], "This sheet"],
 ];
 const PAD: [string[], string][] = [

@@ -166,6 +166,36 @@ export const DownloadIcon = () => (
   </Icon>
 );
 
+export const AroundIcon = () => (
+  <Icon>
+    <path d="M2 7c6 2.5 14 2.5 20 0v10c-6-2.5-14-2.5-20 0z" />
+    <circle cx="12" cy="12.2" r="1.6" fill="currentColor" />
+  </Icon>
+);
+export const HeadphonesIcon = () => (
+  <Icon>
+    <path d="M4 18v-5a8 8 0 0116 0v5" />
+    <path d="M4 14h3v6H5.5A1.5 1.5 0 014 18.5zM20 14h-3v6h1.5a1.5 1.5 0 001.5-1.5z" />
+  </Icon>
+);
+export const MicrophoneIcon = () => (
+  <Icon>
+    <rect x="9" y="3" width="6" height="11" rx="3" />
+    <path d="M5.5 11a6.5 6.5 0 0013 0M12 17.5V21" />
+  </Icon>
+);
+export const PersonIcon = () => (
+  <Icon>
+    <circle cx="12" cy="8" r="4" />
+    <path d="M4.5 20.5a7.5 7.5 0 0115 0" />
+  </Icon>
+);
+export const SoundIcon = () => (
+  <Icon>
+    <path d="M4 10v4h3.5l4.5 4V6L7.5 10zM15.5 9a4 4 0 010 6M18 6.5a8 8 0 010 11" />
+  </Icon>
+);
+
 /** The state of a lane or a desire: told by shape as well as colour. */
 export function StateMark({ state }: { state: string }) {
   return (

@@ -3,6 +3,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import { useApp } from "../state/context";
 import { number, reasonText } from "../ui/format";
+import { FaceFrames } from "./FaceFrames";
 import { CameraIcon, CloseIcon, EnlargeIcon, ShrinkIcon } from "../ui/icons";
 
 const OLD_S = 1;
@@ -26,7 +27,7 @@ export function Camera() {
         type="button"
         class="camera-show button"
         data-testid="camera-show"
-        onClick={() => (store.camera.value = "inset")}
+        onClick={() => store.showCamera("inset")}
       >
         <CameraIcon /> Camera
       </button>
@@ -48,6 +49,7 @@ export function Camera() {
         role="img"
         aria-label={empty ? text : "What the robot's camera sees"}
       />
+      {!empty && <FaceFrames />}
       {text && (
         <figcaption class={empty ? "camera-empty" : "camera-age"} data-testid="camera-text">
           {empty && <CameraIcon />}
@@ -61,7 +63,7 @@ export function Camera() {
           data-testid="camera-enlarge"
           aria-label={large ? "Shrink the camera picture" : "Enlarge the camera picture"}
           aria-pressed={large}
-          onClick={() => (store.camera.value = large ? "inset" : "large")}
+          onClick={() => store.showCamera(large ? "inset" : "large")}
         >
           {large ? <ShrinkIcon /> : <EnlargeIcon />}
         </button>
@@ -70,7 +72,7 @@ export function Camera() {
           class="icon-button"
           data-testid="camera-hide"
           aria-label="Hide the camera picture"
-          onClick={() => (store.camera.value = "hidden")}
+          onClick={() => store.showCamera("hidden")}
         >
           <CloseIcon />
         </button>

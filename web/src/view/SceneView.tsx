@@ -7,7 +7,7 @@ import { hopeless, paced, SHARES, startPace } from "./pace";
 type Scene = "loading" | "shown" | "missing";
 
 export function SceneView() {
-  const { store, drive } = useApp();
+  const { store, drive, talking } = useApp();
   const frame = useRef<HTMLIFrameElement>(null);
   const [scene, setScene] = useState<Scene>("loading");
   const [step, setStep] = useState(0);
@@ -38,6 +38,7 @@ export function SceneView() {
     keepReconnecting(inner);
     dress(inner.document);
     drive.listenIn(inner);
+    talking.listenIn(inner);
   };
   const reload = () => {
     setScene("loading");
@@ -92,6 +93,16 @@ function SceneLegend() {
       <li>
         <i class="poster-color" />
         QR code found
+      </li>
+      <li>
+        <i class="face-color" />
+        person seen
+      </li>
+      <li>
+        <i class="sound-color voice" />
+        voice
+        <i class="sound-color" />
+        other sound
       </li>
     </ul>
   );

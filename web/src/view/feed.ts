@@ -1,56 +1,58 @@
-/** Camera pictures from the stream onto a canvas; each is acknowledged when drawn, which asks for the next. */
+/** Pictures of one kind from the stream; each is acknowledged when drawn, which asks for the next. */
 
-import { effect, signal } from "@preact/signals";
-import { CAMERA, parsePicture, type Picture } from "../protocol/picture";
+import { effect, type ReadonlySignal, signal } from "@preact/signals";
+import { CAMERA, type PANORAMA, parsePicture, type Picture } from "../protocol/picture";
 import type { Session } from "../state/session";
-import type { Store } from "../state/store";
 
 const KEPT_MS = 1500;
 
-export class CameraFeed {
+export class PictureFeed {
   /** Stamp of the picture shown; null: none yet on this connection. */
   readonly stamp = signal<number | null>(null);
   canvas: HTMLCanvasElement | null = null;
 
   constructor(
-    private readonly store: Store,
     private readonly session: Session,
+    private readonly kind: typeof CAMERA | typeof PANORAMA,
+    /** Whether the page shows these pictures. */
+    private readonly shown: ReadonlySignal<boolean>,
   ) {}
 
   private jumped = 0;
 
   start(): void {
-    this.session.onPicture = (frame) => void this.take(frame);
-    this.session.onHello = () => {
+    this.session.onBinary.set(this.kind, (frame) => void this.take(frame));
+    this.session.onHello.add(() => {
       this.stamp.value = null;
       this.tell();
-    };
+    });
     // A picture of before a jump stays until that of the new place comes, but not for long if none does.
-    this.session.onJump = () => {
+    this.session.onJump.add(() => {
       const before = this.stamp.peek();
       clearTimeout(this.jumped);
       this.jumped = window.setTimeout(() => this.stamp.peek() === before && (this.stamp.value = null), KEPT_MS);
-    };
+    });
     effect(() => {
-      void this.store.camera.value;
+      void this.shown.value;
       this.tell();
     });
     document.addEventListener("visibilitychange", () => this.tell());
   }
 
   private wanted(): boolean {
-    return this.store.camera.peek() !== "hidden" && !document.hidden;
+    return this.shown.peek() && !document.hidden;
   }
 
   private tell(): void {
-    this.session.send({ type: "view", camera: this.wanted() });
+    const wanted = this.wanted();
+    this.session.send({ type: "view", ...(this.kind === CAMERA ? { camera: wanted } : { panorama: wanted }) });
   }
 
   private async take(frame: ArrayBuffer): Promise<void> {
     const picture = parsePicture(frame);
-    if (picture?.kind !== CAMERA) return;
+    if (!picture) return;
     if (this.wanted() && this.canvas) await this.draw(picture, this.canvas);
-    this.session.send({ type: "ack", kind: CAMERA, seq: picture.seq });
+    this.session.send({ type: "ack", kind: this.kind, seq: picture.seq });
   }
 
   private async draw(picture: Picture, canvas: HTMLCanvasElement): Promise<void> {

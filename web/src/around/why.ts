@@ -1,0 +1,46 @@
+/** Why nobody is seen and nothing heard around the robot: what is not there, and what attention has closed. Pure. */
+
+import type { Hello, LaneRow } from "../protocol/types";
+import { reasonText, sentence } from "../ui/format";
+
+export interface Closed {
+  what: "picture" | "faces" | "voices";
+  /** In short: "Faces are not looked for". */
+  text: string;
+  /** Attention's own words, or why there can be none. */
+  reason: string;
+}
+
+const PERCEPTIONS = [
+  { what: "faces", kind: "LocateFaces", closed: "Not looking for faces", missing: "This robot does not look for faces" },
+  { what: "voices", kind: "LocateVoices", closed: "Not locating sounds", missing: "This robot does not locate sounds" },
+] as const;
+
+/** `fresh`: the picture is of now. In a replay attention closes nothing to those who watch. */
+export function whyClosed(hello: Hello | null, rows: LaneRow[], replay: boolean, fresh: boolean): Closed[] {
+  if (!hello) return [];
+  const lane = (kind: string) => rows.find((row) => row.class === kind);
+  const closed: Closed[] = [];
+  if (!hello.channels.panorama)
+    closed.push({
+      what: "picture",
+      text: replay ? "The recording has no picture of all around" : "No camera that sees all around",
+      reason: "",
+    });
+  else {
+    const telepresence = lane("Telepresence");
+    if (!fresh && !replay && telepresence && telepresence.divisor === null)
+      closed.push({ what: "picture", text: "No picture", reason: reasonOf(telepresence) });
+  }
+  if (rows.length === 0) return closed;
+  for (const { what, kind, closed: text, missing } of PERCEPTIONS) {
+    const row = lane(kind);
+    if (!row) closed.push({ what, text: missing, reason: "" });
+    else if (row.divisor === null) closed.push({ what, text, reason: reasonOf(row) });
+  }
+  return closed;
+}
+
+function reasonOf(row: LaneRow): string {
+  return sentence(reasonText(row.state, row.text));
+}

@@ -1,0 +1,59 @@
+/** Who is seen now and what is heard now: how far, and in which direction. */
+
+import { directionWords, faceMarks, soundMarks } from "../around/marks";
+import { whyClosed } from "../around/why";
+import { useApp } from "../state/context";
+import { PersonIcon, SoundIcon } from "../ui/icons";
+
+export function People() {
+  const { store } = useApp();
+  const perceived = store.perceived.value;
+  const now = store.now.value ?? perceived?.stamp ?? 0;
+  const faces = faceMarks(perceived).reverse();
+  const sounds = soundMarks(perceived, now).reverse();
+  const closed = whyClosed(store.hello.value, store.rows.value, store.replay.value, true).filter(
+    ({ what }) => what !== "picture",
+  );
+  return (
+    <section class="card" aria-label="People and sounds" data-testid="people">
+      <h2>
+        People and sounds now <span class="count">{faces.length + sounds.length}</span>
+      </h2>
+      {faces.length + sounds.length === 0 && <p class="empty">Nobody is seen, nothing is heard.</p>}
+      {faces.length + sounds.length > 0 && (
+        <ul class="percepts">
+          {faces.map((face) => (
+            <li key={`face ${face.track}`} class="percept" data-testid="person" data-track={face.track}>
+              <span class="percept-icon face">
+                <PersonIcon />
+              </span>
+              <b>{`Person ${face.track}`}</b>
+              <span>{directionWords(face.azimuth)}</span>
+              <span class="percept-range">{face.range === null ? "" : `${face.range.toFixed(1)} m`}</span>
+            </li>
+          ))}
+          {sounds.map((sound) => (
+            <li
+              key={`sound ${sound.track}`}
+              class={`percept ${sound.active ? "" : "past"}`}
+              data-testid="sound"
+              data-track={sound.track}
+            >
+              <span class={`percept-icon ${sound.kind}`}>
+                <SoundIcon />
+              </span>
+              <b>{sound.kind === "voice" ? "Voice" : "Sound"}</b>
+              <span>{directionWords(sound.azimuth)}</span>
+              <span class="percept-range">{/, (.*)/.exec(sound.text)?.[1] ?? ""}</span>
+            </li>
+          ))}
+        </ul>
+      )}
+      {closed.map(({ what, text, reason }) => (
+        <p key={what} class="muted small">
+          {reason ? `${text}: ${reason}` : `${text}.`}
+        </p>
+      ))}
+    </section>
+  );
+}
