@@ -109,11 +109,13 @@ class Percepts:
         self._looked("faces", message)
         for face in message.faces:
             self._faces[face.track, message.frame] = (message.stamp, face)
+        self._fade(message.stamp)
 
     def _on_codes(self, message: QRCodes) -> None:
         self._looked("codes", message)
         for code in message.codes:
             self._codes[code.text, message.frame] = (message.stamp, code)
+        self._fade(message.stamp)
 
     def _looked(self, what: str, message: Faces | QRCodes) -> None:
         before, _ = self._images.get((what, message.frame), (message.stamp, 0.0))
@@ -127,6 +129,7 @@ class Percepts:
             # Of one that was silent since its birth, its birth is all there is.
             last = message.stamp if source.active or before is None else before.last_active
             self._sounds[source.track] = _Heard(message.stamp, message.p_BA, source, last)
+        self._fade(message.stamp)
 
     def _on_noise(self, message: LoudNoise) -> None:
         self._noises.append(message)
@@ -153,6 +156,7 @@ class Percepts:
         return Perceived(now, faces, sounds, tuple(self._noises), codes)
 
     def _fade(self, now: float) -> None:
+        """Forget what is over. With each message, too: for days nobody may ask."""
         for face, (stamp, _) in tuple(self._faces.items()):
             if now - stamp > self._told_for("faces", face[1]):
                 del self._faces[face]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Iterator
 from typing import Any
 
@@ -209,3 +210,19 @@ def test_a_code_is_told_as_it_was_read_until_it_is_gone(told: Told) -> None:
     }
     told.say("qr_codes", QRCodes(10.1, "imv_optical_frame", ()))
     assert told.at(11.05)["codes"] == []
+
+
+def test_what_is_over_is_forgotten_though_nobody_asks(told: Told) -> None:
+    """A robot that runs for days meets many people while no page is open."""
+    seen = faces(10.0)
+    heard = sound_sources(10.0)
+    read = QRCodes(10.0, "imv_optical_frame", (QRCode("stop 1", np.zeros((4, 2), np.float32), None),))
+    told.say("faces", seen)
+    told.say("sound_sources", heard)
+    told.say("qr_codes", read)
+    remembered = [sys.getrefcount(seen.faces[0]), sys.getrefcount(heard.sources[0]), sys.getrefcount(read.codes[0])]
+    told.say("faces", faces(20.0, first=2))
+    told.say("sound_sources", sound_sources(20.0, sound_source(2)))
+    told.say("qr_codes", QRCodes(20.0, "imv_optical_frame", ()))
+    now = [sys.getrefcount(seen.faces[0]), sys.getrefcount(heard.sources[0]), sys.getrefcount(read.codes[0])]
+    assert now == [count - 1 for count in remembered]
