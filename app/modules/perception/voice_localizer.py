@@ -144,8 +144,8 @@ class VoiceLocalizer(Module):
         stamp, first_sample = self._stamp, self._first_sample
         self._waiting, self._waiting_length = ([rest] if len(rest) else []), len(rest)
         self._stamp, self._first_sample = stamp + pipeline.step / rate, first_sample + pipeline.step
-        headings = [await self._heading_at(instant) for instant in pipeline.instants(stamp)]
-        sources, separated = await self.compute(pipeline.process, block, stamp, first_sample, headings)
+        heading = await self._heading_at(pipeline.instant(stamp))
+        sources, separated = await self.compute(pipeline.process, block, stamp, first_sample, heading)
         self.sources.publish(sources)
         if separated is not None:
             self.separated.publish(separated)

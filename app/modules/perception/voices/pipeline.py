@@ -6,7 +6,6 @@ The functional core of VoiceLocalizer and of ``hbba detect voices``: knows no cl
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -33,14 +32,12 @@ _ELEVATION_SIGMA = {1: 1.0, 2: math.radians(8), 3: math.radians(2.5)}
 class PipelineSettings:
     """``separation`` of up to ``voices`` sources; whether they are speech is judged if ``speech``.
 
-    ``steps`` of the localizer make one block. ``patience_s``: how long a silent source keeps its place among those
-    that are separated when another sounds.
+    ``patience_s``: how long a silent source keeps its place among those that are separated when another sounds.
     """
 
     separation: bool = True
     voices: int = 2
     speech: bool = True
-    steps: int = 2
     patience_s: float = 0.5
 
 
@@ -64,7 +61,7 @@ class VoicePipeline:
         self.rate = rate
         self.settings = settings
         self._localizer = Localizer(array, rate)
-        self.step = self._localizer.step * settings.steps
+        self.step = self._localizer.step
         self._tracker = Tracker()
         self._offset = first_track - 1
         self._beams = DelayAndSum(array, rate)
@@ -86,7 +83,7 @@ class VoicePipeline:
             self._judge.reset()
         self._resamplers: dict[int, Resampler] = {}
         self._powers: dict[int, float] = {}
-        self._waiting: list[NDArray[np.float32]] = []
+        self._waiting = np.zeros((0, len(self.array)), np.float32)
         self._separated: tuple[int, ...] = ()
         self._heard = 0
         self._heading: float | None = None
@@ -97,47 +94,40 @@ class VoicePipeline:
         """A number that no source of this pipeline has had yet."""
         return self._newest + 1
 
-    def instants(self, time_s: float) -> tuple[float, ...]:
-        """When, within the block that begins at ``time_s``, directions are taken: the middles of frames."""
-        localizer = self._localizer
-        return tuple(
-            time_s + ((number + 1) * localizer.step - localizer.hop) / self.rate
-            for number in range(self.settings.steps)
-        )
+    def instant(self, time_s: float) -> float:
+        """When, within the block that begins at ``time_s``, directions are taken: the middle of its last frame."""
+        return time_s + (self.step - self._localizer.hop) / self.rate
 
     def process(
         self,
         samples: NDArray[np.int16],
         time_s: float,
         first_sample: int = 0,
-        headings: Sequence[float] | None = None,
+        heading: float = 0.0,
     ) -> tuple[SoundSources, SeparatedSound | None]:
         """Hear one block: ``samples`` (step, C), of which the first is number ``first_sample``, taken at ``time_s``.
 
-        ``headings`` (rad): the robot's in ``odom`` at each of :meth:`instants`; none for one that stands still. The
-        sources are those of the last of these instants, in ``base_link``; what is separated comes every few blocks,
-        and is older. Raises ValueError for samples of another shape.
+        ``heading`` (rad) is the robot's in ``odom`` at :meth:`instant`. The sources are those of then, in
+        ``base_link``; what is separated comes every few blocks, and is older. Raises ValueError for samples of another
+        shape.
         """
         if samples.ndim != 2 or len(samples) != self.step or samples.shape[1] <= max(self.array.channels):
             raise ValueError(f"samples are ({self.step}, > {max(self.array.channels)}), not {samples.shape}")
         sound = samples[:, list(self.array.channels)].astype(np.float32) / np.float32(_FULL_SCALE)
         if self._began is None:
             self._began = first_sample
-        instants = self.instants(time_s)
-        headings = headings or [0.0] * len(instants)
-        if instants[0] <= self._time:
+        instant = self.instant(time_s)
+        if instant <= self._time:
             self._begin_anew()
-        tracks: tuple[Track, ...] = ()
-        for number, (instant, heading) in enumerate(zip(instants, headings, strict=True)):
-            tracks = self._follow(sound[number * self._localizer.step :][: self._localizer.step], instant, heading)
-        self._time = instants[-1]
+        tracks = self._follow(sound, instant, heading)
+        self._time = instant
         self._heard += self.step
         self._listen(sound, tracks)
         separated = self._separate(sound, tracks, time_s)
         if self._judge is not None:
             self._judge.keep([track.id for track in tracks])
         p_BA = tuple(self.array.middle.tolist())
-        return SoundSources(instants[-1], p_BA, tuple(self._source(track) for track in tracks)), separated
+        return SoundSources(instant, p_BA, tuple(self._source(track) for track in tracks)), separated
 
     def _begin_anew(self) -> None:
         """Time has gone back: nothing that is known holds any more, but numbers are not used again."""
@@ -185,11 +175,10 @@ class VoicePipeline:
     def _separate(self, sound: NDArray[np.float32], tracks: tuple[Track, ...], time_s: float) -> SeparatedSound | None:
         if self._separator is None:
             return None
-        self._waiting.append(sound)
-        if len(self._waiting) * self.step < self._separator.step:
+        self._waiting = np.concatenate([self._waiting, sound])
+        if len(self._waiting) < self._separator.step:
             return None
-        block = np.concatenate(self._waiting)
-        self._waiting = []
+        block, self._waiting = self._waiting[: self._separator.step], self._waiting[self._separator.step :]
         before = self._separated
         chosen = self._chosen(tracks)
         self._separated = tuple(track.id for track in chosen)

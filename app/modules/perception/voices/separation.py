@@ -47,7 +47,7 @@ class SeparatorSettings:
     frames: int = 4
     lowest_hz: float = 60.0
     highest_hz: float = 7600.0
-    memory_s: float = 1.5
+    memory_s: float = 1.0
     diffuse: float = 0.5
     noise: float = 0.05
     room: float = 0.5

@@ -23,8 +23,8 @@ def run(pipeline: VoicePipeline, sound: NDArray[np.int16], turning: float = 0.0,
     told = []
     for begin in range(0, len(sound) - pipeline.step + 1, pipeline.step):
         at = (first + begin) / RATE
-        headings = [turning * (instant - first / RATE) for instant in pipeline.instants(at)]
-        told.append(pipeline.process(sound[begin : begin + pipeline.step], at, first + begin, headings))
+        heading = turning * (pipeline.instant(at) - first / RATE)
+        told.append(pipeline.process(sound[begin : begin + pipeline.step], at, first + begin, heading))
     return told
 
 
