@@ -9,6 +9,7 @@ from collections import deque
 from app.messages import Audio
 from app.robots.devices.config import SpeakerConfig
 from app.robots.devices.pictures import Unavailable
+from app.robots.devices.reader import RETRY_S
 from app.robots.devices.sound import Speaker
 
 #: At most so much waits to be played: of more, the oldest is dropped.
@@ -18,7 +19,7 @@ log = logging.getLogger("hbba.devices")
 
 
 class Player:
-    """Opens the loudspeaker with the first frame; says once why it cannot."""
+    """Opens the loudspeaker with the first frame; says once why it cannot, and tries again while there is sound."""
 
     def __init__(self, config: SpeakerConfig) -> None:
         self._config = config
@@ -46,16 +47,32 @@ class Player:
 
     def _run(self) -> None:
         speaker: Speaker | None = None
+        told = ""
         while (audio := self._next()) is not None:
             try:
-                if speaker is None or speaker.rate != audio.rate:
+                if speaker is not None and speaker.rate != audio.rate:
+                    speaker.close()
+                    speaker = None
+                if speaker is None:
                     speaker = Speaker(self._config, audio.rate)
                 speaker.write(audio.samples[:, 0])
+                told = ""
             except Unavailable as failure:
-                log.warning("%s", failure)
-                return
+                if speaker is not None:
+                    speaker.close()
+                    speaker = None
+                if str(failure) != told:
+                    told = str(failure)
+                    log.warning("%s", told)
+                self._be_silent(RETRY_S)
         if speaker is not None:
             speaker.close()
+
+    def _be_silent(self, seconds: float) -> None:
+        """So long, unless it ends; what came meanwhile is not played."""
+        with self._condition:
+            self._condition.wait_for(lambda: self._ending, seconds)
+            self._frames.clear()
 
     def _next(self) -> Audio | None:
         with self._condition:
