@@ -16,6 +16,8 @@ from app.robots.devices.config import CameraConfig
 Picture = NDArray[np.uint8]
 PICTURE_SUFFIXES = {".bmp", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp"}
 DEFAULT_RATE_HZ = 15.0
+#: No driver keeps more pictures for who does not come.
+_KEPT_BY_DRIVERS = 10
 
 
 class Unavailable(Exception):
@@ -33,6 +35,10 @@ class Pictures(Protocol):
         """The next picture (H, W, 3) uint8 RGB; None at the end. Raises Unavailable."""
         ...
 
+    def skip(self) -> None:
+        """Of a live one: throw away the pictures that have piled up unread."""
+        ...
+
     def close(self) -> None:
         """Let go of the device or file."""
         ...
@@ -44,7 +50,10 @@ def open_pictures(config: CameraConfig) -> Pictures:
     if isinstance(source, str):
         path = Path(source)
         if path.is_dir():
-            files = sorted(file for file in path.iterdir() if file.suffix.lower() in PICTURE_SUFFIXES)
+            try:
+                files = sorted(file for file in path.iterdir() if file.suffix.lower() in PICTURE_SUFFIXES)
+            except OSError as failure:
+                raise Unavailable(f"the folder {source} cannot be read: {failure.strerror}") from None
             if not files:
                 raise Unavailable(f"there are no pictures ({', '.join(sorted(PICTURE_SUFFIXES))}) in {source}")
             return _Stills(files, config)
@@ -72,7 +81,7 @@ class _Camera:
         self._capture.set(cv2.CAP_PROP_FRAME_HEIGHT, config.height)
         if config.rate_hz is not None:
             self._capture.set(cv2.CAP_PROP_FPS, config.rate_hz)
-        self.rate_hz = config.rate_hz or float(self._capture.get(cv2.CAP_PROP_FPS)) or 30.0
+        self.rate_hz = config.rate_hz or _rate(self._capture) or 30.0
 
     def read(self) -> Picture | None:
         assert self._capture is not None
@@ -80,6 +89,14 @@ class _Camera:
         if not there:
             raise Unavailable(f"{self._name} gives no more pictures")
         return _rgb(picture)
+
+    def skip(self) -> None:
+        assert self._capture is not None
+        for _ in range(_KEPT_BY_DRIVERS):
+            began = time.monotonic()
+            # One that had to be waited for is new.
+            if not self._capture.grab() or time.monotonic() - began > 0.3 / self.rate_hz:
+                return
 
     def close(self) -> None:
         if self._capture is not None:
@@ -96,8 +113,7 @@ class _Video:
         if capture is None:
             raise Unavailable(f"{path} cannot be read as a video or a picture")
         self._capture = capture
-        fps = float(capture.get(cv2.CAP_PROP_FPS))
-        self.rate_hz = config.rate_hz or (fps if 0.1 <= fps <= 240 else DEFAULT_RATE_HZ)
+        self.rate_hz = config.rate_hz or _rate(capture) or DEFAULT_RATE_HZ
 
     def read(self) -> Picture | None:
         there, picture = self._capture.read()
@@ -109,6 +125,8 @@ class _Video:
             self._capture = again
             there, picture = again.read()
         return _rgb(picture) if there else None
+
+    def skip(self) -> None: ...
 
     def close(self) -> None:
         self._capture.release()
@@ -139,6 +157,8 @@ class _Stills:
         # A still picture is the same array every time, but nobody may write into what others may still look at.
         return None if picture is None else picture.copy()
 
+    def skip(self) -> None: ...
+
     def close(self) -> None:
         self._kept.clear()
 
@@ -164,8 +184,17 @@ def _capture(source: int | str) -> cv2.VideoCapture | None:
     return capture
 
 
+def _rate(capture: cv2.VideoCapture) -> float | None:
+    """Its own rate (Hz), where what it says can be one."""
+    rate_hz = float(capture.get(cv2.CAP_PROP_FPS))
+    return rate_hz if 0.1 <= rate_hz <= 240 else None
+
+
 def _picture(file: Path) -> Picture:
-    data = np.fromfile(file, np.uint8)
+    try:
+        data = np.fromfile(file, np.uint8)
+    except OSError as failure:
+        raise Unavailable(f"{file} cannot be read: {failure.strerror}") from None
     picture = cv2.imdecode(data, cv2.IMREAD_COLOR) if data.size else None
     if picture is None:
         raise Unavailable(f"{file} is no picture")

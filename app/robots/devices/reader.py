@@ -7,6 +7,7 @@ import logging
 import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Generic, Protocol, TypeVar
 
 from app.robots.devices.pictures import Unavailable
@@ -28,6 +29,10 @@ class Source(Protocol[Item]):
 
     def read(self) -> Item | None:
         """Wait for the next of what it gives; None at the end. Raises Unavailable."""
+        ...
+
+    def skip(self) -> None:
+        """Of a live one: throw away what has piled up unread."""
         ...
 
     def close(self) -> None: ...
@@ -63,7 +68,10 @@ class Reader(Generic[T]):
         self._thread: threading.Thread | None = None
 
     async def start(self) -> str:
-        """Begin; returns "" once the device is open, or why it cannot be (it is tried again while it is wanted)."""
+        """Begin; returns "" once the device is open, or why it cannot be (it is tried again while it is wanted).
+
+        Raises whatever else goes wrong with opening it.
+        """
         loop = asyncio.get_running_loop()
         opened: asyncio.Future[str] = loop.create_future()
         self._thread = threading.Thread(target=self._run, args=(loop, opened), name=self.name, daemon=True)
@@ -85,16 +93,25 @@ class Reader(Generic[T]):
             await asyncio.get_running_loop().run_in_executor(None, self._thread.join, 0.5)
 
     def _run(self, loop: asyncio.AbstractEventLoop, opened: asyncio.Future[str]) -> None:
-        source, problem = self._try_open()
-        _tell(loop, lambda: None if opened.cancelled() else opened.set_result(problem))
+        try:
+            source, problem = self._try_open()
+        except BaseException as failure:  # noqa: BLE001  # handed to whoever waits for the start
+            _tell(loop, partial(_settle, opened, failure))
+            return
+        _tell(loop, partial(_settle, opened, problem))
         while not self._ending:
+            wanted = self._wanted
             if source is None:
-                self._wait(RETRY_S if self._wanted else None)
+                self._wait_while(wanted, RETRY_S if wanted else None)
                 if self._asked:
                     source, _ = self._try_open()
-            elif not self._wanted:
-                self._wait(LINGER_S if source.live else None)
-                if not self._asked and source.live:
+            elif not wanted:
+                self._wait_while(wanted, LINGER_S if source.live else None)
+                if not source.live:
+                    continue
+                if self._asked:
+                    source.skip()
+                else:
                     source.close()
                     source = None
             else:
@@ -119,17 +136,20 @@ class Reader(Generic[T]):
                 while not self._ending:
                     self._condition.wait()
             return source
-        if self._waiting >= self._most_waiting:
+        with self._condition:
+            full = self._waiting >= self._most_waiting
+            self._waiting += not full
+        if full:
             self.dropped += 1
         else:
-            self._waiting += 1
-            _tell(loop, lambda: self._hand(item))
+            _tell(loop, partial(self._hand, item))
         if not source.live:
             self._wait_out(self._pause_s())
         return source
 
     def _hand(self, item: T) -> None:
-        self._waiting -= 1
+        with self._condition:
+            self._waiting -= 1
         self._take(item)
 
     def _try_open(self) -> tuple[Source[T] | None, str]:
@@ -149,11 +169,10 @@ class Reader(Generic[T]):
             self._told = problem
             log.warning("%s", problem)
 
-    def _wait(self, timeout_s: float | None) -> None:
-        """Until something changes, or ``timeout_s`` has passed."""
+    def _wait_while(self, wanted: bool, timeout_s: float | None) -> None:
+        """As long as it is ``wanted`` or not, or until ``timeout_s`` has passed."""
         with self._condition:
-            if not self._ending:
-                self._condition.wait(timeout_s)
+            self._condition.wait_for(lambda: self._ending or self._wanted != wanted, timeout_s)
 
     def _wait_out(self, seconds: float) -> None:
         """So long, unless it ends."""
@@ -161,6 +180,15 @@ class Reader(Generic[T]):
         with self._condition:
             while not self._ending and (left := until - time.monotonic()) > 0:
                 self._condition.wait(left)
+
+
+def _settle(opened: asyncio.Future[str], outcome: str | BaseException) -> None:
+    if opened.done():  # whoever waited was cancelled
+        return
+    if isinstance(outcome, str):
+        opened.set_result(outcome)
+    else:
+        opened.set_exception(outcome)
 
 
 def _tell(loop: asyncio.AbstractEventLoop, call: Callable[[], object]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from types import ModuleType
 from typing import Protocol
@@ -24,9 +25,15 @@ class Sound(Protocol):
     live: bool
     rate: int
     channels: int
+    #: Whether samples were lost just before those read last.
+    gap: bool
 
     def read(self, count: int) -> Samples | None:
         """The next ``count`` samples (count, C) int16; None at the end. Raises Unavailable."""
+        ...
+
+    def skip(self) -> None:
+        """Of a live one: throw away what has piled up unread."""
         ...
 
     def close(self) -> None:
@@ -45,8 +52,10 @@ def open_sound(config: SoundConfig) -> Sound:
 
 class _File:
     live = False
+    gap = False
 
     def __init__(self, path: Path, config: SoundConfig) -> None:
+        self._path = path
         try:
             self._file = soundfile.SoundFile(str(path))
         except (soundfile.LibsndfileError, OSError) as failure:
@@ -57,16 +66,26 @@ class _File:
         self._loop = config.loop
 
     def read(self, count: int) -> Samples | None:
-        samples = self._file.read(count, dtype="int16", always_2d=True)
-        while len(samples) < count:
-            if not self._loop:
-                if not len(samples):
-                    return None
-                return np.concatenate([samples, np.zeros((count - len(samples), self.channels), np.int16)])
-            self._file.seek(0)
-            more = self._file.read(count - len(samples), dtype="int16", always_2d=True)
-            samples = np.concatenate([samples, more])
-        return np.asarray(samples, np.int16)
+        try:
+            samples = self._next(count)
+            while len(samples) < count:
+                if not self._loop:
+                    if not len(samples):
+                        return None
+                    return np.concatenate([samples, np.zeros((count - len(samples), self.channels), np.int16)])
+                self._file.seek(0)
+                more = self._next(count - len(samples))
+                if not len(more):
+                    raise Unavailable(f"{self._path} holds no sound any more")
+                samples = np.concatenate([samples, more])
+        except soundfile.LibsndfileError as failure:
+            raise Unavailable(f"{self._path} is damaged, and cannot be read to its end: {failure}") from None
+        return samples
+
+    def _next(self, count: int) -> Samples:
+        return np.asarray(self._file.read(count, dtype="int16", always_2d=True), np.int16)
+
+    def skip(self) -> None: ...
 
     def close(self) -> None:
         self._file.close()
@@ -93,6 +112,7 @@ class _Microphones:
     def __init__(self, config: SoundConfig) -> None:
         library = sounddevice()
         self.rate, self.channels = config.rate, config.channels
+        self.gap = False
         device = None if config.source == "default" else config.source
         self._error = library.PortAudioError
         try:
@@ -106,10 +126,14 @@ class _Microphones:
 
     def read(self, count: int) -> Samples | None:
         try:
-            data, _ = self._stream.read(count)
+            data, self.gap = self._stream.read(count)
         except self._error as failure:
             raise Unavailable(f"the microphone gives no more sound: {failure}") from None
         return np.frombuffer(bytes(data), np.int16).reshape(-1, self.channels).copy()
+
+    def skip(self) -> None:
+        with contextlib.suppress(self._error):  # the next read says so
+            self._stream.read(self._stream.read_available)
 
     def close(self) -> None:
         self._stream.abort()

@@ -38,6 +38,10 @@ class Eye:
         picture = self._pictures.read()
         return None if picture is None else self._image(picture)
 
+    def skip(self) -> None:
+        if self._pictures is not None:
+            self._pictures.skip()
+
     def close(self) -> None:
         if self._pictures is not None:
             self._pictures.close()
@@ -64,6 +68,7 @@ class Ear:
         self._pace = Pace(1.0)
         self._first = 0
         self._ended: float | None = None
+        self._skipped = False
         self._p_BM: NDArray[np.float64] = np.zeros((0, 3))
         self.live = False
 
@@ -88,6 +93,11 @@ class Ear:
         samples = self._sound.read(count)
         return None if samples is None else self._frame(samples)
 
+    def skip(self) -> None:
+        if self._sound is not None:
+            self._sound.skip()
+            self._skipped = True
+
     def close(self) -> None:
         if self._sound is not None:
             self._sound.close()
@@ -99,10 +109,14 @@ class Ear:
         assert self._sound is not None
         rate, end = self._sound.rate, self._now()
         lasts_s = len(samples) / rate
-        # What was not read while nobody listened is missing: the numbers say so.
-        if self._ended is not None and end - self._ended > 1.0 + lasts_s:
-            self._first += round((end - self._ended - lasts_s) * rate)
-        self._ended = end
+        # What was not read while nobody listened, or was read too late, is missing: the numbers say so.
+        if self._ended is not None:
+            missing = round((end - self._ended - lasts_s) * rate)
+            if self._skipped or self._sound.gap:
+                self._first += max(1, missing)
+            elif missing > rate:
+                self._first += missing
+        self._ended, self._skipped = end, False
         frame = Audio(end - lasts_s, self._config.link, read_only(samples), rate, self._first, self._p_BM)
         self._first += len(samples)
         return frame

@@ -128,6 +128,8 @@ async def test_a_busy_loop_loses_the_newest_instead_of_queueing_without_bound() 
                 enough.set()
             return self.count
 
+        def skip(self) -> None: ...
+
         def close(self) -> None: ...
 
     import threading

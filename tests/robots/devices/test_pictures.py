@@ -48,6 +48,7 @@ def test_nobody_writes_into_another_s_picture(tmp_path: Path) -> None:
     ("name", "content", "said"),
     [
         ("gone.mp4", None, "there is no file"),
+        ("gone.png", None, "cannot be read: No such file"),
         ("broken.png", b"not a picture", "is no picture"),
         ("broken.mp4", b"not a video", "cannot be read as a video or a picture"),
         ("empty", "folder", "there are no pictures"),

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import soundfile
 
 from app.robots.devices.config import SoundConfig
 from app.robots.devices.pictures import Unavailable
@@ -46,6 +47,16 @@ def test_what_cannot_be_opened_says_why(tmp_path: Path, name: str, content: byte
 def test_a_file_without_sound_is_refused(tmp_path: Path) -> None:
     with pytest.raises(Unavailable, match="holds no sound"):
         open_sound(SoundConfig(source=str(sound_file(tmp_path, ramp(0)))))
+
+
+def test_a_file_that_breaks_off_says_so(tmp_path: Path) -> None:
+    whole = tmp_path / "whole.flac"
+    soundfile.write(str(whole), np.random.default_rng(1).integers(-3000, 3000, 32000, dtype=np.int16), RATE)
+    half = tmp_path / "half.flac"
+    half.write_bytes(whole.read_bytes()[:20000])
+    source = open_sound(SoundConfig(source=str(half)))
+    with pytest.raises(Unavailable, match=r"half\.flac is damaged"):
+        list(iter(lambda: source.read(512), None))
 
 
 def test_without_the_library_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
