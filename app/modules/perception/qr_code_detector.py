@@ -85,7 +85,7 @@ class QRCodeDetector(Module):
         self._scans: deque[LaserScan] = deque(maxlen=_SCANS)
         self.images = self.input("images", Image)
         self.panorama = self.input("panorama", Image)
-        self.scans = self.input("scans", LaserScan)
+        self.scans = self.input("scans", LaserScan, capacity=_SCANS)
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
         self.codes = self.output("codes", QRCodes)
         self.landmarks = self.output("landmarks", Landmarks)
