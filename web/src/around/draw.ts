@@ -20,6 +20,8 @@ const SOUND: Record<SoundKind, string> = { voice: "235 45 40", sound: "240 150 4
 const FACE = "rgb(70 225 140)";
 const FLASH = "255 214 90";
 const FOOT = 17;
+/** px; on less, figures would run into the words. */
+const NUMBERED = 640;
 const FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Noto Sans', 'DejaVu Sans', sans-serif";
 const WORDS = [
   { degrees: 180, text: "behind", align: "left" },
@@ -92,7 +94,7 @@ function drawFoot(context: Context, strip: Strip, large: boolean): void {
     context.moveTo(x, top);
     context.lineTo(x, top + 4);
     context.stroke();
-    if (!large) continue;
+    if (!large || strip.width < NUMBERED) continue;
     context.textAlign = "center";
     context.fillText(`${Math.abs(degrees)}°`, x, top + 10);
   }

@@ -52,7 +52,9 @@ export function TalkButton() {
             "Opening…"
           ) : (
             <>
-              Hold to speak <kbd class="only-wide">V</kbd>
+              <span class="only-wide">Hold to speak </span>
+              <span class="only-narrow">Speak</span>
+              <kbd class="only-wide">V</kbd>
             </>
           )}
         </span>

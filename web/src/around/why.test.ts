@@ -1,0 +1,41 @@
+import { expect, test } from "vitest";
+import type { Hello, LaneRow } from "../protocol/types";
+import { whyClosed } from "./why";
+
+const hello = { channels: { camera: true, panorama: true } } as Hello;
+const row = (name: string, divisor: number | null, text = ""): LaneRow => ({
+  class: name,
+  intensity: 1,
+  utility: 1,
+  rate: null,
+  divisor,
+  state: divisor === null ? "unfulfilled" : "fulfilled",
+  text,
+});
+
+test("nothing is closed where all is open", () => {
+  const rows = [row("Telepresence", 1), row("LocateFaces", 2), row("LocateVoices", 1)];
+  expect(whyClosed(hello, rows, false, true)).toEqual([]);
+});
+
+test("attention's own reason is told", () => {
+  const rows = [row("Telepresence", 1), row("LocateFaces", null, "unfulfilled: needs 20 % more cpu"), row("LocateVoices", 1)];
+  expect(whyClosed(hello, rows, false, true)).toEqual([
+    { what: "faces", text: "Not looking for faces", reason: "Needs 20 % more cpu." },
+  ]);
+});
+
+test("a robot without these senses says so, and without a camera all around", () => {
+  const bare = { channels: {} } as Hello;
+  expect(whyClosed(bare, [row("Telepresence", 1)], false, false).map(({ what }) => what)).toEqual([
+    "picture",
+    "faces",
+    "voices",
+  ]);
+});
+
+test("a fresh picture is not said to be missing, whatever attention just did", () => {
+  const rows = [row("Telepresence", null), row("LocateFaces", 1), row("LocateVoices", 1)];
+  expect(whyClosed(hello, rows, false, true)).toEqual([]);
+  expect(whyClosed(hello, rows, false, false).map(({ what }) => what)).toEqual(["picture"]);
+});
