@@ -63,7 +63,7 @@ class LocalizerSettings:
     sources: int = 4
     lowest_hz: float = 200.0
     highest_hz: float = 7000.0
-    points: int = 3000
+    points: int = 2400
     lowest_deg: float = -20.0
     range_m: float = 1.8
     doubt: float = 0.05
@@ -220,7 +220,7 @@ class Localizer:
             correlation = self._correlation(cross)
             response = correlation[self._cells].sum(axis=0)
             start = self.grid[int(response.argmax())]
-            direction, power = self._climb(correlation, start[None], 2)
+            direction, power = self._climb(correlation, start[None], 1)
             if power[0] < max(self.settings.least_power, self.settings.least_share * max(powers, default=0.0)):
                 break
             steering = self._steer(direction)

@@ -182,6 +182,7 @@ class Tracker:
             k
             for k in self._assign(tracks, audible, peaks, passed, time_s)
             if peaks.powers[k] >= settings.keep_power
+            and peaks.recent[k] >= settings.heard_power
             and not any(_degrees(peaks.directions[k], t.motion.direction) < settings.apart_deg for t in tracks)
         ]
         for k in self._assign(maybe, free, peaks, passed, time_s):

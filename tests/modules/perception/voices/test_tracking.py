@@ -1,0 +1,146 @@
+"""Tracks of sources whose truth is known: numbers that stay, births, deaths, crossings, a robot that turns."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from app.modules.perception.voices.localization import NO_PEAKS, Peaks
+from app.modules.perception.voices.tracking import Tracker
+
+STEP_S = 2048 / 48_000
+
+
+def unit(azimuth_deg: float, elevation_deg: float = 15.0) -> NDArray[np.float64]:
+    a, e = np.radians([azimuth_deg, elevation_deg])
+    return np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+
+
+def seen(*azimuths: float, power: float = 0.2, recent: float = 0.2, echo: float = 0.0) -> Peaks:
+    """Peaks at these azimuths, all alike."""
+    count = len(azimuths)
+    directions = np.array([unit(azimuth) for azimuth in azimuths]).reshape(-1, 3)
+    echoes = np.full(count, echo)
+    return Peaks(directions, np.full(count, power), np.full(count, recent), echoes, directions)
+
+
+def about_z(degrees: float) -> NDArray[np.float64]:
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+
+
+def angle(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
+    return float(np.degrees(np.arccos(np.clip(a @ b, -1, 1))))
+
+
+def test_a_source_is_born_at_once_if_strong_and_keeps_its_number() -> None:
+    tracker = Tracker()
+    born = [tracker.update(k * STEP_S, seen(30)) for k in range(50)]
+    first = next(k for k, tracks in enumerate(born) if tracks)
+    assert first <= 2
+    assert {track.id for tracks in born for track in tracks} == {1}
+    last = born[-1][0]
+    assert angle(last.direction, unit(30)) < 1
+    assert last.active
+    assert last.born == first * STEP_S
+    assert last.last_seen == 49 * STEP_S
+
+
+def test_a_weak_one_must_go_on_longer_and_an_echo_never_becomes_one() -> None:
+    patient, deaf = Tracker(), Tracker()
+    waited = next(k for k in range(100) if patient.update(k * STEP_S, seen(30, power=0.03, recent=0.03)))
+    assert waited * STEP_S > 0.2
+    assert not any(deaf.update(k * STEP_S, seen(30, power=0.1, echo=0.7)) for k in range(100))
+
+
+def test_what_is_only_remembered_and_no_longer_heard_dies() -> None:
+    tracker = Tracker()
+    for k in range(25):
+        tracker.update(k * STEP_S, seen(30))
+    tracks = [tracker.update(k * STEP_S, seen(30, recent=0.001)) for k in range(25, 125)]
+    assert tracks[20][0].id == 1
+    assert not tracks[20][0].active
+    assert not tracks[-1]
+
+
+def test_a_short_silence_ends_nothing() -> None:
+    tracker = Tracker()
+    for k in range(25):
+        tracker.update(k * STEP_S, seen(30))
+    for k in range(25, 45):
+        tracker.update(k * STEP_S, NO_PEAKS)
+    assert [track.id for track in tracker.update(45 * STEP_S, seen(32))] == [1]
+
+
+def test_a_walker_is_led_without_lag() -> None:
+    tracker = Tracker()
+    for k in range(100):
+        now = k * STEP_S
+        # What was heard is 50 ms old, as the mean over it is; in the long mean it is 0.4 s old.
+        peaks = seen(12 * (now - 0.05))
+        peaks = Peaks(peaks.directions, peaks.powers, peaks.recent, peaks.echoes, unit(12 * (now - 0.4))[None])
+        tracks = tracker.update(now, peaks)
+    assert angle(tracks[0].direction, unit(12 * now)) < 1
+    assert abs(np.degrees(np.linalg.norm(tracks[0].velocity)) - 12 * np.cos(np.radians(15))) < 3
+    assert abs(tracks[0].velocity @ tracks[0].direction) < 1e-9
+
+
+def test_two_that_cross_keep_their_numbers() -> None:
+    tracker = Tracker()
+    for k in range(160):
+        now = k * STEP_S
+        left, right = 40 - 12 * now, -40 + 12 * now
+        # Nearer than 7 degrees they are one peak.
+        tracks = tracker.update(now, seen(left, right) if abs(left - right) > 7 else seen((left + right) / 2))
+        if k == 40:
+            numbers = {track.id: track.direction @ unit(90) > 0 for track in tracks}
+    assert {track.id: track.direction @ unit(90) < 0 for track in tracks} == numbers
+    assert len(numbers) == 2
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.lists(st.floats(-180, 180), max_size=8), st.integers(0, 1000))
+def test_there_are_never_more_than_four_and_numbers_are_never_used_again(azimuths: list[float], seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    tracker = Tracker()
+    highest = 0
+    for k in range(40):
+        here = [azimuth + rng.normal(0, 1) for azimuth in azimuths if rng.uniform() < 0.8]
+        tracks = tracker.update(k * STEP_S, seen(*here, power=float(rng.uniform(0, 0.3))))
+        numbers = [track.id for track in tracks]
+        assert len(numbers) <= 4
+        assert numbers == sorted(set(numbers))
+        new = [number for number in numbers if number > highest]
+        assert new == list(range(highest + 1, highest + 1 + len(new)))
+        highest = max([highest, *numbers])
+        for track in tracks:
+            assert abs(np.linalg.norm(track.direction) - 1) < 1e-9
+            assert abs(track.direction @ track.velocity) < 1e-6
+            assert track.born <= track.last_seen + 0.3
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.lists(st.floats(0, 0.019), min_size=1, max_size=4))
+def test_a_silent_room_gives_none(powers: list[float]) -> None:
+    tracker = Tracker()
+    azimuths = np.linspace(-90, 90, len(powers))
+    for k in range(60):
+        directions = np.array([unit(azimuth) for azimuth in azimuths])
+        peaks = Peaks(directions, np.array(powers), np.array(powers) / 2, np.zeros(len(powers)), directions)
+        assert not tracker.update(k * STEP_S, peaks)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.floats(-180, 180), st.floats(-2, 2))
+def test_a_turning_robot_keeps_the_source_where_it_is(azimuth: float, turn_deg: float) -> None:
+    turning, still = Tracker(), Tracker()
+    for k in range(40):
+        turning.rotate(about_z(-turn_deg))
+        ours = turning.update(k * STEP_S, seen(azimuth - turn_deg * k))
+        theirs = still.update(k * STEP_S, seen(azimuth))
+        assert [track.id for track in ours] == [track.id for track in theirs]
+        for track, other in zip(ours, theirs, strict=True):
+            assert angle(about_z(turn_deg * k) @ track.direction, other.direction) < 1e-4
+    assert len(ours) == 1
