@@ -9,7 +9,7 @@ import soundfile
 
 from app.robots.devices.config import SoundConfig
 from app.robots.devices.pictures import Unavailable
-from app.robots.devices.sound import open_sound
+from app.robots.devices.sound import Sound, open_sound
 
 from .files import RATE, ramp, sound_file
 
@@ -49,6 +49,11 @@ def test_a_file_without_sound_is_refused(tmp_path: Path) -> None:
         open_sound(SoundConfig(source=str(sound_file(tmp_path, ramp(0)))))
 
 
+def exhaust(source: Sound) -> None:
+    while source.read(512) is not None:
+        pass
+
+
 def test_a_file_that_breaks_off_says_so(tmp_path: Path) -> None:
     whole = tmp_path / "whole.flac"
     soundfile.write(str(whole), np.random.default_rng(1).integers(-3000, 3000, 32000, dtype=np.int16), RATE)
@@ -56,7 +61,7 @@ def test_a_file_that_breaks_off_says_so(tmp_path: Path) -> None:
     half.write_bytes(whole.read_bytes()[:20000])
     source = open_sound(SoundConfig(source=str(half)))
     with pytest.raises(Unavailable, match=r"half\.flac is damaged"):
-        list(iter(lambda: source.read(512), None))
+        exhaust(source)
 
 
 def test_without_the_library_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
