@@ -15,6 +15,13 @@ from app.errors import ConfigError
 
 #: CPU shares differ by this factor from one step of niceness to the next (Linux, sched(7)).
 NICE_STEP = 1.25
+#: A busy neighbour, which ends with the one who started it, however that ends: nobody is left with a core that is gone.
+_BUSY = """
+import os, sys
+while os.getppid() == int(sys.argv[1]):
+    for _ in range(100000):
+        pass
+"""
 #: With more than this share of a core nobody else need be given work.
 WHOLE = 99.0
 
@@ -62,7 +69,7 @@ def _neighbours(budget: float, cores: set[int]) -> list[subprocess.Popen[bytes]]
     started = []
     for niceness in neighbours_niceness(budget):
         # In this session, or Linux would share the core out among sessions first (autogroup).
-        process = subprocess.Popen([sys.executable, "-c", "while True: pass"], stdin=subprocess.DEVNULL)
+        process = subprocess.Popen([sys.executable, "-c", _BUSY, str(os.getpid())], stdin=subprocess.DEVNULL)
         os.sched_setaffinity(process.pid, cores)
         os.setpriority(os.PRIO_PROCESS, process.pid, niceness)
         started.append(process)

@@ -55,6 +55,25 @@ def test_a_busy_neighbour_takes_the_rest_and_leaves(body: subprocess.Popen[bytes
     assert [p.pid for p in psutil.Process().children()] == [body.pid]
 
 
+@needs_two_cores
+def test_no_neighbour_outlives_a_program_that_is_killed(body: subprocess.Popen[bytes]) -> None:
+    program = (
+        "import psutil, sys, time; from app.experiments.overload.confinement import confined\n"
+        f"with confined({body.pid}, 60):\n"
+        "    print(*(child.pid for child in psutil.Process().children()), flush=True)\n"
+        "    time.sleep(60)"
+    )
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as confining:
+        assert confining.stdout is not None
+        neighbours = [psutil.Process(int(pid)) for pid in confining.stdout.readline().split()]
+        confining.kill()
+    assert neighbours
+    _, alive = psutil.wait_procs(neighbours, timeout=10)
+    for neighbour in alive:
+        neighbour.kill()
+    assert not alive
+
+
 def test_one_core_is_too_few(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {3}, raising=False)
     monkeypatch.setattr(os, "sched_setaffinity", lambda *_: None, raising=False)
