@@ -71,7 +71,10 @@ def script(seed: int, duration_s: float = 3600.0) -> Script:
         events.append(Event(begin, kind, loud, int(rng.integers(1 << 31)), rng.uniform(*level), rng.uniform(*far)))
 
     off = [(0.0, 0.3)]
-    off += [(t, t + rng.uniform(0.5, 3.0)) for t in np.sort(rng.uniform(60, duration_s - 20, max(1, round(6 * hours))))]
+    off += [
+        (t, t + rng.uniform(0.5, 3.0))
+        for t in np.sort(rng.uniform(min(60, duration_s / 3), duration_s - 20, max(1, round(6 * hours))))
+    ]
     t = 8.0
     while t < duration_s - 3:
         if not any(begin - 1.0 < t < end + 2.0 for begin, end in off):
