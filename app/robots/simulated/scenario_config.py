@@ -6,6 +6,7 @@ seconds since the start.
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -35,6 +36,8 @@ def _look(value: object) -> object:
 
 Look = Annotated[Literal["ahead", "robot"] | Point, PlainValidator(_look)]
 SOUND_FILES = (".wav", ".flac", ".ogg")
+SHORTEST_SCRIPT_S = 0.5
+"""Of a script gone through again and again: else what is said in it would be said a hundred times a second."""
 ACTIONS = ("walk", "wait", "wait_for_robot", "say", "clap")
 
 
@@ -97,9 +100,24 @@ class PersonConfig(_Model):
 
     @model_validator(mode="after")
     def _repeating_takes_time(self) -> PersonConfig:
-        if self.repeat and self.script and all(step.say is not None or step.wait == 0 for step in self.script):
-            raise ValueError("a repeated script needs a step that takes time, or it would be over in an instant")
+        if self.repeat and self.script and self._least_s() < SHORTEST_SCRIPT_S:
+            raise ValueError(
+                "a repeated script needs steps that surely take time (wait, clap, or walk between two points), "
+                f"{SHORTEST_SCRIPT_S:g} s at least, or it would be over in an instant, again and again"
+            )
         return self
+
+    def _least_s(self) -> float:
+        """How long (s) the script takes at least when it is gone through again: the robot may be where it is waited
+        for, and a sound is not."""
+        goals = [step for step in self.script if step.walk is not None]
+        walks = sum(
+            math.dist(before.walk, step.walk) / step.speed
+            for before, step in zip([*goals[-1:], *goals], goals, strict=False)
+            if before.walk is not None and step.walk is not None
+        )
+        waits = sum(step.wait or 0.0 for step in self.script)
+        return walks + waits + sum(step.clap * step.every for step in self.script if step.clap is not None)
 
 
 class SoundConfig(_Model):
@@ -118,7 +136,7 @@ class SoundConfig(_Model):
     at: Place | None = None
     gain_db: float = 0.0
     begin_s: NotNegative = 0.0
-    every_s: Positive | None = None
+    every_s: Annotated[float, Field(ge=0.1)] | None = None
     jitter_s: NotNegative = 0.0
     count: Annotated[int, Field(ge=1)] | None = None
     loop: bool = False

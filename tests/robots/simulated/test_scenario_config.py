@@ -38,6 +38,8 @@ def test_what_the_project_ships_is_right(name: str) -> None:
         (PERSON + "    script:\n      - {wait: 1}\n      - {wait: -1}", 8, "people[0].script[1].wait", "greater"),
         (PERSON + "    script:\n      - {wait: 1, look: sideways}", 7, "people[0].script[0].look", "'robot'"),
         (PERSON + "    script: [{say: hello}]", 3, "people[0]", "over in an instant"),
+        (PERSON + "    script: [{walk: [3, 2]}, {say: hello}]", 3, "people[0]", "over in an instant"),
+        (PERSON + "    script: [{wait_for_robot: [3, 2]}, {say: hi}, {wait: 0.1}]", 3, "people[0]", "0.5 s at least"),
         (PERSON + "    hight_m: 1.7", 6, "people[0].hight_m", "did you mean 'height_m'"),
         (PERSON + PERSON.removeprefix("people:\n"), 1, "", "two people are called 'person 1'"),
         ("sounds:\n  - {name: a, kind: door, clip: door}", 3, "sounds[0]", "a place ('at') or a person"),
@@ -55,6 +57,22 @@ def test_what_cannot_be_is_refused_with_its_line(tmp_path: Path, text: str, line
     error = load(tmp_path, text)
     assert (error.line, error.key) == (line, key)
     assert words in error.message
+
+
+@pytest.mark.parametrize(
+    "script",
+    [
+        "[{say: hello}, {wait: 2}]",
+        "[{clap: 1}]",
+        "[{walk: [3, 2]}, {say: hello}, {walk: [1, 2]}]",
+        "[{wait_for_robot: [3, 2]}, {say: hello}], repeat: false",
+    ],
+)
+def test_a_script_that_takes_time_may_be_repeated(tmp_path: Path, script: str) -> None:
+    file = tmp_path / "scenario.yaml"
+    person = f"{{name: person 1, face: pilot, at: [1, 2], script: {script}}}"
+    file.write_text(f"name: test\npeople: [{person}]", encoding="utf-8")
+    assert load_scenario(file).people
 
 
 def test_sound_files_are_found_beside_the_scenario(tmp_path: Path) -> None:
