@@ -83,10 +83,10 @@ class Robot:
 
 
 @contextmanager
-def running_robot(folder: Path) -> Iterator[Robot]:
-    """``hbba run`` on a free port, its files in ``folder``; stopped at the end."""
+def running_robot(folder: Path, scenario: Path | None = None) -> Iterator[Robot]:
+    """``hbba run`` on a free port, its files in ``folder``, with the people of ``scenario``; stopped at the end."""
     guard_log = folder / "guard.log"
-    program, start = _program(folder, guard_log)
+    program, start = _program(folder, guard_log, scenario)
     world = parse(config_dir() / "worlds" / "lab.yaml", WorldConfig)
     process = subprocess.Popen(
         [Path(sys.executable).with_name("hbba"), "run", "--config", program, "--port", "0"],
@@ -110,7 +110,7 @@ def running_robot(folder: Path) -> Iterator[Robot]:
         process.stdout.close()
 
 
-def _program(folder: Path, guard_log: Path) -> tuple[Path, Pose2]:
+def _program(folder: Path, guard_log: Path, scenario: Path | None) -> tuple[Path, Pose2]:
     """The lab's program with the guard's log turned on, written to ``folder``; and where the robot starts."""
     config = config_dir()
     body = yaml.safe_load((config / "robots" / "irl1_tr.yaml").read_text())
@@ -118,7 +118,7 @@ def _program(folder: Path, guard_log: Path) -> tuple[Path, Pose2]:
         "guard_log": str(guard_log),
         "model": str(config / "robots" / body["model"]),
         "world": str(config / "worlds" / "lab.yaml"),
-        "scenario": None,
+        "scenario": None if scenario is None else str(scenario),
     }
     (folder / "robot.yaml").write_text(yaml.safe_dump(body))
     program = yaml.safe_load((config / "lab.yaml").read_text())

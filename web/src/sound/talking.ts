@@ -138,7 +138,8 @@ export class Talking {
 function whyNot(store: Store): string | null {
   const hello = store.hello.value;
   if (store.replay.value) return "This is a recording: nobody there can hear you.";
-  if (!hello || !store.live.value) return "Not connected to the robot.";
+  const phase = store.link.value.phase;
+  if (!hello || (phase !== "live" && phase !== "stale")) return "Not connected to the robot.";
   if (!hello.audio?.speak) return "This robot has no loudspeaker: nobody there can hear you.";
   const speaker = store.status.value?.speaker;
   if (speaker && !speaker.mine) return `${speaker.operator} is speaking through the robot.`;

@@ -1,0 +1,131 @@
+"""What the robot sees and hears of people is on the page where it really is, and can be listened to and answered.
+
+Where the talking person is, the world's own stage tells; no module is asked.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, Page, Playwright
+
+from app.commands.doctor import find_chromium
+from app.geometry import FloatArray
+from app.paths import config_dir
+from app.robots.model import load_model
+from app.robots.simulated.scenario_config import load_scenario
+from app.robots.simulated.stage import Stage
+from tests.browser.running import CHROMIUM_ARGUMENTS, Robot, running_robot
+
+#: Chromium's own tone in place of a microphone, granted without a question.
+FAKE_MICROPHONE = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
+TALKER = """
+name: one who talks
+people:
+  - {name: talker, face: visitor, at: [10.4, 7.0], heading_deg: -76, height_m: 1.7, script: [{wait: 60, look: robot}]}
+sounds:
+  - {name: talk, kind: speech, clip: story, person: talker, begin_s: 0.5, loop: true}
+"""
+FACE_M = 0.2
+#: Whether a mark lies within ``far`` (rad) of where it should be, in JavaScript; it keeps the last for the message.
+MARK_NEAR = """([selector, azimuth, elevation, far]) => {
+  const marks = [...document.querySelectorAll(selector)].map(({ dataset }) => [+dataset.azimuth, +dataset.elevation]);
+  if (marks.length > 0) window.lastMarks = marks;
+  return marks.some(([a, e]) => Math.abs(a - azimuth) <= far && (elevation === null || Math.abs(e - elevation) <= far));
+}"""
+
+
+@dataclass(frozen=True)
+class Direction:
+    """Azimuth and elevation (rad) and distance (m), as the panorama's camera has it."""
+
+    azimuth: float
+    elevation: float
+    distance: float
+
+
+@pytest.fixture(scope="module")
+def browser(playwright: Playwright) -> Iterator[Browser]:
+    """A Chromium with a microphone."""
+    arguments = CHROMIUM_ARGUMENTS + FAKE_MICROPHONE
+    chromium = playwright.chromium.launch(executable_path=find_chromium(), args=arguments)
+    yield chromium
+    chromium.close()
+
+
+@pytest.fixture
+def scenario(tmp_path: Path) -> Path:
+    """One person, 2.5 m ahead on the left, who talks all the time."""
+    path = tmp_path / "scenario.yaml"
+    path.write_text(TALKER)
+    return path
+
+
+@pytest.fixture
+def robot(tmp_path: Path, scenario: Path) -> Iterator[Robot]:
+    """A robot in front of the talking person, that wants to see and to hear them and may spend what that takes."""
+    with running_robot(tmp_path, scenario) as running:
+        assert running.request("PATCH", "/resources/cpu", {"capacity": 200})[0] == 200
+        for kind in ("LocateFaces", "LocateVoices"):
+            wish = {"class": kind, "intensity": 8, "utility": 4, "security": True}
+            assert running.request("POST", "/desires", wish)[0] == 201
+        yield running
+
+
+def seen_from_the_panorama(robot: Robot, p_W: tuple[float, float, float]) -> Direction:
+    """The direction of a point of the world for the robot where it starts, and stands."""
+    X_BC = load_model(config_dir() / "robots" / "irl1_tr.urdf").pose("imv_optical_frame")
+    p_B: FloatArray = robot.start.to_pose3().inverse().transform(np.array(p_W)) - X_BC.translation
+    x, y, z = (float(value) for value in p_B)
+    return Direction(math.atan2(y, x), math.atan2(z, math.hypot(x, y)), math.hypot(x, y, z))
+
+
+def wait_for_mark(page: Page, selector: str, azimuth: float, elevation: float | None, far: float) -> None:
+    """Until a mark of ``selector`` is within ``far`` (rad) of a direction."""
+    try:
+        page.wait_for_function(MARK_NEAR, arg=[selector, azimuth, elevation, far], timeout=30_000)
+    except Exception as error:
+        marks = page.evaluate("window.lastMarks")
+        raise AssertionError(f"{selector}: none near {azimuth:.3f}, {elevation}; the last were at {marks}") from error
+
+
+def test_a_talking_person_is_marked_and_heard_and_can_be_answered(robot: Robot, page: Page, scenario: Path) -> None:
+    """The disc within 10 degrees of the mouth, the frame on the face; samples to hear, and the voice the other way."""
+    stage = Stage(load_scenario(scenario))
+    stage.advance(5.0, robot.start)
+    (person,) = stage.people
+    mouth = seen_from_the_panorama(robot, person.mouth)
+    # From the mouth half way up to the eyes, 4 % of the height above it, is the middle of the face.
+    x, y, z = person.mouth
+    face = seen_from_the_panorama(robot, (x, y, z + 0.02 * person.height_m))
+
+    # Without the 3D view the camera fills its place.
+    page.get_by_test_id("listen").click()
+    voice = "[data-testid=around-sound][data-active=true][data-kind=voice]"
+    wait_for_mark(page, voice, mouth.azimuth, None, math.radians(10))
+    wait_for_mark(page, "[data-testid=around-face]", face.azimuth, face.elevation, FACE_M / face.distance)
+    frame = page.get_by_test_id("face-frame").first
+    frame.wait_for()
+    assert "Person" in frame.inner_text()
+    page.wait_for_function("document.querySelector('[data-testid=around]').dataset.stamp !== ''")
+
+    # Louder than the fans, and not later than one waits for an answer.
+    page.wait_for_function("""() => {
+      const { latencyMs, levelDb } = document.querySelector('[data-testid=listen]').dataset;
+      return latencyMs !== '' && +latencyMs < 3000 && levelDb !== '' && +levelDb > -60;
+    }""")
+
+    page.keyboard.down("KeyV")
+    page.wait_for_function(
+        "+document.querySelector('[data-testid=talk]').dataset.levelDb > -60 && "
+        "document.querySelector('[data-testid=talk]').dataset.state === 'talking'"
+    )
+    page.keyboard.up("KeyV")
+    page.locator("[data-testid=talk][data-state=idle]").wait_for()
+    page.get_by_test_id("listen").click()
+    page.locator("[data-testid=listen][aria-pressed=false]").wait_for()
