@@ -122,6 +122,6 @@ def _detail(grey: NDArray[np.uint8]) -> NDArray[np.float32]:
 def _rotation(cell: Cell) -> NDArray[np.float64]:
     """R_CP of the patch's own optical frame: to the right by its azimuth, then up by its elevation."""
     (ca, sa), (ce, se) = ((math.cos(steps * STEP), math.sin(steps * STEP)) for steps in cell)
-    return np.array([(ca, 0.0, sa), (0.0, 1.0, 0.0), (-sa, 0.0, ca)]) @ np.array(
-        [(1.0, 0.0, 0.0), (0.0, ce, -se), (0.0, se, ce)]
-    )
+    about_y: NDArray[np.float64] = np.array([(ca, 0.0, sa), (0.0, 1.0, 0.0), (-sa, 0.0, ca)])
+    about_x: NDArray[np.float64] = np.array([(1.0, 0.0, 0.0), (0.0, ce, -se), (0.0, se, ce)])
+    return np.asarray(about_y @ about_x)

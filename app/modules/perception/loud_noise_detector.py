@@ -23,6 +23,7 @@ from pydantic import Field
 
 from app.messages import Audio, LoudNoise
 from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudNoiseJudge, Rule, decibels, whole_energy
+from app.modules.perception.overruns import Overruns
 from app.runtime.errors import InboxOverflow, ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
 
@@ -60,6 +61,7 @@ class LoudNoiseDetector(Module):
         self._hold_off_s = self.settings.hold_off_s
         self._rate = 0
         self._awaited = -1
+        self._overruns = Overruns(self.log, self.clock)
         self._rest = np.zeros(0, np.int16)
         self._band = BandEnergy(48_000)
         self._judge = LoudNoiseJudge()
@@ -76,10 +78,11 @@ class LoudNoiseDetector(Module):
 
     def overflowed(self, port: str, loss: InboxOverflow) -> None:
         """Say so and begin afresh: what the background was by now is not known."""
-        self.log.warning("sound was lost, listening afresh: %s", loss)
+        self._overruns.lost(self.audio, loss)
         self._awaited = -1
 
     async def _listen(self, audio: Audio) -> None:
+        self._overruns.heard()
         count, channels = audio.samples.shape
         if self.settings.microphone >= channels:
             raise ModuleFailed(

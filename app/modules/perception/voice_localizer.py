@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from app.messages import Audio, Odometry, SeparatedSound, SoundSources
+from app.modules.perception.overruns import Overruns
 from app.modules.perception.pose_at import PoseAt
 from app.modules.perception.voices.array import MicrophoneArray
 from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
@@ -75,6 +76,7 @@ class VoiceLocalizer(Module):
         self._poses = PoseAt(self.clock)
         self._heading = 0.0
         self._poseless = False
+        self._overruns = Overruns(self.log, self.clock)
         self._wiring: _Wiring | None = None
         self._pipeline: VoicePipeline | None = None
         self._first_track = 1
@@ -112,12 +114,13 @@ class VoiceLocalizer(Module):
 
     def overflowed(self, port: str, loss: InboxOverflow) -> None:
         """Sound came faster than it could be heard: what was lost is a gap, told by the samples' numbers."""
-        self.log.warning("%s; listening begins afresh", loss)
+        self._overruns.lost(self.audio, loss)
 
     async def _remember(self, odometry: Odometry) -> None:
         self._poses.add(odometry)
 
     async def _hear(self, audio: Audio) -> None:
+        self._overruns.heard()
         if self._wiring is None or not self._wiring.same(audio):
             self._retire()
             self._wiring = _Wiring(audio.p_BM, audio.rate)

@@ -137,7 +137,7 @@ def test_sound_that_was_lost_is_said_and_it_listens_afresh(caplog: pytest.LogCap
             assert len(drain(noises)) == 1
 
     run_virtual(main())
-    assert len([r for r in caplog.records if "sound was lost" in r.message]) == 1
+    assert len([r for r in caplog.records if "listening begins afresh" in r.message]) == 1
 
 
 def test_the_desire_says_how_loud_is_loud_and_how_far_apart() -> None:
