@@ -12,33 +12,43 @@ from app.attention.calibration import calibration_file
 from app.config import Configuration
 from app.errors import ConfigError
 from app.recording.manifest import YAML, AttachedFile, Manifest
-from app.robots.factory import body_files, load_body
+from app.robots.config import RobotConfig
+from app.robots.factory import Body, body_files, load_body
 from app.runtime.graph import Graph
 
 
-def snapshot(configuration: Configuration, graph: Graph, robot: str) -> Manifest:
-    """Everything the program was put together from; ``robot`` is the body's name. Reads files."""
+def snapshot(configuration: Configuration, graph: Graph, robot: str, body: Body | None = None) -> Manifest:
+    """Everything the program was put together from; ``robot`` is the body's name. Reads files.
+
+    ``body`` is what really ran, where that is not just as its file says (in another scenario, say).
+    """
     program = configuration.program
     robot_file = configuration.path(program.robot).resolve()
     files = [
         Path(configuration.program_document.file).resolve(),
         configuration.path(program.channels).resolve(),
         *(configuration.path(file).resolve() for file in program.strategies),
+        # Another body may stand in for the one that the program's file names and goes on naming.
+        configuration.path(Path(configuration.program_document.data["robot"])).resolve(),
         robot_file,
         *_body_files(robot_file),
+        *(() if body is None else body_files(body)),
     ]
     host = paths.host_name()
     if (measured := calibration_file(configuration.path(program.calibration), host)).is_file():
         files.append(measured.resolve())
+    folder = configuration.folder
     facts = {
         "program": files[0].name,
         "robot": robot,
+        "body": _name(robot_file, folder),
         "version": paths.version(),
         "commit": _commit(),
         "host": host,
     }
+    if isinstance(body, RobotConfig):
+        facts["scenario"] = "" if body.scenario is None else _name(body.scenario, folder)
     facts.update(stream_facts(graph))
-    folder = configuration.folder
     return Manifest(tuple(_attached(file, folder) for file in dict.fromkeys(files)), facts)
 
 
@@ -61,9 +71,12 @@ def stream_facts(graph: Graph) -> dict[str, str]:
 
 
 def _attached(file: Path, folder: Path) -> AttachedFile:
-    name = PurePath(os.path.relpath(file, folder))
     media_type = YAML if file.suffix in (".yaml", ".yml") else mimetypes.guess_type(file.name)[0]
-    return AttachedFile(name.as_posix(), media_type or "application/octet-stream", file.read_bytes())
+    return AttachedFile(_name(file, folder), media_type or "application/octet-stream", file.read_bytes())
+
+
+def _name(file: Path, folder: Path) -> str:
+    return PurePath(os.path.relpath(file, folder)).as_posix()
 
 
 def _commit() -> str:

@@ -24,7 +24,7 @@ from app.modules.desire_classes import desire_classes
 from app.recording.control import RecorderControl
 from app.recording.library import RecordingLibrary, default_folder
 from app.recording.manifest import Manifest
-from app.robots.factory import create_link, load_body
+from app.robots.factory import Body, create_link, load_body
 from app.runtime.channel_table import ChannelTable
 from app.runtime.clock import Clock, RealClock
 from app.runtime.freshness import FreshnessWatch
@@ -50,6 +50,7 @@ class System:
         configuration: Configuration,
         *,
         link: RobotLink | None = None,
+        body: Body | None = None,
         clock: Clock | None = None,
         pins: Mapping[str, Pin] | None = None,
         recordings: RecordingLibrary | None = None,
@@ -59,11 +60,12 @@ class System:
     ) -> None:
         """Build everything; ``link`` and ``clock`` replace the body that the configuration names and the real clock.
 
-        ``pins`` fixes filters (``Module.port``), whatever strategies say of them. ``recordings`` is where recordings
-        are kept, by default the user's folder. ``new_id`` makes the ids of desires. ``partial``: strategies may name
-        modules that are not there, and serve without them. ``reproducible``: what happens may not depend on how fast
-        this computer is, so that two runs in virtual time are equal: the solver finds the optimum however long it
-        takes and does not tell how long, nobody watches the loop's real time, no load is reported. Raises ConfigError.
+        ``body`` tells what ``link`` is, where its file does not tell all of it; recordings carry it. ``pins`` fixes
+        filters (``Module.port``), whatever strategies say of them. ``recordings`` is where recordings are kept, by
+        default the user's folder. ``new_id`` makes the ids of desires. ``partial``: strategies may name modules that
+        are not there, and serve without them. ``reproducible``: what happens may not depend on how fast this computer
+        is, so that two runs in virtual time are equal: the solver finds the optimum however long it takes and does not
+        tell how long, nobody watches the loop's real time, no load is reported. Raises ConfigError.
         """
         program = configuration.program
         self.config = configuration
@@ -93,7 +95,7 @@ class System:
             services=services,
             error=configuration.wiring_error,
         )
-        services[Manifest] = snapshot(configuration, self.graph, self.link.description.name)
+        services[Manifest] = snapshot(configuration, self.graph, self.link.description.name, body)
         self.table = self._load_table()
         self.graph.attend(self.table.filters)
         for name, pin in (pins or {}).items():

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import argparse
+from pathlib import Path
+
 import pytest
 
 from app import paths
+from app.commands.body import chosen
 from app.config import load_configuration
+from app.recording.manifest import Manifest
+from app.replay.options import ReplayOptions
+from app.replay.program import prepare
 from app.snapshot import snapshot
 from app.system import System
 from tests.console.program import Body
+from tests.replay.logs import MemoryLog, lab_messages
 
 
 @pytest.fixture
@@ -28,6 +36,27 @@ def test_everything_needed_to_replay_is_there(lab: System) -> None:
     assert manifest.facts["program"] == "lab.yaml"
     assert manifest.facts["robot"] == "IRL-1/TR"
     assert manifest.facts["version"]
+
+
+def test_what_really_ran_is_told_though_the_program_s_file_names_another(tmp_path: Path) -> None:
+    """As with `hbba run --robot my_robot.yaml --scenario trial`: replayed, it is that body again."""
+    text = (paths.config_dir() / "robots" / "irl1_tr.yaml").read_text(encoding="utf-8")
+    mine = tmp_path / "my_robot.yaml"
+    for key in ("model", "world", "scenario"):
+        file = next(
+            line.split(":")[1].split("#")[0].strip() for line in text.splitlines() if line.startswith(f"{key}:")
+        )
+        text = text.replace(f"{key}: {file}", f"{key}: {(paths.config_dir() / 'robots' / file).resolve()}")
+    mine.write_text(text.replace("name: IRL-1/TR", "name: Mine"), encoding="utf-8")
+    configuration, body = chosen(
+        argparse.Namespace(robot=mine, config=None, scenario="trial", camera=None, microphones=None)
+    )
+    manifest = System(configuration, link=Body(), body=body).graph.modules["Recorder"].module.service(Manifest)
+    names = {file.name for file in manifest.files}
+    assert names >= {"scenarios/trial.yaml", "robots/irl1_tr.yaml"}
+    assert manifest.facts["scenario"] == "scenarios/trial.yaml"
+    program = prepare(MemoryLog(lab_messages(1.0), manifest), ReplayOptions(), tmp_path / "replayed")
+    assert program.configuration.path(program.configuration.program.robot).read_bytes() == mine.read_bytes()
 
 
 def test_each_stream_of_the_body_is_traced_to_its_channel(lab: System) -> None:

@@ -111,7 +111,7 @@ async def _live(
     announce = announcer("HBBA is up", host, port, token, open_browser=open_browser)
     log.info("starting", extra={"configuration": configuration.program_document.file})
     clock = RealClock()
-    system = System(configuration, link=create_link(body, clock.offset), clock=clock)
+    system = System(configuration, link=create_link(body, clock.offset), body=body, clock=clock)
     app = create_app(system, token=token, host=host)  # takes long enough to be felt by who drives
     async with system:
         console = asyncio.create_task(serve(app, host, port, listener=listener, started=announce), name="console")

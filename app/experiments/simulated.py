@@ -30,7 +30,7 @@ class SimulatedProgram:
         clock = RealClock()
         link = create_link(self.body, clock.offset)
         assert isinstance(link, SimulatedLink)
-        return System(self.configuration, link=link, clock=clock, pins=pins), link
+        return System(self.configuration, link=link, body=self.body, clock=clock, pins=pins), link
 
 
 def simulated_program(config: Path | None = None, scenario: Path | None = None) -> SimulatedProgram:

@@ -127,7 +127,11 @@ def _configuration(log: Log, options: ReplayOptions, folder: Path) -> Configurat
         # Recorded by another program: ours runs on it, as far as the log has something for it.
         return load_configuration(paths.config_dir() / "lab.yaml")
     home = extract(log.manifest, folder)
-    return load_configuration(home / program, host=host)
+    configuration = load_configuration(home / program, host=host)
+    body = log.manifest.facts.get("body", "")
+    if body not in {file.name for file in log.manifest.files}:  # recorded before there was a choice
+        return configuration
+    return replace(configuration, program=configuration.program.model_copy(update={"robot": Path(body)}))
 
 
 def _streams(log: Log, configuration: Configuration) -> dict[str, str]:
