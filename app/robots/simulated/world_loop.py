@@ -143,7 +143,8 @@ class WorldLoop:
                     raise self._camera.failure
                 while self._camera.finished:
                     notice = self._camera.finished.popleft()
-                    self._last_seen[notice.stream] = now
+                    if notice.stream in self._wanted:  # else its age would grow for ever, and the guard refuse to drive
+                        self._last_seen[notice.stream] = now
                     self._socket.send(notice)
             if self._acoustics is not None:
                 for audio in self._acoustics.receive(self._simulation.time_s):
