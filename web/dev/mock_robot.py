@@ -21,6 +21,7 @@ CLASSES: list[tuple[str, str, float, dict[str, Any]]] = [
     ("Telepresence", "Show people what the robot sees", 20, {}),
     ("FindQRCodes", "Find QR codes in the camera's pictures", 80, {}),
     ("LocateFaces", "Find faces and where they are", 60, {}),
+    ("LocateVoices", "Tell where voices come from", 10, {}),
     (
         "DetectNoises",
         "Notice loud noises",
@@ -264,6 +265,7 @@ class Mock:
             "world_rate": self.mode.get("world_rate", 1.0),
             "odometry": {"x": self.pose[0], "y": self.pose[1], "theta": self.pose[2], **applied},
             "driver": {"operator": driver.operator, "mine": driver is viewer} if driver else None,
+            "speaker": {"operator": "Bea", "mine": False} if self.mode.get("other_speaks") else None,
             "exploited": "Teleop" if moving else None,
             "sources": [{"channel": "kinect", "state": "live", "age_ms": 40, "rate_hz": 15, "expected_hz": 15}],
         }
@@ -341,7 +343,10 @@ class Viewer:
         self.socket, self.operator = socket, operator
         self.session = f"{random.getrandbits(48):x}"
         self.outbox: asyncio.Queue[str | bytes] = asyncio.Queue(1000)
-        self.wants_camera, self.picture_under_way = True, False
+        self.wants = {1: True, 2: False}
+        self.under_way = {1: False, 2: False}
+        self.listens, self.sounds = False, 0
+        self.heard_until = 0.0
 
     def send(self, message: dict[str, Any]) -> None:
         self.outbox.put_nowait(json.dumps(message))

@@ -26,6 +26,7 @@ from fastapi.staticfiles import StaticFiles
 from mock_playback import MockPlayback, playback_router
 from mock_recordings import MockRecorder, recordings_router
 from mock_robot import CLASSES, Mock, Viewer, picture, problem
+from mock_senses import panorama, perceived, sound
 
 STATIC = Path(__file__).parents[2] / "app" / "console" / "static"
 SCENE = Path(__file__).parent / "mock_scene.html"
@@ -122,7 +123,11 @@ def build(mock: Mock, playback: MockPlayback | None, static: Path) -> FastAPI:
         pump = asyncio.create_task(viewer.pump())
         try:
             while True:
-                hear(mock, viewer, json.loads(await socket.receive_text()))
+                frame = await socket.receive()
+                if frame["type"] == "websocket.disconnect":
+                    break
+                if frame.get("text"):
+                    hear(mock, viewer, json.loads(frame["text"]))
         except WebSocketDisconnect:
             pass
         finally:
@@ -166,7 +171,8 @@ def greet(mock: Mock, viewer: Viewer, playback: MockPlayback | None) -> None:
             "robot": {"name": "IRL-1/TR", "simulated": True, "limits": limits},
             "scale": {"intensity": 8, "utility": 8},
             "classes": classes,
-            "channels": {"camera": True},
+            "channels": {"camera": True, "panorama": not mock.mode.get("no_panorama")},
+            "audio": {"listen": not mock.mode.get("deaf"), "speak": not mock.mode.get("mute")},
             "playback": playback and playback.json(),
         }
     )
@@ -198,9 +204,14 @@ def hear(mock: Mock, viewer: Viewer, message: dict[str, Any]) -> None:
     elif kind == "release_control" and mock.driver == viewer.session:
         mock.driver = None
     elif kind == "ack":
-        viewer.picture_under_way = False
+        viewer.under_way[message["kind"]] = False
     elif kind == "view":
-        viewer.wants_camera = message["camera"]
+        for number, name in ((1, "camera"), (2, "panorama")):
+            if name in message:
+                viewer.wants[number] = message[name]
+                viewer.under_way[number] = False
+    elif kind == "listen":
+        viewer.listens, viewer.heard_until = message["on"], mock.now()
 
 
 async def beat(mock: Mock, recorder: MockRecorder, playback: MockPlayback | None) -> None:
@@ -226,9 +237,16 @@ async def beat(mock: Mock, recorder: MockRecorder, playback: MockPlayback | None
             if seq % 20 == 0:
                 viewer.send(mock.load())
             seen = mock.share()["Telepresence"][0] is not None
-            if viewer.wants_camera and seen and not viewer.picture_under_way and seq % 2 == 0:
-                viewer.picture_under_way = True
-                viewer.outbox.put_nowait(picture(mock, seq))
+            if seq % 2 == 0:
+                viewer.send(perceived(mock))
+            for number, made in ((1, picture), (2, panorama)):
+                if viewer.wants[number] and seen and not viewer.under_way[number] and seq % 2 == 0:
+                    viewer.under_way[number] = True
+                    viewer.outbox.put_nowait(made(mock, seq))
+            while viewer.listens and viewer.heard_until < mock.now() - 0.02:
+                viewer.outbox.put_nowait(sound(viewer.heard_until, viewer.sounds))
+                viewer.heard_until += 0.02
+                viewer.sounds += 1
 
 
 if __name__ == "__main__":
