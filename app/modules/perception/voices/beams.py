@@ -21,9 +21,11 @@ class DelayAndSum:
         self._array = array
         self._rate = rate
         self._range_m = range_m
-        # No direction is heard earlier or later than the sound takes from the middle to the farthest microphone.
-        farthest = float(np.linalg.norm(array.offsets, axis=1).max())
-        self.latency = int(np.ceil(farthest / 340.0 * rate)) + 1
+        # A microphone hears nothing later than what comes from right behind the middle, round the body if there is one,
+        # and nothing sooner than the same time before the middle.
+        behind = -array.offsets / np.maximum(np.linalg.norm(array.offsets, axis=1, keepdims=True), 1e-6)
+        latest = float(arrivals(array.offsets, behind, range_m, array.body_m).max())
+        self.latency = int(np.ceil(latest * rate)) + 1
         self.reset()
 
     def reset(self) -> None:
