@@ -7,18 +7,20 @@ from pathlib import Path
 
 import pytest
 
-from app.messages import QRCodes
+from app.messages import Image, QRCodes
 from app.recording.ros import typestore
-from app.recording.ros.converters import CONVERTERS, converter
-from app.recording.ros.record import MAIN
+from app.recording.ros.camera import FisheyeImageInfo
+from app.recording.ros.converters import CONVERTERS, Options, converter
+from app.recording.ros.generated import generated
+from app.recording.ros.record import MAIN, Converter
 from tests.recording.mcap_files import drive, write_log
 
 PAGE = (Path(__file__).parents[2] / "docs" / "recording-format.md").read_text("utf-8")
 
 
-def table() -> dict[str, dict[str, tuple[str, bool]]]:
-    """Topics by message class: the ROS type, and whether it is the main one."""
-    rows: dict[str, dict[str, tuple[str, bool]]] = {}
+def table() -> dict[str, dict[str, tuple[list[str], bool]]]:
+    """Topics by message class: the ROS types it may have, and whether it is the main one."""
+    rows: dict[str, dict[str, tuple[list[str], bool]]] = {}
     of = ""
     for line in PAGE[PAGE.index("| message | topics") :].splitlines()[2:]:
         if not line.startswith("|"):
@@ -27,16 +29,25 @@ def table() -> dict[str, dict[str, tuple[str, bool]]]:
         of = first or of
         for name in of.split(", "):
             path = re.findall(r"`([^`]+)`", topic)[0].replace("<ch>", "ch")
-            rows.setdefault(name, {})[path] = (kind.strip("`"), "**main**" in topic)
+            rows.setdefault(name, {})[path] = (re.findall(r"`([^`]+)`", kind), "**main**" in topic)
     return rows
+
+
+def topics(of: Converter) -> dict[str, tuple[str, bool]]:
+    """Each topic's type as the page writes it, and whether it is the main one."""
+    return {topic.name: (topic.type.replace("/msg/", "/"), topic.part == MAIN) for topic in of.topics}
 
 
 @pytest.mark.parametrize("cls", list(CONVERTERS), ids=lambda cls: cls.__name__)
 def test_the_table_of_topics_is_what_is_written(cls: type[object]) -> None:
-    written = {
-        topic.name: (topic.type.replace("/msg/", "/"), topic.part == MAIN) for topic in converter("ch", cls).topics
-    }
-    assert table()[cls.__name__] == written
+    shown = table()[cls.__name__]
+    assert {path: (kinds[0], main) for path, (kinds, main) in shown.items()} == topics(converter("ch", cls))
+
+
+def test_a_fisheyes_main_topic_has_its_own_type() -> None:
+    written = topics(converter("ch", Image, Options(main_type=generated(FisheyeImageInfo).type)))
+    assert {path: (kinds[-1], main) for path, (kinds, main) in table()["Image"].items()} == written
+    assert written["/ch/info"] != topics(converter("ch", Image))["/ch/info"]
 
 
 def test_the_definition_shown_is_the_real_one() -> None:

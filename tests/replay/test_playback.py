@@ -295,7 +295,7 @@ def slow() -> Prepared:
 
 
 async def test_time_waits_for_a_file_that_is_slow(slow: Prepared) -> None:
-    async with played(slow, playing=True, speed=20.0) as play:
+    async with played(slow, playing=True, speed=4.0) as play:
         odometry = stamps(play, "odometry")
         stuck, waits = asyncio.Event(), asyncio.Event()
         loop, on_waiting = asyncio.get_running_loop(), play.replay.body.on_waiting
@@ -309,7 +309,7 @@ async def test_time_waits_for_a_file_that_is_slow(slow: Prepared) -> None:
         await asyncio.wait_for(stuck.wait(), 5)
         await asyncio.wait_for(waits.wait(), 5)
         stood = play.playback.state.position
-        assert stood < BEGIN + 1.8
+        assert stood < BEGIN + 2.5, "later only by what a busy computer makes of it"
         await play.playback._places._system.graph.activity.quiet()
         assert play.playback.state.position == stood
         assert play.playback.state.phase == "playing"
@@ -376,7 +376,7 @@ def hurt(tmp_path: Path) -> Iterator[tuple[Prepared, Log, float, float]]:
 
 async def test_playback_stands_before_what_is_damaged_and_goes_on_behind_it(hurt: Any) -> None:
     prepared, past, begin, end = hurt
-    async with played(prepared, playing=True, speed=10.0, past=past) as play, asyncio.timeout(20):
+    async with played(prepared, playing=True, speed=4.0, past=past) as play, asyncio.timeout(20):
         odometry = stamps(play, "odometry")
         state = await play.phase("paused")
         assert state.problem == f"{end - begin:.1f} s from {place(begin - BEGIN)} cannot be read"

@@ -38,11 +38,10 @@ def instances(cls: type[Any]) -> st.SearchStrategy[Any]:
     return st.builds(cls, **{f.name: _values(f.name, hints[f.name]) for f in fields(cls)})
 
 
-def sequences(cls: type[Any]) -> st.SearchStrategy[list[Any]]:
-    """One to three instances of ``cls`` as one channel may carry them: a camera keeps its lens."""
-    if cls is Image:
-        return st.one_of(*[st.lists(_images((lens,)), min_size=1, max_size=3) for lens in (CameraModel, FisheyeModel)])
-    return st.lists(instances(cls), min_size=1, max_size=3)
+def sequences(cls: type[Any], min_size: int = 1, max_size: int = 3) -> st.SearchStrategy[list[Any]]:
+    """Some instances of ``cls`` as one channel may carry them: a camera keeps its lens."""
+    kinds = [_images((lens,)) for lens in (CameraModel, FisheyeModel)] if cls is Image else [instances(cls)]
+    return st.one_of(*[st.lists(kind, min_size=min_size, max_size=max_size) for kind in kinds])
 
 
 def same(a: Any, b: Any) -> bool:
