@@ -68,5 +68,9 @@ class CameraStream(Module):
         self._quality = int(parameters.get("jpeg_quality", self.settings.jpeg_quality))
 
     async def _encode(self, image: Image) -> None:
-        jpeg, width, height = await self.compute(encode_jpeg, image.color, self._quality, self.settings.width)
+        jpeg, width, height = await self.compute(self.picture, image, self._quality)
         self.pictures.publish(EncodedImage(image.stamp, image.frame, jpeg, width, height))
+
+    def picture(self, image: Image, quality: int) -> tuple[bytes, int, int]:
+        """What people are shown of ``image``, as of :func:`encode_jpeg`; in the module's own thread."""
+        return encode_jpeg(image.color, quality, self.settings.width)

@@ -15,8 +15,6 @@ the lens does not see is black. ``jpeg_quality`` is a parameter of the desire Te
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import cv2
 import numpy as np
@@ -24,10 +22,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from app.geometry import CameraModel, FisheyeModel, Pose3
-from app.messages import EncodedImage, Image
-from app.modules.perception.camera_stream import encode_jpeg
-from app.modules.perception.opencv import use_calling_thread
-from app.runtime.module import Module, ModuleContext, Settings
+from app.messages import Image
+from app.modules.perception.camera_stream import CameraStream, CameraStreamSettings, encode_jpeg
+from app.runtime.module import ModuleContext
 
 _TURNED = 1e-4
 """How far (rad, nearly) a camera may turn before its map is made anew: a fiftieth of a pixel."""
@@ -65,15 +62,14 @@ def _turned(a: Pose3, b: Pose3) -> bool:
     return bool(np.abs(a.rotation - b.rotation).max() > _TURNED)
 
 
-class PanoramaStreamSettings(Settings):
+class PanoramaStreamSettings(CameraStreamSettings):
     """Settings of PanoramaStream."""
 
-    jpeg_quality: int = Field(80, ge=1, le=100, description="used while no desire says another")
     width: int = Field(640, ge=64, le=4096, description="px of the half circle")
     height: int = Field(384, ge=16, le=4096, description="px; the middle row is level")
 
 
-class PanoramaStream(Module):
+class PanoramaStream(CameraStream):
     """Unrolls and encodes what the panoramic camera sees, while somebody looks."""
 
     title = "Panorama"
@@ -82,23 +78,8 @@ class PanoramaStream(Module):
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        self._quality = self.settings.jpeg_quality
         self._unroller = Unroller(self.settings.width, self.settings.height)
-        self.images = self.input("images", Image)
-        self.pictures = self.output("pictures", EncodedImage)
-        self.on(self.images, self._encode)
 
-    async def start(self) -> None:
-        """Keep OpenCV's work where it is measured."""
-        use_calling_thread()
-
-    def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take ``jpeg_quality`` from the intention."""
-        self._quality = int(parameters.get("jpeg_quality", self.settings.jpeg_quality))
-
-    async def _encode(self, image: Image) -> None:
-        jpeg, width, height = await self.compute(self._picture, image, self._quality)
-        self.pictures.publish(EncodedImage(image.stamp, image.frame, jpeg, width, height))
-
-    def _picture(self, image: Image, quality: int) -> tuple[bytes, int, int]:
+    def picture(self, image: Image, quality: int) -> tuple[bytes, int, int]:
+        """The panorama of ``image``, as a JPEG."""
         return encode_jpeg(self._unroller.unroll(image.color, image.camera, image.X_BC), quality)
