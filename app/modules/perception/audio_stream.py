@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from app.messages import Audio, read_only
+from app.modules.perception.overruns import Overruns
 from app.runtime.errors import InboxOverflow
 from app.runtime.module import Module, ModuleContext, Settings
 
@@ -62,6 +63,7 @@ class AudioStream(Module):
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
         self._waiting: list[Audio] = []
+        self._overruns = Overruns(self.log, self.clock)
         self._places: NDArray[np.float64] | None = None
         self._front = 0
         self._gain = 10.0 ** (self.settings.gain_db / 20.0)
@@ -70,11 +72,12 @@ class AudioStream(Module):
         self.on(self.audio, self._take)
 
     def overflowed(self, port: str, loss: InboxOverflow) -> None:
-        """What was missed is missed: people hear a gap."""
-        self.log.info("%s", loss)
+        """What was missed is missed: people hear a gap, and then what sounds now."""
+        self._overruns.lost(self.audio, loss)
         self._waiting.clear()
 
     async def _take(self, audio: Audio) -> None:
+        self._overruns.heard()
         if self._waiting and not _follows(self._waiting[-1], audio):
             # Nobody listened for a while, or samples were lost: a frame has no gaps.
             self._waiting.clear()

@@ -11,18 +11,22 @@ from app.runtime.clock import run_virtual
 
 from ..fakes import Bench
 
-MODULE = "app.modules.perception.loud_noise_detector:LoudNoiseDetector"
+LISTENERS = (
+    "app.modules.perception.loud_noise_detector:LoudNoiseDetector",
+    "app.modules.perception.audio_stream:AudioStream",
+)
 
 
 def frame(number: int, stamp: float) -> Audio:
     return Audio(stamp, "base_link", np.zeros((512, 2), np.int16), 48_000, 512 * number, np.zeros((2, 3)))
 
 
-def test_a_backlog_is_thrown_away_and_told_once(caplog: pytest.LogCaptureFixture) -> None:
+@pytest.mark.parametrize("listener", LISTENERS)
+def test_a_backlog_is_thrown_away_and_told_once(listener: str, caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level("INFO", "hbba")
 
     async def main() -> None:
-        async with Bench(MODULE, inputs={"audio": Audio}) as b:
+        async with Bench(listener, inputs={"audio": Audio}) as b:
             inbox = b.slot.context.inputs["audio"].subscription
             for storm in range(3):
                 for number in range(200):  # all at once: the listener has no turn in between
