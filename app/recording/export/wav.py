@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import wave
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import fields, is_dataclass
 from typing import Any, BinaryIO, Protocol
@@ -16,6 +17,8 @@ from app.recording.log import LogError, LoggedChannel
 
 #: A piece that begins so much later than the one before ended has others missing in between; less is jitter.
 GAP_S = 0.02
+#: A source that was not heard for so long has gone; one of its number is another.
+GONE_S = 10.0
 
 
 class AudioMessage(Protocol):
@@ -49,7 +52,7 @@ class Wav(Unsurveyed):
     """``<channel>.wav``, or ``<channel>/track-<number>.wav`` for each source of separated sound.
 
     Where pieces are missing there is silence, so that a file lasts as long as it took; a source's file begins with its
-    first sample.
+    first sample. Another source that has its number 10 s later or more has a file of its own, ``track-<number>-2.wav``.
     """
 
     def accepts(self, message_type: type[Any]) -> bool:
@@ -61,24 +64,49 @@ class Wav(Unsurveyed):
         """One file, or one for each track; rate and number of channels are those of the first message."""
         with ExitStack() as files:
             if _has(channel.message_type, {"tracks"}):
-                yield _separated(channel.name, target.subfolder(channel.name), files)
+                yield files.enter_context(_Tracks(channel.name, target.subfolder(channel.name))).write
             else:
                 target.check(f"{channel.name}.wav")
                 sound = files.enter_context(_file(channel.name, target, f"{channel.name}.wav"))
                 yield lambda message: sound.write(message.stamp, message.samples, message.rate)
 
 
-def _separated(channel: str, folder: Target, files: ExitStack) -> Callable[[Any], None]:
-    sounds: dict[int, _Sound] = {}
+class _Tracks:
+    """A file for each source, closed when the source has gone: in hours there are more than can be open at once."""
 
-    def write(message: Any) -> None:
+    def __init__(self, channel: str, folder: Target) -> None:
+        self._channel = channel
+        self._folder = folder
+        self._open: dict[int, tuple[ExitStack, _Sound]] = {}
+        self._heard: dict[int, float] = {}
+        self._files: Counter[int] = Counter()
+
+    def __enter__(self) -> _Tracks:
+        return self
+
+    def __exit__(self, *failure: Any) -> None:
+        left = ExitStack()
+        for closing, _ in self._open.values():
+            left.push(closing)
+        left.__exit__(*failure)
+
+    def write(self, message: Any) -> None:
+        """Add a piece of each source's sound. Raises LogError."""
+        for track in [track for track, heard in self._heard.items() if message.stamp - heard > GONE_S]:
+            self._open.pop(track)[0].close()
+            del self._heard[track]
         for column, track in enumerate(message.tracks):
-            if track not in sounds:
-                name = f"track-{track:03d}.wav"
-                sounds[track] = files.enter_context(_file(f"track {track} of {channel}", folder, name))
-            sounds[track].write(message.stamp, message.samples[:, column : column + 1], message.rate)
+            if track not in self._open:
+                self._open[track] = self._begun(track)
+            self._open[track][1].write(message.stamp, message.samples[:, column : column + 1], message.rate)
+            self._heard[track] = message.stamp
 
-    return write
+    def _begun(self, track: int) -> tuple[ExitStack, _Sound]:
+        self._files[track] += 1
+        again = f"-{self._files[track]}" if self._files[track] > 1 else ""
+        closing = ExitStack()
+        file = _file(f"track {track} of {self._channel}", self._folder, f"track-{track:03d}{again}.wav")
+        return closing, closing.enter_context(file)
 
 
 class _Sound:

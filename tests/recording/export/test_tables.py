@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import json
 import math
+import os
+import resource
 import wave
 from dataclasses import dataclass
 from pathlib import Path
@@ -212,6 +214,25 @@ def test_each_separated_source_has_a_file_of_its_own_that_lasts_as_long_as_it(tm
     _, twelfth = heard(tmp_path / "separated_voices" / "track-012.wav")
     assert third[::length, 0].tolist() == [300, 301, 302]
     assert twelfth[::length, 0].tolist() == [1201, 1202, 1204]
+
+
+def test_hours_of_sources_need_few_open_files_and_numbers_used_again_are_others(tmp_path: Path) -> None:
+    def piece(stamp: float, track: int) -> Logged:
+        samples = np.full((160, 1), track, np.int16)
+        return Logged(stamp, "separated_voices", SeparatedSound(stamp, (track,), samples, 16_000, 0))
+
+    many = [piece(BEGIN + 5.0 * k, k + 1) for k in range(80)]
+    log = MemoryLog([*many, piece(BEGIN + 3600.0, 1)])
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (len(os.listdir("/dev/fd")) + 20, before[1]))
+    try:
+        export(log, Wish("wav", tmp_path))
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, before)
+    folder = tmp_path / "separated_voices"
+    assert len(list(folder.iterdir())) == 81
+    for name in ("track-001.wav", "track-001-2.wav"):
+        assert len(heard(folder / name)[1]) == 160, "an hour of silence between them is nobody's"
 
 
 def test_separated_sound_without_a_source_leaves_no_file(tmp_path: Path) -> None:
