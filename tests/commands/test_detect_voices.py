@@ -108,3 +108,14 @@ def test_mistakes_on_the_command_line(tmp_path: Path, array: str, capsys: pytest
     with pytest.raises(SystemExit):
         main(["detect", "voices", missing, "--array", array, "--height", "tall"])
     assert "must be a height from 0 to 10 (m), not 'tall'" in capsys.readouterr().err
+
+
+def test_a_folder_and_sound_without_a_header_are_refused_in_words(
+    tmp_path: Path, array: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["detect", "voices", str(tmp_path), "--array", array]) == 2
+    assert f"{tmp_path} is a folder" in capsys.readouterr().err
+    raw = tmp_path / "sound.raw"
+    raw.write_bytes(bytes(1024))
+    assert main(["detect", "voices", str(raw), "--array", array]) == 2
+    assert f"{raw}: cannot be read as a recording: " in capsys.readouterr().err

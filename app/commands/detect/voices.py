@@ -45,13 +45,14 @@ def add_parser(kinds: Any) -> None:
         type=Path,
         required=True,
         metavar="ARRAY",
-        help="where the microphones are: a file as config/arrays/irl1.yaml, positions in the order of the channels",
+        help="where the microphones are: a file as config/arrays/irl1.yaml, positions in the order of the channels, and "
+        "the body between them",
     )
     parser.add_argument("--microphones", type=whole(2, 32), metavar="N", help="use only the N that tell most")
     parser.add_argument(
         "--height", type=_height, metavar="M", help="of the array's middle above the floor (m): tells also distances"
     )
-    parser.add_argument("--json", action="store_true", help="print JSON: also what was heard when, 20 times a second")
+    parser.add_argument("--json", action="store_true", help="print JSON: also what was heard when")
     parser.add_argument("--separate", type=Path, metavar="FOLDER", help="write each source by itself into FOLDER")
 
 
@@ -65,6 +66,8 @@ def run(args: argparse.Namespace) -> int:
     for path in args.files:
         if not path.exists():
             raise ConfigError(f"there is no file {path}")
+        if path.is_dir():
+            raise ConfigError(f"{path} is a folder; name the recordings in it: {path}/*.wav")
     if args.separate is not None:
         try:
             args.separate.mkdir(parents=True, exist_ok=True)
@@ -122,8 +125,12 @@ def _listen(
 
     try:
         recording = soundfile.SoundFile(path)
-    except (soundfile.LibsndfileError, OSError) as failure:
-        raise _NoRecording(f"{path}: cannot be read as a recording: {failure}") from None
+    except soundfile.LibsndfileError as failure:
+        raise _NoRecording(f"{path}: cannot be read as a recording: {failure.error_string}") from None
+    except OSError as failure:
+        raise _NoRecording(f"{path}: cannot be read: {failure.strerror or failure}") from None
+    except TypeError:  # what soundfile raises for .raw: nothing in it says how it is to be read
+        raise _NoRecording(f"{path}: cannot be read as a recording: samples without a header; make it a WAV") from None
     with recording:
         channels, rate = recording.channels, recording.samplerate
         if channels != len(array):

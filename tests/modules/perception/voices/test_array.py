@@ -11,6 +11,7 @@ from app.errors import ConfigError
 from app.modules.perception.voices.array import MicrophoneArray, load_array
 from app.paths import checkout_dir
 from app.robots.config import MicrophonesConfig
+from app.yaml_source import load_yaml
 
 BOX = np.array(MicrophonesConfig().positions)
 
@@ -18,7 +19,10 @@ BOX = np.array(MicrophonesConfig().positions)
 def test_the_file_of_the_robot_is_the_robots_array() -> None:
     checkout = checkout_dir()
     assert checkout is not None
-    np.testing.assert_array_equal(load_array(checkout / "config" / "arrays" / "irl1.yaml").positions, BOX)
+    array = load_array(checkout / "config" / "arrays" / "irl1.yaml")
+    np.testing.assert_array_equal(array.positions, BOX)
+    lab = load_yaml(checkout / "config" / "lab.yaml").data
+    assert array.body_m == lab["modules"]["VoiceLocalizer"]["settings"]["body_m"] > 0
 
 
 def test_directions_are_taken_from_the_middle() -> None:
