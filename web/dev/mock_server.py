@@ -240,7 +240,8 @@ async def beat(mock: Mock, recorder: MockRecorder, playback: MockPlayback | None
             if seq % 2 == 0:
                 viewer.send(perceived(mock))
             for number, made in ((1, picture), (2, panorama)):
-                if viewer.wants[number] and seen and not viewer.under_way[number] and seq % 2 == 0:
+                missing = number == 2 and mock.mode.get("no_panorama")
+                if viewer.wants[number] and not missing and seen and not viewer.under_way[number] and seq % 2 == 0:
                     viewer.under_way[number] = True
                     viewer.outbox.put_nowait(made(mock, seq))
             while viewer.listens and viewer.heard_until < mock.now() - 0.02:

@@ -20,6 +20,8 @@ const SOUND: Record<SoundKind, string> = { voice: "235 45 40", sound: "240 150 4
 const FACE = "rgb(70 225 140)";
 const FLASH = "255 214 90";
 const FOOT = 17;
+/** From over a mark to under it, px at the least. */
+const BELOW = 16;
 /** px; on less, figures would run into the words. */
 const NUMBERED = 640;
 const FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Noto Sans', 'DejaVu Sans', sans-serif";
@@ -40,11 +42,12 @@ export function draw(context: Context, strip: Strip, shown: Shown): void {
   drawGrid(context, strip);
   if (shown.picture) drawPicture(context, strip, shown.picture, shown.old);
   drawFoot(context, strip, shown.large);
-  const taken: Box[] = [];
+  // Names keep off what they name.
+  const taken = [...shown.faces.map((face) => frameOf(strip, face)), ...shown.sounds.map((sound) => boxOf(strip, sound, shown.large))];
   for (const sound of shown.sounds) drawSound(context, strip, sound, shown.large);
   for (const face of shown.faces) drawFrame(context, strip, face);
   for (const face of [...shown.faces].reverse()) drawFaceName(context, strip, face, taken);
-  if (shown.large) for (const sound of shown.sounds) drawSoundName(context, strip, sound, taken);
+  if (shown.large && strip.width >= NUMBERED) for (const sound of shown.sounds) drawSoundName(context, strip, sound, taken);
   if (shown.flash > 0) drawFlash(context, strip, shown.flash);
 }
 
@@ -130,6 +133,12 @@ function drawSound(context: Context, strip: Strip, sound: SoundMark, large: bool
   }
 }
 
+function boxOf(strip: Strip, sound: SoundMark, large: boolean): Box {
+  const { x, y } = place(strip, sound.azimuth, sound.elevation);
+  const radius = radiusOf(sound, strip, large);
+  return { x: x - radius, y: y - radius, width: 2 * radius, height: 2 * radius };
+}
+
 function drawFrame(context: Context, strip: Strip, face: FaceMark): void {
   const { x, y, width, height } = frameOf(strip, face);
   context.lineJoin = "round";
@@ -172,9 +181,9 @@ function drawName(
   const width = context.measureText(text).width + 8;
   const height = 15;
   const left = Math.max(1, Math.min(strip.width - width - 1, x - width / 2));
-  const box = { x: left, y: Math.max(1, bottom - height), width, height };
-  for (let tries = 0; tries < 4 && taken.some((other) => overlap(box, other)); tries++)
-    box.y = box.y - height - 1 >= 1 ? box.y - height - 1 : box.y + 2 * height;
+  const at = (y: number) => ({ x: left, y: Math.max(1, Math.min(strip.height - FOOT - height, y)), width, height });
+  const places = [0, 8, 16, 24, 32, 48].flatMap((off) => [at(bottom - height - off), at(bottom + BELOW + off)]);
+  const box = places.find((one) => !taken.some((other) => overlap(one, other))) ?? places[0]!;
   taken.push(box);
   context.globalAlpha = opacity;
   context.fillStyle = "rgb(10 13 18 / 0.8)";

@@ -14,6 +14,7 @@ export function FaceFrames() {
       {faces.map((face) => {
         const [left, top, w, h] = face.box;
         const [across, down] = face.image!;
+        const [name, range] = personWords(face).split(", ");
         return (
           <div
             key={face.track}
@@ -27,7 +28,10 @@ export function FaceFrames() {
               height: `${(100 * h) / down}%`,
             }}
           >
-            <span>{personWords(face)}</span>
+            <span>
+              {name}
+              {range && <i>{`, ${range}`}</i>}
+            </span>
           </div>
         );
       })}
