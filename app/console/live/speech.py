@@ -18,9 +18,14 @@ from app.runtime.clock import Clock
 PAUSE_S = 0.5
 #: A frame that is older (s) when it comes is passed over, as is one that so much waits to be played before.
 LATE_S = 0.5
+#: Who has spoken for so long (s) and was not heard at all is told.
+MUTE_S = 1.0
 
 RECORDING = "This is a recording: nobody there can hear you."
 NO_LOUDSPEAKER = "{robot} has no loudspeaker: nobody there can hear you."
+TOO_LATE = (
+    "What you say arrives too late to be played: the connection is slow, or this page's clock is wrong; reload it."
+)
 NO_CHANNEL = "This program has no channel operator_voice: nobody there can hear you."
 
 Notify = Callable[[str, Literal["info", "warning", "error"], str], None]
@@ -28,10 +33,13 @@ Notify = Callable[[str, Literal["info", "warning", "error"], str], None]
 
 @dataclass(slots=True)
 class _Talk:
-    """One page's push-to-talk, held. ``refused``: it began while another spoke. ``told``: it had its notice."""
+    """One page's push-to-talk, held since ``began``. ``refused``: it began while another spoke. ``told``: it had its
+    notice. ``played``: something of it was."""
 
+    began: float
     heard: float
     seq: int
+    played: bool = False
     refused: bool = False
     told: bool = False
 
@@ -76,12 +84,12 @@ class Speech:
         """A binary frame of kind 17 came from a page."""
         if self.in_vain:
             if session not in self._talks:
-                self._talks[session] = _Talk(0.0, 0)
+                self._talks[session] = _Talk(0.0, 0.0, 0)
                 self._notify(session, "warning", self.in_vain)
             return
         now = self._clock.now()
         if not self._is_held(session, now):
-            self._talks[session] = _Talk(now, -1)
+            self._talks[session] = _Talk(now, now, -1)
         talk = self._talks[session]
         talk.heard = now
         try:
@@ -100,7 +108,9 @@ class Speech:
             return
         talk.seq = voice.seq
         self._speaker = (session, operator)
-        self._publish(voice, now)
+        talk.played |= self._publish(voice, now)
+        if not talk.played and now - talk.began > MUTE_S:
+            self._tell(session, talk, TOO_LATE)
 
     def gone(self, session: str) -> None:
         """It let go, or its connection ended."""
@@ -117,14 +127,16 @@ class Speech:
             talk.told = True
             self._notify(session, "warning", text)
 
-    def _publish(self, voice: Voice, now: float) -> None:
+    def _publish(self, voice: Voice, now: float) -> bool:
+        """Have it played; False if it comes too late."""
         begins = max(self._played_until, now)
         late = voice.stamp > 0 and now - voice.stamp > LATE_S
         if late or begins - now > LATE_S or self._channel is None:
-            return
+            return False
         self._played_until = begins + len(voice.samples) / voice.rate
         stamp = min(voice.stamp, now) if voice.stamp > 0 else now
         samples = voice.samples[:, None]
         places = read_only(np.zeros((0, 3)))
         self._channel.publish(Audio(stamp, "operator", read_only(samples), voice.rate, self._samples, places))
         self._samples += len(voice.samples)
+        return True

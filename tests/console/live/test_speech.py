@@ -116,6 +116,15 @@ def test_a_frame_that_cannot_be_is_passed_over_and_told_once(floor: Floor, frame
     assert len(floor.spoken) == 1
 
 
+def test_who_is_never_heard_is_told_why(floor: Floor) -> None:
+    for _ in range(100):
+        floor.say("ann", stamp=10.0)
+    assert not floor.spoken
+    ((session, text),) = floor.notices
+    assert session == "ann"
+    assert "arrives too late" in text
+
+
 def test_what_comes_late_is_passed_over(floor: Floor) -> None:
     floor.say("ann", stamp=1000.0 - LATE_S - 0.1)
     assert floor.spoken == []
