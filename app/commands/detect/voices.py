@@ -45,8 +45,8 @@ def add_parser(kinds: Any) -> None:
         type=Path,
         required=True,
         metavar="ARRAY",
-        help="where the microphones are: a file as config/arrays/irl1.yaml, positions in the order of the channels, and "
-        "the body between them",
+        help="where the microphones are, in the order of the channels, and the body between them: a file as "
+        "config/arrays/irl1.yaml",
     )
     parser.add_argument("--microphones", type=whole(2, 32), metavar="N", help="use only the N that tell most")
     parser.add_argument(

@@ -60,6 +60,8 @@ class _File:
             self._file = soundfile.SoundFile(str(path))
         except (soundfile.LibsndfileError, OSError) as failure:
             raise Unavailable(f"{path} cannot be read as sound: {failure}") from None
+        except TypeError:  # what soundfile raises for .raw: nothing in it says how it is to be read
+            raise Unavailable(f"{path} cannot be read as sound: samples without a header; make it a WAV") from None
         self.rate, self.channels = self._file.samplerate, self._file.channels
         if not self._file.frames:
             raise Unavailable(f"{path} holds no sound")

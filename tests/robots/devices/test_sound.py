@@ -34,7 +34,11 @@ def test_without_looping_the_last_frame_is_filled_up(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "content", "said"),
-    [("gone.wav", None, "there is no file"), ("broken.wav", b"RIFFnonsense", "cannot be read as sound")],
+    [
+        ("gone.wav", None, "there is no file"),
+        ("broken.wav", b"RIFFnonsense", "cannot be read as sound"),
+        ("bare.raw", bytes(1024), "without a header"),
+    ],
 )
 def test_what_cannot_be_opened_says_why(tmp_path: Path, name: str, content: bytes | None, said: str) -> None:
     path = tmp_path / name
