@@ -64,8 +64,15 @@ def chosen(args: argparse.Namespace) -> tuple[Configuration, Body]:
             raise ConfigError(f"{body.name} has no {option} to be replaced", f"--{option}")
         if Path(source).exists():
             source = str(Path(source).resolve())
+        elif _names_a_file(source):
+            raise ConfigError(f"there is no file or folder {source}", f"--{option}")
         body = body.model_copy(update={option: type(device).model_validate(device.model_dump() | {"source": source})})
     return configuration, body
+
+
+def _names_a_file(source: str) -> bool:
+    """Whether ``source`` can be nothing but a file: neither a device's path nor its name."""
+    return not source.startswith("/dev/") and ("/" in source or Path(source).suffix[1:].isalnum())
 
 
 def _scenario(named: str) -> Path | None:

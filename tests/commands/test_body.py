@@ -12,6 +12,7 @@ from app.commands.body import add_body_options, chosen
 from app.robots.config import RobotConfig
 
 SCENARIOS = paths.config_dir() / "scenarios"
+WEBCAM = str(paths.config_dir() / "robots" / "webcam.yaml")
 
 
 def scenario(*options: str) -> Path | None:
@@ -36,7 +37,9 @@ def test_people_live_in_the_lab_unless_told_otherwise(tmp_path: Path) -> None:
     ("options", "words"),
     [
         (["--scenario", "trail"], "there is no scenario trail; a file, none, or one of: lab, trial"),
-        (["--scenario", "none", "--robot", str(paths.config_dir() / "robots" / "webcam.yaml")], "in the real one"),
+        (["--scenario", "none", "--robot", WEBCAM], "in the real one"),
+        (["--robot", WEBCAM, "--camera", "gone.mp4"], "--camera: there is no file or folder gone.mp4"),
+        (["--robot", WEBCAM, "--microphones", "gone/talk"], "--microphones: there is no file or folder gone/talk"),
     ],
 )
 def test_a_mistake_is_one_sentence(options: list[str], words: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -12,6 +12,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PlainValidator, field_validator, model_validator
 
+from app.robots.simulated.acoustics.sounds import NAMES
 from app.robots.simulated.faces import FACES
 from app.yaml_source import load_yaml, suggestion
 
@@ -210,7 +211,7 @@ class ScenarioConfig(_Model):
 def load_scenario(path: Path | str) -> ScenarioConfig:
     """Read ``config/scenarios/<name>.yaml``, with the sound files it names as absolute paths.
 
-    Raises ConfigError (file, line, key), also for a sound file that is missing.
+    Raises ConfigError (file, line, key), also for a sound that there is not, in the library or as a file.
     """
     document = load_yaml(path)
     config = document.validate(ScenarioConfig)
@@ -218,6 +219,8 @@ def load_scenario(path: Path | str) -> ScenarioConfig:
 
     def resolved(clip: str, *at: str | int) -> str:
         if not clip.lower().endswith(SOUND_FILES):
+            if " " not in clip.strip() and clip not in NAMES:
+                raise document.error(f"there is no sound {clip!r}; {suggestion(clip, NAMES)}", at)
             return clip
         file = (here / clip).resolve()
         if not file.is_file():

@@ -46,6 +46,7 @@ def test_what_the_project_ships_is_right(name: str) -> None:
         ("sounds:\n  - {name: a, kind: door, clip: door, person: nobody}", 1, "", "'nobody'"),
         ("sounds:\n  - {name: a, kind: bang, clip: door, at: [0, 0, 1]}", 3, "sounds[0].kind", "'clap'"),
         ("sounds:\n  - {name: a, kind: door, clip: slam.wav, at: [0, 0, 1]}", 3, "sounds[0].clip", "no sound file"),
+        ("sounds:\n  - {name: a, kind: door, clip: dor, at: [0, 0, 1]}", 3, "sounds[0].clip", "no sound 'dor'"),
         (
             "sounds:\n  - {name: a, kind: door, clip: door, at: [0, 0, 1], every_s: 2, jitter_s: 3}",
             3, "sounds[0]", "longer than every_s",

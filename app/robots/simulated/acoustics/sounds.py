@@ -40,6 +40,8 @@ RECORDINGS = MappingProxyType(
 #: Sounds made by rule: dB SPL at 1 m, of the loudest sample (a blow) or of the mean (what lasts).
 PEAK_DB_SPL = MappingProxyType({"clap": 94.0, "knock": 88.0, "door": 92.0, "step": 72.0})
 MEAN_DB_SPL = MappingProxyType({"alarm": 80.0, "music": 65.0, "fan": 42.0})
+#: Every sound the library has of its own.
+NAMES = (*sorted(RECORDINGS), *sorted(MAKERS))
 VARIANTS = 8
 Key = tuple[str, int]
 
@@ -82,7 +84,7 @@ class Library:
     @property
     def names(self) -> tuple[str, ...]:
         """Every sound it has of its own."""
-        return (*sorted(RECORDINGS), *sorted(MAKERS))
+        return NAMES
 
     def key(self, clip: str, by: str = "") -> Key:
         """Which sound of all that :meth:`get` can give it gives for these."""
