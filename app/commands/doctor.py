@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import json
 import os
 import shutil
@@ -71,6 +72,7 @@ def checks(port: int) -> Iterable[Callable[[], Finding]]:
         page,
         cameras,
         audio,
+        speech,
         chromium,
     )
 
@@ -200,19 +202,30 @@ def page() -> Finding:
 
 
 def cameras() -> Finding:
-    """Cameras, for a real body."""
+    """Cameras, for a body of devices."""
     found = sorted(str(path) for path in Path("/dev").glob("video*"))
-    return Finding("cameras", bool(found), False, ", ".join(found) or "none", "only needed for a real robot")
+    remedy = "only for --robot config/robots/webcam.yaml; there, --camera FILE takes a video or pictures instead"
+    return Finding("cameras", bool(found), False, ", ".join(found) or "none", remedy)
 
 
 def audio() -> Finding:
-    """Sound cards, for a real body."""
+    """Sound cards, for a body of devices, and whether they can be reached."""
+    from app.robots.devices.pictures import Unavailable
+    from app.robots.devices.sound import sounddevice
+
+    only = "only for --robot config/robots/webcam.yaml; there, --microphones FILE takes a sound file instead"
     try:
-        text = Path("/proc/asound/cards").read_text(encoding="utf-8")
-    except OSError:
-        text = ""
-    found = [line.split(":", 1)[1].strip() for line in text.splitlines() if "]:" in line]
-    return Finding("audio", bool(found), False, ", ".join(found) or "none", "only needed for a real robot")
+        inputs = [device["name"] for device in sounddevice().query_devices() if device["max_input_channels"]]
+    except Unavailable as failure:
+        return Finding("microphones", False, False, str(failure).partition(";")[0], only)
+    return Finding("microphones", bool(inputs), False, ", ".join(inputs) or "none", only)
+
+
+def speech() -> Finding:
+    """Whether people of the simulated world can say any text."""
+    found = importlib.util.find_spec("espeakng_loader") is not None
+    remedy = "pip install 'hbba[speech]'; only for scenarios whose people say text, as none of the project's do"
+    return Finding("spoken text", found, False, "espeak-ng" if found else "no espeak-ng", remedy)
 
 
 def chromium() -> Finding:

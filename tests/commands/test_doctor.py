@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import socket
+import sys
+import types
 from pathlib import Path
 
 import pytest
@@ -17,7 +19,9 @@ def test_every_failure_of_something_required_says_what_to_do(capsys: pytest.Capt
     code = cli.main(["doctor", "--json"])
     findings = [Finding(**entry) for entry in json.loads(capsys.readouterr().out)]
     assert code == int(any(finding.required and not finding.ok for finding in findings))
-    assert {"Python", "configuration", "EGL", "port", "cores", "cameras", "audio"} <= {f.name for f in findings}
+    assert {"Python", "configuration", "EGL", "port", "cores", "cameras", "microphones", "spoken text"} <= {
+        f.name for f in findings
+    }
     assert all(finding.remedy for finding in findings if not finding.ok)
 
 
@@ -58,6 +62,16 @@ def test_no_egl_library_says_which_packages(monkeypatch: pytest.MonkeyPatch) -> 
     assert not finding.ok
     assert finding.required
     assert "libegl1" in finding.remedy
+
+
+def test_the_inputs_that_can_be_named_are_listed(monkeypatch: pytest.MonkeyPatch) -> None:
+    devices = [{"name": "HDMI", "max_input_channels": 0}, {"name": "USB array", "max_input_channels": 8}]
+    library = types.SimpleNamespace(query_devices=lambda: devices)
+    monkeypatch.setitem(sys.modules, "sounddevice", library)
+    assert doctor.audio() == Finding("microphones", True, False, "USB array", doctor.audio().remedy)
+    monkeypatch.setitem(sys.modules, "sounddevice", None)
+    assert "hbba[devices]" in doctor.audio().found
+    assert not doctor.audio().ok
 
 
 def _missing(name: str) -> None:
