@@ -6,15 +6,17 @@ computer, so on one without a graphics card this takes a few minutes.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import tempfile
 from pathlib import Path
 
 import cv2
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page, TimeoutError, sync_playwright
 
 from app.commands.doctor import find_chromium
+from app.paths import config_dir
 from tests.browser.running import CHROMIUM_ARGUMENTS, Robot, running_robot
 
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "images"
@@ -37,10 +39,14 @@ def main() -> None:
 
 
 def take() -> None:
-    """Start the robot and a browser, and walk through the tour."""
-    with tempfile.TemporaryDirectory() as folder, running_robot(Path(folder)) as robot, sync_playwright() as playwright:
+    """Start the robot and a browser, and walk through the tour; then the same among people."""
+    with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=find_chromium(), args=CHROMIUM_ARGUMENTS)
-        tour(browser, robot)
+        with tempfile.TemporaryDirectory() as folder, running_robot(Path(folder)) as robot:
+            tour(browser, robot)
+        scenario = config_dir() / "scenarios" / "lab.yaml"
+        with tempfile.TemporaryDirectory() as folder, running_robot(Path(folder), scenario) as robot:
+            people(browser, robot)
         browser.close()
 
 
@@ -105,6 +111,25 @@ def replay(browser: Browser, robot: Robot) -> None:
     shoot(page, "replay")
     page.context.close()
     robot.request("DELETE", "/recordings/corridor/replay")
+
+
+def people(browser: Browser, robot: Robot) -> None:
+    """Whoever stands near the start looks at the robot, and says something now and then. Without the 3D view, which
+    may take what the world's sound needs.
+    """
+    robot.request("PATCH", "/resources/cpu", {"capacity": 100})
+    for kind in ("LocateFaces", "LocateVoices"):
+        robot.request("POST", "/desires", {"class": kind, "intensity": 8, "utility": 4, "security": True})
+    page = opened(browser, f"{robot.url}/?scene=off", DESKTOP)
+    page.get_by_test_id("tab-found").click()
+    page.get_by_test_id("listen").click()
+    voice = page.locator("[data-testid=around-sound][data-active=true][data-kind=voice]").first
+    # On a computer too slow for the world's sound there is none to see.
+    with contextlib.suppress(TimeoutError):
+        voice.wait_for(state="attached", timeout=60_000)
+    page.get_by_test_id("around-face").first.wait_for(state="attached")
+    shoot(page, "tour-people")
+    page.context.close()
 
 
 def opened(browser: Browser, url: str, size: dict[str, int]) -> Page:

@@ -120,7 +120,7 @@ def test_a_talking_person_is_marked_and_heard_and_can_be_answered(robot: Robot, 
     }""")
 
     page.keyboard.down("KeyV")
-    page.locator("[data-testid=talk][data-state=talking]").wait_for()
+    page.locator("[data-testid=talk][data-state=talking][data-taken=true]").wait_for()
     page.wait_for_function("() => +(document.querySelector('[data-testid=talk]').dataset.levelDb || -100) > -60")
     page.keyboard.up("KeyV")
     page.locator("[data-testid=talk][data-state=idle]").wait_for()

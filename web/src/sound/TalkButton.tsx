@@ -5,7 +5,8 @@ import { MicrophoneIcon } from "../ui/icons";
 import { LevelBars } from "./LevelBars";
 
 export function TalkButton() {
-  const { talking } = useApp();
+  const { store, talking } = useApp();
+  const speaker = store.status.value?.speaker ?? null;
   const state = talking.state.value;
   const refusal = talking.refusal.value;
   const held = (event: KeyboardEvent) => event.code === "Space" || event.code === "Enter";
@@ -15,6 +16,7 @@ export function TalkButton() {
       class={`button small tool-button talk ${state}`}
       data-testid="talk"
       data-state={state}
+      data-taken={speaker?.mine ?? false}
       data-level-db={talking.level.value?.toFixed(1) ?? ""}
       aria-pressed={state === "talking"}
       aria-disabled={refusal !== null}
@@ -50,6 +52,8 @@ export function TalkButton() {
         <span class="tool-words">
           {state === "opening" ? (
             "Opening…"
+          ) : speaker && !speaker.mine ? (
+            `${speaker.operator} speaks`
           ) : (
             <>
               <span class="only-wide">Hold to speak </span>
