@@ -95,7 +95,7 @@ class Document:
         path = (*at, *location)
         message = validation_message(model, first)
         if len(details) > 1:
-            message += f" (and {len(details) - 1} more)"
+            message += f" (and {len(details) - 1} more mistake{'s' * (len(details) > 2)})"
         return self.error(f"{dotted(path)}: {message}" if path else message, path)
 
 

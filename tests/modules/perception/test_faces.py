@@ -208,3 +208,11 @@ def test_a_covariance_along_a_ray() -> None:
 def test_simulated_people_are_drawn_from_the_same_heights() -> None:
     assert (STANDING.mean_m, STANDING.sigma_m) == (stage.HEIGHT_MEAN_M, stage.HEIGHT_SIGMA_M)
     assert (SHARES["eyes"], SHARES["mouth"]) == (gait.EYES_SHARE, gait.MOUTH_SHARE)
+
+
+@pytest.mark.parametrize("size", [(1, 1), (640, 10), (20, 200), (32, 32), (640, 32)])
+def test_an_image_with_hardly_a_side_has_no_faces(size: tuple[int, int]) -> None:
+    width, height = size
+    noise = np.random.default_rng(1).integers(0, 255, (height, width, 3), np.uint8)
+    # More than once, since the memory that was looked at differs.
+    assert [FaceFinder().find(noise) for _ in range(3)] == [[], [], []]

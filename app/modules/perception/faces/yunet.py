@@ -97,9 +97,13 @@ class FaceFinder:
         size = (max(1, round(width * scale)), max(1, round(height * scale)))
         if size != (width, height):
             color = np.asarray(cv2.resize(color, size, interpolation=cv2.INTER_AREA), np.uint8)
-        if size != self._size:
-            self._detector.setInputSize(size)
-            self._size = size
+        looked_at = (max(_LEAST_SIDE, size[0]), max(_LEAST_SIDE, size[1]))
+        if looked_at != size:
+            below, beside = looked_at[1] - size[1], looked_at[0] - size[0]
+            color = np.asarray(cv2.copyMakeBorder(color, 0, below, 0, beside, cv2.BORDER_CONSTANT), np.uint8)
+        if looked_at != self._size:
+            self._detector.setInputSize(looked_at)
+            self._size = looked_at
         # OpenCV's own declaration forgets that there may be nothing.
         rows: Any = self._detector.detect(cv2.cvtColor(color, cv2.COLOR_RGB2BGR))[1]
         if rows is None:
@@ -108,6 +112,8 @@ class FaceFinder:
         return sorted((_detection(row, across, down) for row in np.asarray(rows, np.float32)), key=lambda d: -d.score)
 
 
+#: Of images of 32 px and less across or down OpenCV's YuNet makes faces out of uninitialised memory.
+_LEAST_SIDE = 33
 #: Longest sides (px) at which a photograph is looked at.
 _PHOTO_SIDES = (640, 1600)
 
