@@ -74,7 +74,7 @@ class FaceDetector(Module):
         self.on(self.odometry, self._remember)
 
     async def start(self) -> None:
-        """Load the model, and after a restart go on with higher numbers than the last faces told. Raises ModuleFailed."""
+        """Load the model; after a restart, number on from the last faces told. Raises ModuleFailed."""
         use_calling_thread()
         people = People(self.settings.height_mean_m, self.settings.height_sigma_m)
         try:
