@@ -99,6 +99,7 @@ class Reader(Generic[T]):
             _tell(loop, partial(_settle, opened, failure))
             return
         _tell(loop, partial(_settle, opened, problem))
+        rested = True
         while not self._ending:
             wanted = self._wanted
             if source is None:
@@ -106,15 +107,15 @@ class Reader(Generic[T]):
                 if self._asked:
                     source, _ = self._try_open()
             elif not wanted:
+                rested = True
                 self._wait_while(wanted, LINGER_S if source.live else None)
-                if not source.live:
-                    continue
-                if self._asked:
-                    source.skip()
-                else:
+                if source.live and not self._asked:
                     source.close()
                     source = None
             else:
+                if rested and source.live:
+                    source.skip()
+                rested = False
                 source = self._read(loop, source)
         if source is not None:
             source.close()

@@ -49,7 +49,7 @@ async def test_a_video_is_seen_from_the_camera_s_place(tmp_path: Path) -> None:
     assert not first.color.flags.writeable
     assert first.X_BC.translation[2] == pytest.approx(0.97)
     assert np.allclose(first.X_BC.rotation @ [0, 0, 1], [1, 0, 0]), "it looks forward"
-    assert second.stamp - first.stamp == pytest.approx(0.02, abs=0.015)
+    assert second.stamp - first.stamp > 0.005, "at the film's own pace, or slower where the computer is busy"
 
 
 async def test_sound_is_continuous_and_has_a_place(tmp_path: Path) -> None:
