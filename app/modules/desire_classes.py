@@ -131,7 +131,7 @@ def desire_classes() -> tuple[DesireClass, ...]:
         DesireClass(
             name="LocateFaces",
             title="Locate faces",
-            description="Find the faces in both cameras' views, follow them, and tell where they are (m, in base_link).",
+            description="Find faces in both cameras' views, follow them, and tell where they are (m, in base_link).",
             parameters=LocateFacesParameters,
         ),
         DesireClass(

@@ -23,24 +23,27 @@ def lane(page: Page, desire_class: str) -> dict[str, str]:
 
 
 def test_a_desire_over_rest_moves_lanes_and_filters(robot: Robot, page: Page) -> None:
-    """Two perceptions compete for one budget: asking for more of one takes it from the other, until it expires."""
+    """Perceptions compete for one budget: asking for one more takes from another, until the desire expires."""
     lane_at = "[data-testid=lane-{}][data-divisor='{}']"
     page.locator(lane_at.format("Telepresence", 1)).wait_for(state="attached")
+    page.locator(lane_at.format("LocateFaces", 1)).wait_for(state="attached")
     before = robot.get("/intention")["filters"]
-    assert before["QRCodeDetector.images"] == 4
-    assert lane(page, "FindQRCodes")["utility"] == "1"
+    assert before["FaceDetector.images"] == 1
+    assert before["VoiceLocalizer.audio"] is None
     status, _, desire = robot.request(
         "POST",
         "/desires",
-        {"class": "FindQRCodes", "intensity": 8, "utility": 4, "security": False, "params": {}, "ttl": 4},
+        {"class": "LocateVoices", "intensity": 8, "utility": 4, "security": False, "params": {}, "ttl": 4},
     )
     assert status == 201
     page.locator("[data-testid=desire-row]").filter(has_text="rest").first.wait_for(state="attached")
-    page.locator(lane_at.format("FindQRCodes", 2) + "[data-utility='4']").wait_for(state="attached")
-    page.locator(lane_at.format("Telepresence", 2)).wait_for(state="attached")
-    assert robot.get("/intention")["filters"]["CameraStream.images"] == 2
+    page.locator(lane_at.format("LocateVoices", 1) + "[data-utility='4']").wait_for(state="attached")
+    page.locator(lane_at.format("LocateFaces", 2)).wait_for(state="attached")
+    during = robot.get("/intention")["filters"]
+    assert (during["FaceDetector.images"], during["VoiceLocalizer.audio"]) == (2, 1)
     assert desire["expires"] is not None
-    page.locator(lane_at.format("FindQRCodes", 4) + "[data-utility='1']").wait_for(state="attached")
+    page.locator(lane_at.format("LocateFaces", 1)).wait_for(state="attached")
+    page.locator("[data-testid=lane-LocateVoices]:not([data-divisor='1'])").wait_for(state="attached")
     assert robot.get("/intention")["filters"] == before
 
 
