@@ -31,7 +31,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import butter, lfilter, lfilter_zi
 
 #: Samples that are judged together (thesis 4.2).
 FRAME = 512
@@ -71,21 +70,36 @@ def decibels(energy: float) -> float:
     return 10.0 * float(np.log10(max(energy, 1e-12)))
 
 
+def high_pass(edge_hz: float, rate_hz: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Numerator and denominator (3,) of Butterworth's second order by the bilinear transform, -3 dB at ``edge_hz``.
+
+    As ``scipy.signal.butter`` makes it, which takes half a second to import.
+    """
+    k = math.tan(math.pi * edge_hz / rate_hz)
+    norm = 1.0 / (1.0 + math.sqrt(2.0) * k + k * k)
+    denominator = [1.0, 2.0 * (k * k - 1.0) * norm, (1.0 - math.sqrt(2.0) * k + k * k) * norm]
+    return np.array([norm, -2.0 * norm, norm]), np.array(denominator)
+
+
 class BandEnergy:
     """Energies of the frames of one microphone between 300 Hz and 6 kHz; remembers its filter from call to call."""
 
     def __init__(self, rate: int) -> None:
         # A power of two, so that it divides a frame.
         self._step = 1 << max(0, round(math.log2(rate / _DECIMATED_HZ)))
-        b, a = butter(2, _HIGH_PASS_HZ, "highpass", fs=rate / self._step)
-        #: What the filter's state is where a sample of 1 has stood for ever.
-        self._rest: NDArray[np.float64] = lfilter_zi(b, a)
+        b, a = high_pass(_HIGH_PASS_HZ, rate / self._step)
+        #: What the filter's state is where a sample of 1 has stood for ever: then nothing passes.
+        self._rest: NDArray[np.float64] = np.array([-b[0], b[2]])
         # The filter over a whole frame is linear in its samples and its state: one matrix for both, since the calls
         # of a general filter cost several times what they compute.
         self._count = FRAME // self._step
-        passed, state = lfilter(b, a, np.eye(self._count), axis=0, zi=np.zeros((2, self._count)))
-        passed_0, state_0 = lfilter(b, a, np.zeros((self._count, 2)), axis=0, zi=np.eye(2))
-        self._filter = np.ascontiguousarray(np.block([[passed, passed_0], [state, state_0]]), dtype=np.float32)
+        inputs = np.eye(self._count + 2)
+        passed, state = np.empty((self._count, self._count + 2)), inputs[self._count :].copy()
+        for row in range(self._count):
+            passed[row] = b[0] * inputs[row] + state[0]
+            state[0] = b[1] * inputs[row] - a[1] * passed[row] + state[1]
+            state[1] = b[2] * inputs[row] - a[2] * passed[row]
+        self._filter = np.concatenate([passed, state]).astype(np.float32)
         self._inputs: NDArray[np.float32] = np.zeros(self._count + 2, np.float32)
         self._scale = 1.0 / (self._count * (self._step * _FULL_SCALE) ** 2)
         self._begun = False
