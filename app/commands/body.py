@@ -50,7 +50,7 @@ def chosen(args: argparse.Namespace) -> tuple[Configuration, Body]:
     if args.scenario is not None:
         if isinstance(body, DevicesConfig):
             raise ConfigError(f"is for a simulated world, and {body.name} is in the real one", "--scenario")
-        body = body.model_copy(update={"scenario": _scenario(args.scenario)})
+        body = body.model_copy(update={"scenario": scenario_file(args.scenario)})
     for option in ("camera", "microphones"):
         source = getattr(args, option)
         if source is None:
@@ -75,8 +75,11 @@ def _names_a_file(source: str) -> bool:
     return not source.startswith("/dev/") and ("/" in source or Path(source).suffix[1:].isalnum())
 
 
-def _scenario(named: str) -> Path | None:
-    """The scenario's file; "none" is nobody."""
+def scenario_file(named: str) -> Path | None:
+    """The file of a scenario named by its path or by its name in ``config/scenarios``; None for "none", nobody.
+
+    Raises ConfigError.
+    """
     from app.errors import ConfigError
 
     if named == "none":

@@ -27,7 +27,9 @@ def add_parser(subparsers: Any) -> None:
         "attention. Reports CPU, ages of messages, missed beats and what was found.",
     )
     overload.add_argument("--config", type=Path, metavar="FILE", help="the program (default: the simulated lab)")
-    overload.add_argument("--scenario", type=Path, metavar="FILE", help="the scenario (default: scenarios/trial.yaml)")
+    overload.add_argument(
+        "--scenario", metavar="FILE", help="one that drives: a file or a name of config/scenarios (default: trial)"
+    )
     overload.add_argument("--seconds", type=_seconds, default=60.0, metavar="S", help="how long each (default 60)")
     overload.add_argument(
         "--budget", type=_budget, default=100.0, metavar="PERCENT", help="how much of one core (default 100, least 10)"
@@ -41,7 +43,9 @@ def add_parser(subparsers: Any) -> None:
         "4.8), with attention, and tell what it attended to and found. Ctrl-C stops it and the robot.",
     )
     trial.add_argument("--config", type=Path, metavar="FILE", help="the program (default: the simulated lab)")
-    trial.add_argument("--scenario", type=Path, metavar="FILE", help="the scenario (default: scenarios/trial.yaml)")
+    trial.add_argument(
+        "--scenario", metavar="FILE", help="one that drives: a file or a name of config/scenarios (default: trial)"
+    )
     trial.add_argument("--record", metavar="NAME", help="record it under this name")
     trial.add_argument("--json", action="store_true", help="print JSON instead of the story")
 
@@ -69,7 +73,7 @@ def _trial(args: argparse.Namespace) -> int:
     from app.experiments.simulated import simulated_program
     from app.experiments.tour import run as run_trial
 
-    program = simulated_program(args.config, args.scenario)
+    program = simulated_program(args.config, _scenario(args.scenario))
     with shown("driving") as progress:
         outcome, events = run_trial(program, args.record, lambda leg, of, label: progress(leg, of, label))
     if args.json:
@@ -93,7 +97,7 @@ def _overload(args: argparse.Namespace) -> int:
     from app.experiments.overload.experiment import run as run_both
     from app.experiments.overload.report import document, plot, table
 
-    what = plan(args.config, args.scenario, args.seconds, args.budget)
+    what = plan(args.config, _scenario(args.scenario), args.seconds, args.budget)
     with shown("running") as progress:
         without, kept = run_both(what, lambda condition, part: progress(round(1000 * part), 1000, condition))
     if args.json:
@@ -121,3 +125,16 @@ def _budget(text: str) -> float:
     if value is None or not 10 <= value <= 100:
         raise argparse.ArgumentTypeError(f"a budget is 10 to 100 % of a core, not {text!r}")
     return value
+
+
+def _scenario(named: str | None) -> Path | None:
+    """The scenario's file, None for the experiment's own. Raises ConfigError."""
+    from app.commands.body import scenario_file
+    from app.errors import ConfigError
+
+    if named is None:
+        return None
+    file = scenario_file(named)
+    if file is None:
+        raise ConfigError("an experiment needs a scenario that drives", "--scenario")
+    return file
