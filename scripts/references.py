@@ -119,7 +119,12 @@ def make_small(config: Path) -> None:
             "name": "record-little",
             "class": "Record",
             "utility": 8,
-            "filters": {"Recorder.kinect": IMAGES_DIVISOR, "Recorder.scan": SCANS_DIVISOR},
+            "filters": {
+                "Recorder.kinect": IMAGES_DIVISOR,
+                "Recorder.scan": SCANS_DIVISOR,
+                "Recorder.imv": "off",
+                "Recorder.microphones": "off",
+            },
         }
     )
     table_file.write_text(yaml.safe_dump(table, sort_keys=False))

@@ -18,7 +18,7 @@ import yaml
 from numpy.typing import NDArray
 
 from app import paths
-from app.messages import EncodedImage, Exploitation, Landmarks, PointCloud, QRCodes
+from app.messages import EncodedImage, Exploitation, Faces, Landmarks, PointCloud, QRCodes
 from app.recording.open import open_log
 from app.replay.headless import Watch, run_headless
 from app.replay.options import ReplayOptions
@@ -157,6 +157,7 @@ class _Figures:
 
     codes: Counter[str] = field(default_factory=Counter)
     landmarks: Landmarks | None = None
+    faces: int = 0
     points: list[int] = field(default_factory=list)
     means: list[NDArray[np.float64]] = field(default_factory=list)
     spreads: list[NDArray[np.float64]] = field(default_factory=list)
@@ -171,6 +172,7 @@ class _Figures:
         known: dict[type[Any], Callable[[Any], None]] = {
             QRCodes: self._codes,
             Landmarks: self._landmarks,
+            Faces: self._faces,
             PointCloud: self._cloud,
             EncodedImage: self.pictures.append,
             Exploitation: self._exploitation,
@@ -188,6 +190,7 @@ class _Figures:
                 "sigma": {mark.text: round(mark.sigma_m, 3) for mark in landmarks},
                 "sightings": {mark.text: mark.sightings for mark in landmarks},
             },
+            "faces": self.faces,
             "clouds": {
                 "points": sum(self.points),
                 "mean": _rounded(np.mean(self.means, axis=0)) if self.means else [],
@@ -209,6 +212,9 @@ class _Figures:
 
     def _landmarks(self, message: Landmarks) -> None:
         self.landmarks = message
+
+    def _faces(self, message: Faces) -> None:
+        self.faces += len(message.faces)
 
     def _cloud(self, cloud: PointCloud) -> None:
         self.points.append(len(cloud.points))
