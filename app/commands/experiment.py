@@ -95,7 +95,7 @@ def _overload(args: argparse.Namespace) -> int:
     from app.commands.progress import shown
     from app.experiments.overload.experiment import plan
     from app.experiments.overload.experiment import run as run_both
-    from app.experiments.overload.report import document, plot, table
+    from app.experiments.overload.report import document, doubts, plot, table
 
     what = plan(args.config, _scenario(args.scenario), args.seconds, args.budget)
     with shown("running") as progress:
@@ -105,6 +105,8 @@ def _overload(args: argparse.Namespace) -> int:
         print(json.dumps(document((without, kept), settings), indent=1))
     else:
         print(table(without, kept))
+    for doubt in doubts((without, kept), args.budget):
+        print(f"hbba experiment overload: these figures say little: {doubt}", file=sys.stderr)
     if args.plot is not None:
         try:
             plot(without, kept, args.plot)

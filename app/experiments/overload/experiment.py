@@ -17,7 +17,7 @@ from app.config import Configuration
 from app.experiments.overload.confinement import confined
 from app.experiments.overload.observation import Observer, Outcome
 from app.experiments.simulated import SimulatedProgram, simulated_program
-from app.experiments.trial import Waypoint, drive_script, load_script
+from app.experiments.trial import ScriptBlocked, Waypoint, drive_script, load_script
 from app.runtime.graph import Pin
 from app.system import System
 
@@ -73,12 +73,22 @@ async def _condition(what: Plan, attention: bool, told: Callable[[float], None])
                 while (passed := clock.now() - began) < what.seconds:
                     told(passed / what.seconds)
                     await clock.sleep(PERIOD_S)
-                    if driving.done() and driving.exception() is not None:
-                        await driving
             finally:
+                how = _how(driving)
                 driving.cancel()
                 await asyncio.wait({driving})
-            return observer.outcome(attention=attention)
+            return observer.outcome(attention=attention, script=how)
+
+
+def _how(driving: asyncio.Task[None]) -> str:
+    """How far the script came: a robot that its computer starves may well not come through. Raises its mistakes."""
+    if not driving.done():
+        return "under way"
+    try:
+        driving.result()
+    except ScriptBlocked as failure:
+        return f"given up: {failure}"
+    return "driven to its end"
 
 
 def _open(configuration: Configuration) -> dict[str, Pin]:

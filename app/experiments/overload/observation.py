@@ -59,7 +59,8 @@ class Outcome:
     sound among them. ``beats`` of the base's arbiter (10 Hz), of which ``missed`` came later than 150 ms. ``stops``:
     times the guard stopped the wheels since commands were stale. ``loop_late_p99_s`` of the event loop. ``found``:
     codes, faces, noises and voices, by kind. ``series``: (s, age) by channel, for the plot. ``utilities`` served at the
-    end by class.
+    end by class. ``others_cpu``: what programs besides these two took of the computer, % of a core. ``script``: how far
+    the drive came, in words.
     """
 
     attention: bool
@@ -79,6 +80,8 @@ class Outcome:
     failures: int
     series: dict[str, list[tuple[float, float]]]
     utilities: dict[str, float]
+    others_cpu: float = 0.0
+    script: str = ""
 
 
 class Observer:
@@ -100,7 +103,7 @@ class Observer:
         self._late: list[float] = []
         self._ends: list[Callable[[], None]] = []
         self._origin = 0.0
-        self._spent = (0.0, 0.0)
+        self._spent = (0.0, 0.0, 0.0)
         self._dropped: Counter[str] = Counter()
 
     def begin(self) -> None:
@@ -115,15 +118,16 @@ class Observer:
             self._ends.append(system.link.attach("scene_truth", self._learn))
             system.link.demand("scene_truth", True)
         self._dropped = self._drops()
-        self._spent = (_cpu_s([self._process]), _cpu_s(_family(self._body)))
+        self._spent = (_cpu_s([self._process]), _cpu_s(_family(self._body)), _busy_s())
         beat = asyncio.create_task(self._feel_the_loop(), name="loop lateness")
         self._ends.append(lambda: _cancel(beat))
 
-    def outcome(self, *, attention: bool) -> Outcome:
+    def outcome(self, *, attention: bool, script: str = "") -> Outcome:
         """What was seen since :meth:`begin`; looks on no more."""
         system = self._system
         seconds = system.clock.now() - self._origin
-        ours, bodys = _cpu_s([self._process]), _cpu_s(_family(self._body))
+        ours, bodys, busy = _cpu_s([self._process]), _cpu_s(_family(self._body)), _busy_s()
+        ours, bodys, busy = (now - then for now, then in zip((ours, bodys, busy), self._spent, strict=True))
         for end in self._ends:
             end()
         gaps = np.diff(self._beats) if len(self._beats) > 1 else np.zeros(0)
@@ -132,8 +136,8 @@ class Observer:
         return Outcome(
             attention=attention,
             seconds=seconds,
-            cpu=100 * (ours - self._spent[0]) / seconds,
-            body_cpu=100 * (bodys - self._spent[1]) / seconds,
+            cpu=100 * ours / seconds,
+            body_cpu=100 * bodys / seconds,
             world_rate=float(np.mean(self._world_rates)) if self._world_rates else math.nan,
             ages={name: Ages.of(self._ages[name]) for name in RESULTS if self._ages[name]},
             rates={name: len(ages) / seconds for name, ages in self._ages.items()},
@@ -152,6 +156,8 @@ class Observer:
             failures=sum(state.restarts for state in system.supervisor.states.values()),
             series=dict(self._series),
             utilities={s.cls: s.utility for s in intention.strategies} if intention is not None else {},
+            others_cpu=max(0.0, 100 * (busy - ours - bodys) / seconds),
+            script=script,
         )
 
     def _take(self, channel: str, message: Any) -> None:
@@ -211,3 +217,9 @@ def _family(process: psutil.Process) -> list[psutil.Process]:
 
 def _cpu_s(processes: Iterable[psutil.Process]) -> float:
     return sum(p.cpu_times().user + p.cpu_times().system for p in processes)
+
+
+def _busy_s() -> float:
+    """CPU time that all programs of this computer together have taken (s)."""
+    times = psutil.cpu_times()
+    return float(sum(times) - times.idle - getattr(times, "iowait", 0.0) - getattr(times, "guest", 0.0))

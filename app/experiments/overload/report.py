@@ -37,6 +37,7 @@ def table(without: Outcome, kept: Outcome) -> str:
         ("10 Hz beats of the base missed", _missed(without), _missed(kept)),
         ("wheels stopped by the guard, command too old", str(without.stops), str(kept.stops)),
         ("messages dropped at full inboxes", str(sum(without.dropped.values())), str(sum(kept.dropped.values()))),
+        ("the drive", without.script, kept.script),
         ("modules restarted", str(without.failures), str(kept.failures)),
     ]
     for name in RESULTS:
@@ -51,6 +52,23 @@ def table(without: Outcome, kept: Outcome) -> str:
     lines = ["| | everything at φ = 1 | with attention |", "|---|---|---|"]
     lines += [f"| {what} | {one} | {other} |" for what, one, other in rows]
     return "\n".join(lines)
+
+
+#: More than this much of a core taken by other programs, and it is they who are measured.
+OTHERS = 25.0
+
+
+def doubts(outcomes: Sequence[Outcome], budget: float) -> list[str]:
+    """Why these figures do not count, in sentences; empty where they do."""
+    said = []
+    for outcome in outcomes:
+        what = "with attention" if outcome.attention else "with everything at φ = 1"
+        ours = outcome.others_cpu - (100.0 - budget)  # a smaller share is had by a busy neighbour of our own
+        if ours > OTHERS:
+            said.append(f"other programs took {ours:.0f} % of a core meanwhile ({what})")
+        if outcome.world_rate < 0.9:
+            said.append(f"the world ran at {outcome.world_rate:.2f} of real time ({what})")
+    return said
 
 
 def document(outcomes: Sequence[Outcome], settings: dict[str, Any]) -> dict[str, Any]:

@@ -2,10 +2,11 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 from app.experiments.overload.observation import Ages, Outcome
-from app.experiments.overload.report import document, plot, table
+from app.experiments.overload.report import document, doubts, plot, table
 
 
 def outcome(*, attention: bool, age: float) -> Outcome:
@@ -58,3 +59,11 @@ def test_ages_of_nothing_are_unknown() -> None:
     ages = Ages.of([])
     assert ages.count == 0
     assert math.isnan(ages.p95)
+
+
+def test_figures_of_a_busy_computer_are_doubted() -> None:
+    quiet = outcome(attention=True, age=0.1)
+    assert doubts((quiet,), 100) == []
+    assert "other programs took 60 %" in doubts((replace(quiet, others_cpu=60.0),), 100)[0]
+    assert doubts((replace(quiet, others_cpu=60.0),), 50) == [], "our own neighbour"
+    assert "0.50 of real time" in doubts((replace(quiet, world_rate=0.5),), 100)[0]

@@ -307,12 +307,23 @@ export interface Noise {
   level_db: number;
 }
 
+/** A QR code read in one image: its four corners in px. */
+export interface SeenCode {
+  text: string;
+  camera: string;
+  stamp: number;
+  corners: [number, number][];
+  image: [number, number] | null;
+}
+
 export interface Perceived {
   type: "perceived";
   stamp: number;
   faces: SeenFace[];
   sounds: HeardSound[];
   noises: Noise[];
+  /** Absent from older programs. */
+  codes?: SeenCode[];
 }
 
 export type NoticeLevel = "info" | "warning" | "error";

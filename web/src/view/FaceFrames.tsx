@@ -1,40 +1,65 @@
-/** Frames around the faces in the camera's picture, with name and distance. */
+/** Frames around the faces and QR codes in the camera's picture: who, how far, what it says. */
 
-import { useApp } from "../state/context";
 import { personWords } from "../around/marks";
-import { facesOn } from "./faces";
+import type { SeenCode, SeenFace } from "../protocol/types";
+import { useApp } from "../state/context";
+import { codesOn, facesOn } from "./faces";
 
 export function FaceFrames() {
   const { store, camera } = useApp();
   const turning = Math.abs(store.status.value?.odometry?.angular_radps ?? 0);
   const faces = facesOn(store.perceived.value, camera.stamp.value, turning);
-  const [width, height] = faces[0]?.image ?? [4, 3];
+  const codes = codesOn(store.perceived.value, camera.stamp.value, turning);
+  const [width, height] = faces[0]?.image ?? codes[0]?.image ?? [4, 3];
   return (
     <div class="face-frames" style={{ "--shape": width / height }} aria-hidden="true">
-      {faces.map((face) => {
-        const [left, top, w, h] = face.box;
-        const [across, down] = face.image!;
-        const [name, range] = personWords(face).split(", ");
-        return (
-          <div
-            key={face.track}
-            class={`face-frame ${top < 0.12 * down ? "low" : ""}`}
-            data-testid="face-frame"
-            data-track={face.track}
-            style={{
-              left: `${(100 * left) / across}%`,
-              top: `${(100 * top) / down}%`,
-              width: `${(100 * w) / across}%`,
-              height: `${(100 * h) / down}%`,
-            }}
-          >
-            <span>
-              {name}
-              {range && <i>{`, ${range}`}</i>}
-            </span>
-          </div>
-        );
-      })}
+      {codes.map((code) => (
+        <CodeFrame key={code.text} code={code} />
+      ))}
+      {faces.map((face) => (
+        <FaceFrame key={face.track} face={face} />
+      ))}
     </div>
   );
+}
+
+function FaceFrame({ face }: { face: SeenFace }) {
+  const [name, range] = personWords(face).split(", ");
+  return (
+    <div class={`face-frame ${nearTop(face.box[1], face)}`} data-testid="face-frame" data-track={face.track} style={placed(face.box, face)}>
+      <span>
+        {name}
+        {range && <i>{`, ${range}`}</i>}
+      </span>
+    </div>
+  );
+}
+
+function CodeFrame({ code }: { code: SeenCode }) {
+  const us = code.corners.map(([u]) => u);
+  const vs = code.corners.map(([, v]) => v);
+  const [left, top] = [Math.min(...us), Math.min(...vs)];
+  const box: Box = [left, top, Math.max(...us) - left, Math.max(...vs) - top];
+  return (
+    <div class={`face-frame code ${nearTop(top, code)}`} data-testid="code-frame" data-text={code.text} style={placed(box, code)}>
+      <span>{code.text.length > 24 ? `${code.text.slice(0, 23)}…` : code.text}</span>
+    </div>
+  );
+}
+
+type Box = [number, number, number, number];
+
+/** Its words go below it where there is no room above. */
+function nearTop(top: number, seen: SeenFace | SeenCode): string {
+  return top < 0.12 * seen.image![1] ? "low" : "";
+}
+
+function placed([left, top, width, height]: Box, seen: SeenFace | SeenCode): Record<string, string> {
+  const [across, down] = seen.image!;
+  return {
+    left: `${(100 * left) / across}%`,
+    top: `${(100 * top) / down}%`,
+    width: `${(100 * width) / across}%`,
+    height: `${(100 * height) / down}%`,
+  };
 }

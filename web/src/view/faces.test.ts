@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Perceived, SeenFace } from "../protocol/types";
-import { facesOn } from "./faces";
+import { codesOn, facesOn } from "./faces";
 
 const face = (camera: string, stamp: number) => ({ track: 1, camera, stamp, image: [640, 480] }) as SeenFace;
 const told = (...faces: SeenFace[]) => ({ faces }) as Perceived;
@@ -17,4 +17,10 @@ test("only with a picture of about the same time, the nearer the faster the robo
   expect(facesOn(all, 10.4, 0.5)).toEqual([]);
   expect(facesOn(all, 10.05, 0.5)).toHaveLength(1);
   expect(facesOn(all, null, 0)).toEqual([]);
+});
+
+test("codes of the camera that is shown, and none from programs that tell none", () => {
+  const code = { text: "stop", camera: "camera_optical_frame", stamp: 10, corners: [], image: [640, 480] };
+  expect(codesOn({ ...told(), codes: [code] } as unknown as Perceived, 10.1, 0)).toEqual([code]);
+  expect(codesOn(told(), 10, 0)).toEqual([]);
 });
