@@ -8,7 +8,8 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.commands.detect.images import each_image, find_images
+from app.commands.detect.images import FACES_DRAWN, each_image, find_images
+from app.commands.detect.outputs import make_folder, unused
 from app.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -31,7 +32,13 @@ def add_parser(kinds: Any) -> None:
         "held upright: left, top, width, height. Exit code 0 if a face was found, 1 if none was, 2 if a file cannot be "
         "read or does not exist.",
     )
-    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="an image, or a folder of images")
+    parser.add_argument(
+        "files",
+        nargs="+",
+        type=Path,
+        metavar="FILE",
+        help="an image, or a folder of images (copies made by --draw are left out)",
+    )
     parser.add_argument("--json", action="store_true", help="print JSON: also landmarks, and files without faces")
     parser.add_argument(
         "--threshold", type=_share, default=None, metavar="S", help="least score of a face, 0 to 1 (default 0.8)"
@@ -111,10 +118,7 @@ class _Drawing:
     """Copies of the photographs with the faces framed."""
 
     def __init__(self, folder: Path) -> None:
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as failure:
-            raise ConfigError(f"--draw: the folder {folder} cannot be made: {failure.strerror or failure}") from None
+        make_folder(folder, "--draw")
         self._folder = folder
         self._names: set[str] = set()
 
@@ -134,12 +138,7 @@ class _Drawing:
             cv2.putText(
                 picture, f"{face.score:.2f}", at, cv2.FONT_HERSHEY_SIMPLEX, size, (80, 220, 80), thick // 2 or 1
             )
-        name, number = path.stem, 1
-        while name in self._names:
-            number += 1
-            name = f"{path.stem}-{number}"
-        self._names.add(name)
-        file = self._folder / f"{name}.faces.jpg"
+        file = self._folder / f"{unused(path.stem, self._names)}{FACES_DRAWN}"
         _, jpeg = cv2.imencode(".jpg", picture, (cv2.IMWRITE_JPEG_QUALITY, 92))
         try:
             file.write_bytes(jpeg.tobytes())

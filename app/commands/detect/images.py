@@ -16,6 +16,20 @@ if TYPE_CHECKING:
 #: Endings under which photographs are looked for in folders; a file that is named is read whatever its ending.
 SUFFIXES = frozenset({".jpg", ".jpeg", ".png", ".webp", ".bmp", ".tif", ".tiff", ".ppm", ".pgm"})
 
+#: How copies end on which what was found is drawn: folders are searched without them.
+FACES_DRAWN = ".faces.jpg"
+CODES_DRAWN = ".codes.jpg"
+
+#: How files of each kind begin: one that begins so and cannot be read is damaged.
+_BEGINNINGS = {
+    "JPEG": b"\xff\xd8\xff",
+    "PNG": b"\x89PNG\r\n\x1a\n",
+    "WebP": b"RIFF",
+    "BMP": b"BM",
+    "TIFF": (b"II*\0", b"MM\0*"),
+    "PNM": (b"P5", b"P6"),
+}
+
 
 class NoImage(Exception):
     """A file that cannot be read as an image; the message names it and says why."""
@@ -24,12 +38,13 @@ class NoImage(Exception):
 def find_images(paths: Iterable[Path]) -> list[Path]:
     """The files among ``paths``, and all photographs in the folders and below, in the order of their names.
 
+    Copies that were drawn on (:data:`FACES_DRAWN`, :data:`CODES_DRAWN`) are read only where they are named themselves.
     Raises ConfigError where there is no such file or folder, or no photograph in a folder.
     """
     found: list[Path] = []
     for path in paths:
         if path.is_dir():
-            inside = sorted(p for p in path.rglob("*") if p.suffix.lower() in SUFFIXES and p.is_file())
+            inside = sorted(p for p in path.rglob("*") if _is_photograph(p) and p.is_file())
             if not inside:
                 endings = ", ".join(sorted(SUFFIXES))
                 raise ConfigError(f"{path}: there is no image in this folder or below (looked for {endings})")
@@ -39,6 +54,10 @@ def find_images(paths: Iterable[Path]) -> list[Path]:
         else:
             raise ConfigError(f"there is no file or folder {path}")
     return list(dict.fromkeys(found))
+
+
+def _is_photograph(path: Path) -> bool:
+    return path.suffix.lower() in SUFFIXES and not path.name.endswith((FACES_DRAWN, CODES_DRAWN))
 
 
 def read_image(path: Path) -> NDArray[np.uint8]:
@@ -55,7 +74,10 @@ def read_image(path: Path) -> NDArray[np.uint8]:
     except cv2.error as failure:
         raise NoImage(f"{path}: cannot be read as an image: {failure.err}") from None
     if image is None:
-        raise NoImage(f"{path}: is no image that can be read here (JPEG, PNG, WebP, BMP, TIFF, PNM)")
+        begun = next((kind for kind, first in _BEGINNINGS.items() if raw[:8].tobytes().startswith(first)), None)
+        if begun is not None:
+            raise NoImage(f"{path}: is damaged: it begins as a {begun} file and cannot be read to its end")
+        raise NoImage(f"{path}: is no image that can be read here ({', '.join(_BEGINNINGS)})")
     return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), np.uint8)
 
 

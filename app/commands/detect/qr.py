@@ -7,7 +7,8 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.commands.detect.images import each_image, find_images
+from app.commands.detect.images import CODES_DRAWN, each_image, find_images
+from app.commands.detect.outputs import make_folder, unused
 from app.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -30,7 +31,13 @@ def add_parser(kinds: Any) -> None:
         "clockwise as printed. Exit code 0 if a code was read, 1 if none was, 2 if a file cannot be read or does not "
         "exist.",
     )
-    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="an image, or a folder of images")
+    parser.add_argument(
+        "files",
+        nargs="+",
+        type=Path,
+        metavar="FILE",
+        help="an image, or a folder of images (copies made by --draw are left out)",
+    )
     parser.add_argument("--json", action="store_true", help="print JSON: also corners, and files without codes")
     parser.add_argument("--fisheye", action="store_true", help="images of a lens that fills them with a hemisphere")
     parser.add_argument("--draw", type=Path, metavar="FOLDER", help="write copies with the codes framed into FOLDER")
@@ -40,17 +47,14 @@ def run(args: argparse.Namespace) -> int:
     """Look through the files. Raises ConfigError."""
     paths = find_images(args.files)
     if args.draw is not None:
-        try:
-            args.draw.mkdir(parents=True, exist_ok=True)
-        except OSError as failure:
-            raise ConfigError(f"--draw: the folder {args.draw} cannot be made: {failure.strerror}") from None
+        make_folder(args.draw, "--draw")
     documents = []
     names: set[str] = set()
     for path, color, trouble in each_image(paths, "look for QR codes", COMMAND):
         codes = [] if color is None else _read(color, args.fisheye)
         documents.append(_document(path, color, codes, trouble))
         if args.draw is not None and color is not None:
-            _draw(args.draw / f"{_unused(path.stem, names)}.codes.jpg", color, codes)
+            _draw(args.draw / f"{unused(path.stem, names)}{CODES_DRAWN}", color, codes)
     if args.json:
         print(json.dumps({"files": documents}, indent=2, ensure_ascii=False))
     else:
@@ -98,16 +102,6 @@ def _print_table(documents: list[dict[str, Any]]) -> None:
     read = [document for document in documents if "error" not in document]
     codes = sum(len(document["codes"]) for document in read)
     print(f"{codes} code{'s' * (codes != 1)} in {len(read)} image{'s' * (len(read) != 1)}")
-
-
-def _unused(stem: str, names: set[str]) -> str:
-    """``stem``, with a number where two photographs have one name."""
-    name, number = stem, 1
-    while name in names:
-        number += 1
-        name = f"{stem}-{number}"
-    names.add(name)
-    return name
 
 
 def _draw(file: Path, color: NDArray[np.uint8], codes: list[Code]) -> None:

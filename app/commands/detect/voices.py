@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.commands.arguments import number, whole
+from app.commands.detect.outputs import make_folder, unused
 from app.commands.detect.voices_report import Heard, Writer, percept, print_tables, summary
 from app.commands.progress import Progress, shown
 from app.errors import ConfigError
@@ -69,12 +70,7 @@ def run(args: argparse.Namespace) -> int:
         if path.is_dir():
             raise ConfigError(f"{path} is a folder; name the recordings in it: {path}/*.wav")
     if args.separate is not None:
-        try:
-            args.separate.mkdir(parents=True, exist_ok=True)
-        except OSError as failure:
-            raise ConfigError(
-                f"--separate: the folder {args.separate} cannot be made: {failure.strerror or failure}"
-            ) from None
+        make_folder(args.separate, "--separate")
     documents = []
     names: set[str] = set()
     with shown("listen for voices") as progress:
@@ -145,7 +141,7 @@ def _listen(
         pipeline = VoicePipeline(used, rate, PipelineSettings(separation=args.separate is not None))
         tracks: dict[int, Heard] = {}
         timeline: list[dict[str, Any]] = []
-        writer = None if args.separate is None else Writer(args.separate, _unique(path.stem, names))
+        writer = None if args.separate is None else Writer(args.separate, unused(path.stem, names))
         try:
             for sources, separated in _blocks(recording, pipeline, progress, path):
                 for source in sources.sources:
@@ -195,12 +191,3 @@ def _filled(block: NDArray[np.int16], length: int) -> NDArray[np.int16]:
     import numpy as np
 
     return np.pad(block, ((0, length - len(block)), (0, 0)))
-
-
-def _unique(stem: str, names: set[str]) -> str:
-    name, count = stem, 1
-    while name in names:
-        count += 1
-        name = f"{stem}-{count}"
-    names.add(name)
-    return name
