@@ -37,7 +37,7 @@ def add_parser(kinds: Any) -> None:
         nargs="+",
         type=Path,
         metavar="FILE",
-        help="an image, or a folder of images (copies made by --draw are left out)",
+        help="an image, or a folder of images (no copies of --draw)",
     )
     parser.add_argument("--json", action="store_true", help="print JSON: also landmarks, and files without faces")
     parser.add_argument(

@@ -21,11 +21,11 @@ FACES_DRAWN = ".faces.jpg"
 CODES_DRAWN = ".codes.jpg"
 
 #: How files of each kind begin: one that begins so and cannot be read is damaged.
-_BEGINNINGS = {
-    "JPEG": b"\xff\xd8\xff",
-    "PNG": b"\x89PNG\r\n\x1a\n",
-    "WebP": b"RIFF",
-    "BMP": b"BM",
+_BEGINNINGS: dict[str, tuple[bytes, ...]] = {
+    "JPEG": (b"\xff\xd8\xff",),
+    "PNG": (b"\x89PNG\r\n\x1a\n",),
+    "WebP": (b"RIFF",),
+    "BMP": (b"BM",),
     "TIFF": (b"II*\0", b"MM\0*"),
     "PNM": (b"P5", b"P6"),
 }

@@ -36,7 +36,7 @@ def add_parser(kinds: Any) -> None:
         nargs="+",
         type=Path,
         metavar="FILE",
-        help="an image, or a folder of images (copies made by --draw are left out)",
+        help="an image, or a folder of images (no copies of --draw)",
     )
     parser.add_argument("--json", action="store_true", help="print JSON: also corners, and files without codes")
     parser.add_argument("--fisheye", action="store_true", help="images of a lens that fills them with a hemisphere")
