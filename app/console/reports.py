@@ -10,7 +10,7 @@ from app.attention.desires import SCALE
 from app.link import RobotLink
 from app.messages import Exploitation, Landmarks, LinkStatus, Odometry
 from app.runtime.channel import SubscriptionStatistics
-from app.runtime.freshness import Freshness
+from app.runtime.freshness import Freshness, sources
 from app.runtime.graph import Graph, ModuleSlot
 
 if TYPE_CHECKING:
@@ -122,11 +122,12 @@ def latest(graph: Graph, channel: str) -> Any:
 
 
 def sources_json(graph: Graph, channels: Mapping[str, Freshness]) -> list[dict[str, Any]]:
-    """How fresh each channel with a nominal rate is; ``channels`` as sampled now."""
+    """How fresh each channel with a nominal rate is, of those that something can come on; ``channels`` as sampled."""
+    there = sources(graph)
     return [
         {"channel": name, **freshness_json(channels[name])}
         for name, spec in graph.specs.items()
-        if spec.rate_hz is not None
+        if spec.rate_hz is not None and name in there
     ]
 
 

@@ -24,6 +24,9 @@ log = logging.getLogger("hbba.freshness")
 #: old, or its module is not running; ``closed``: nobody wants it.
 FreshnessState = Literal["live", "waiting", "stale", "closed"]
 
+#: How long (s) the first message may take once a channel is opened or its module has first started: a camera's driver,
+#: or a process of its own behind the body, starts no sooner.
+GRACE_S = 3.0
 RATE_WINDOW_S = 2.0
 RATE_SAMPLES = 20
 
@@ -50,12 +53,14 @@ def judge(
     producer: ModuleState | None,
     now: float,
     since: float = -math.inf,
+    opened: float = -math.inf,
 ) -> Freshness:
     """The state of a channel: a pure function.
 
     ``divisor`` is φ between the source's nominal rate and the channel, ``CLOSED`` when nobody wants it; ``producer``
     is the state of the module that publishes it, None for a channel fed from outside; ``since`` is when this divisor
-    began to hold: the next message is due one allowed age later, however old the last one is.
+    began to hold: the next message is due one allowed age later, however old the last one is. ``opened`` is when the
+    channel was last opened, or its module first ran: the first message after that has :data:`GRACE_S` at least.
     """
     age_s = None if last_stamp is None else now - last_stamp
     if divisor == CLOSED:
@@ -70,8 +75,18 @@ def judge(
     elif age_s is not None and age_s <= limit_s:
         state = "live"
     else:
-        state = "waiting" if now - since <= limit_s else "stale"
+        nothing_since = last_stamp is None or last_stamp < opened
+        waiting = now - since <= limit_s or (nothing_since and now - opened <= GRACE_S)
+        state = "waiting" if waiting else "stale"
     return Freshness(state, age_s, limit_s, commanded_hz)
+
+
+def sources(graph: Graph) -> frozenset[str]:
+    """The channels that something can come on: a module here produces them, or they are fed from outside.
+
+    On the others the program listens in vain, for its modules do not make use of them: nobody is to blame.
+    """
+    return frozenset(name for name, spec in graph.specs.items() if name in graph.producers or spec.external)
 
 
 class RateMeter:
@@ -131,7 +146,9 @@ class FreshnessWatch:
         self._graph = graph
         self._states = states
         self._rates = {name: RateMeter() for name in graph.channels}
-        self._since: dict[str, tuple[float, float]] = {}
+        #: By channel its divisor, since when, and when the channel was opened.
+        self._since: dict[str, tuple[float, float, float]] = {}
+        self._sources = sources(graph)
         self._observers: list[Callable[[str, Freshness], None]] = []
         self.latest: dict[str, Freshness] = {}
 
@@ -160,16 +177,22 @@ class FreshnessWatch:
 
     def _judge(self, name: str, divisor: float, now: float) -> Freshness:
         channel = self._graph.channels[name]
-        held, _ = self._since.get(name, (None, now))
-        if held != divisor:
-            self._since[name] = (divisor, now)
+        held, _, opened = self._since.get(name, (CLOSED, now, now))
+        if held != divisor or name not in self._since:
+            self._since[name] = (divisor, now, now if held == CLOSED else opened)
         producer = self._graph.producers.get(name)
         state = None if producer is None else self._states.get(producer.partition(".")[0])
-        since = self._since[name][1]
+        _, since, opened = self._since[name]
         if state is not None and state.status == "running":
             since = max(since, state.since)
+            if not state.restarts:
+                opened = max(opened, state.since)
         last_stamp = None if channel.latest is None else channel.latest.stamp
-        freshness = judge(self._graph.specs[name], divisor, last_stamp, state, now, since)
+        spec = self._graph.specs[name]
+        if name not in self._sources:
+            age_s = None if last_stamp is None else now - last_stamp
+            return Freshness("closed" if divisor == CLOSED else "waiting", age_s, None, None)
+        freshness = judge(spec, divisor, last_stamp, state, now, since, opened)
         rate_hz = self._rates[name].sample(now, channel.published)
         return Freshness(freshness.state, freshness.age_s, freshness.limit_s, freshness.commanded_hz, rate_hz)
 

@@ -13,7 +13,7 @@ from app.messages import Twist
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import VirtualClock, in_virtual_time
 from app.runtime.filter import CLOSED
-from app.runtime.freshness import Freshness, FreshnessWatch, RateMeter, commanded_divisors, judge
+from app.runtime.freshness import GRACE_S, Freshness, FreshnessWatch, RateMeter, commanded_divisors, judge, sources
 from app.runtime.graph import Graph
 from app.runtime.module import Module, ModuleContext
 from app.runtime.supervisor import ModuleState, Status, Supervisor
@@ -73,6 +73,27 @@ def test_what_a_module_that_is_down_published_last_is_stale_at_once(
 ) -> None:
     assert judge(spec(), 1, 1000.0, producer, 1000.1).state == expected
     assert judge(spec(), CLOSED, 1000.0, producer, 1000.1).state == "closed"
+
+
+@pytest.mark.parametrize(
+    ("age", "opened_ago", "expected"),
+    [
+        (None, GRACE_S - 0.1, "waiting"),
+        (None, GRACE_S + 0.1, "stale"),
+        (50.0, GRACE_S - 0.1, "waiting"),  # of an earlier opening
+        (50.0, GRACE_S + 0.1, "stale"),
+        (0.29, 1.0, "live"),
+        (0.31, 1.0, "stale"),  # the first has come: from then on all are due
+    ],
+)
+def test_only_the_first_message_after_opening_has_time_to_come(
+    age: float | None, opened_ago: float, expected: str
+) -> None:
+    now = 1000.0
+    opened = now - opened_ago
+    last = None if age is None else now - age
+    assert judge(spec(), 1, last, state("running"), now, opened, opened).state == expected
+    assert judge(spec(), 1, last, state("failed"), now, opened, opened).state == "stale"
 
 
 def test_a_channel_of_events_is_never_too_old() -> None:
@@ -248,7 +269,9 @@ async def test_a_channel_that_should_come_from_outside_and_does_not_is_stale(gra
     clock = VirtualClock()
     watch = FreshnessWatch(graph, {})
     assert watch.sample(clock.now())["odometry"].state == "waiting"
-    await asyncio.sleep(1)
+    await asyncio.sleep(GRACE_S - 0.1)
+    assert watch.sample(clock.now())["odometry"].state == "waiting", "what brings it may be just starting"
+    await asyncio.sleep(0.2)
     assert watch.sample(clock.now())["odometry"].state == "stale"
     graph.channels["odometry"].publish(Twist(clock.now(), 0.0, 0.0))
     assert watch.sample(clock.now())["odometry"].state == "live"
@@ -260,7 +283,7 @@ async def test_a_watch_that_forgets_waits_for_first_messages_anew(graph: Graph) 
     supervisor = Supervisor(graph.modules, clock)
     watch = FreshnessWatch(graph, supervisor.states)
     async with supervisor:
-        for _ in range(10):
+        for _ in range(20):
             await asyncio.sleep(0.2)
             watch.sample(clock.now())
         now = clock.now()
@@ -273,3 +296,59 @@ async def test_a_watch_that_forgets_waits_for_first_messages_anew(graph: Graph) 
         there = watch.sample(now - 100)["images"]
         assert (there.age_s, there.rate_hz) == (None, None)
         assert watch.read(now - 99.5)["images"].rate_hz == 0.0
+
+
+@in_virtual_time
+async def test_a_start_and_an_opening_are_quiet_and_a_source_that_never_comes_is_said_once(
+    graph: Graph, caplog: pytest.LogCaptureFixture
+) -> None:
+    clock = VirtualClock()
+    states = {name: ModuleState(name, "running", clock.now()) for name in graph.modules}
+    watch = FreshnessWatch(graph, states)
+    images = graph.channels["images"]
+
+    async def look_for(seconds: float, *, feed: bool) -> None:
+        for _ in range(round(seconds / 0.1)):
+            await clock.sleep(0.1)
+            graph.channels["odometry"].publish(Twist(clock.now(), 0.0, 0.0))
+            if feed:
+                images.publish(Twist(clock.now(), 0.0, 0.0))
+                graph.channels["found"].publish(Twist(clock.now(), 0.0, 0.0))
+            watch.sample(clock.now())
+
+    await look_for(GRACE_S - 0.2, feed=False)
+    await look_for(5, feed=True)
+    graph.filters.apply({"Detector.images": CLOSED})
+    await look_for(20, feed=False)
+    graph.filters.apply({"Detector.images": 1})
+    await look_for(GRACE_S - 0.2, feed=False)
+    assert caplog.messages == []
+    await look_for(10, feed=False)
+    (said,) = [message for message in caplog.messages if "channel images" in message]
+    assert said.endswith("look at Sensor.images")
+
+
+@in_virtual_time
+async def test_another_divisor_gives_a_lost_source_no_second_grace(graph: Graph) -> None:
+    clock = VirtualClock()
+    watch = FreshnessWatch(graph, {"Sensor": ModuleState("Sensor", "running", clock.now())})
+    graph.channels["images"].publish(Twist(clock.now(), 0.0, 0.0))
+    await clock.sleep(10)
+    watch.sample(clock.now())
+    await clock.sleep(GRACE_S + 0.1)
+    assert watch.sample(clock.now())["images"].state == "stale"
+    graph.filters.apply({"Sensor.images": 2})
+    assert watch.sample(clock.now())["images"].state == "waiting"
+    await clock.sleep(0.7)
+    assert watch.sample(clock.now())["images"].state == "stale"
+
+
+@in_virtual_time
+async def test_what_nothing_here_can_come_on_is_nobodys_fault(build: Build, caplog: pytest.LogCaptureFixture) -> None:
+    graph = build({"Sensor": (Sensor, {}, {"images": "images"})}, {"images": {"rate_hz": 10}, "drive": {"rate_hz": 20}})
+    graph.channels["drive"].observe(lambda _: None)
+    assert sources(graph) == {"images"}
+    watch = FreshnessWatch(graph, {})
+    for now in (0.0, 10.0, 100.0):
+        assert watch.sample(now)["drive"].state != "stale"
+    assert caplog.messages == []
