@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 #: A background's lowest smoothed power lies that much below its mean.
 _BIAS = 1.6
+#: Power of a frame so many times the background's lowest is the background's alone; smoothed, so many times.
+_ALONE, _ALONE_SMOOTH = 8.0, 3.2
 _SMOOTHING_S = 0.05
 _WINDOW_S = 1.0
 _TINY = 1e-14
@@ -18,7 +20,10 @@ class Clarity:
     The background is the lowest smoothed power of the last one to two seconds (minimum statistics, Martin 2001). The
     room's answer is taken as ``tail`` times the mean power of the last ``tail_s``: reverberation follows what was
     loud, and direct sound, which alone comes from where its source is, stands out of it at onsets. A weight is never
-    below ``floor``, so that a source that never changes is not lost.
+    below ``floor``.
+
+    Of the last frame: ``background`` (B,) float32 is how much of the power may be the background's, ``quiet`` (B,) bool
+    whether nothing else sounded; ``settled``: the background is known, for the first second is over.
     """
 
     def __init__(self, bins: int, hop_s: float, tail: float, tail_s: float, floor: float) -> None:
@@ -35,6 +40,13 @@ class Clarity:
         self._count = 0
         zeros = np.zeros(self._bins, np.float32)
         self._smooth, self._room, self._lowest, self._lowest_now = zeros, zeros, zeros, zeros
+        self.background = zeros
+        self.quiet = np.zeros(self._bins, np.bool_)
+
+    @property
+    def settled(self) -> bool:
+        """Whether the lowest power is of a second and more."""
+        return self._count > self._window
 
     def weigh(self, power: NDArray[np.float32]) -> NDArray[np.float32]:
         """Weights (B,) in [0, 1] of the next frame's ``power`` (B,)."""
@@ -47,5 +59,7 @@ class Clarity:
         self._lowest_now = np.minimum(self._lowest_now, self._smooth)
         self._lowest = np.minimum(self._lowest, self._smooth)
         unwanted = np.float32(_BIAS) * self._lowest + np.float32(self._tail) * self._room
+        self.background = np.minimum(np.float32(1), np.float32(_ALONE) * self._lowest / (power + np.float32(_TINY)))
+        self.quiet = self._smooth < np.float32(_ALONE_SMOOTH) * self._lowest
         self._room = power + self._keep_tail * (self._room - power)
         return np.asarray(np.maximum(np.float32(self._floor), 1 - unwanted / (power + np.float32(_TINY))), np.float32)

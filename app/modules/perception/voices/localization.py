@@ -1,12 +1,13 @@
 """Where sounds come from, by what the microphones' signals have in common.
 
-Steered response power with phase transform (DiBiase 2000; Valin et al. 2004), with four changes that make several
+Steered response power with phase transform (DiBiase 2000; Valin et al. 2004), with five changes that make several
 talkers at once and weak ones among them visible:
 
 * frequencies are weighted at each instant by how clearly they stand above background and reverberation
   (:mod:`clarity`), and then, over the time of the mean, each counts alike: a frequency that one weak talker had for
   himself for a moment says as much as one that a strong one always fills;
 * sources are looked for in a mean over half a second, and followed in one over a tenth of that;
+* what the microphones agree on in the background, as on the robot's own fans, is learnt and subtracted;
 * a source found is taken away frequency by frequency, by what the microphones agree on in its direction, before the
   next is looked for; erasing the lags around it would take others with it;
 * waves are taken as spheres of a talker's usual distance, not as planes: within arm's reach of a 0.5 m array the
@@ -39,6 +40,10 @@ _LOBE, _LOBE_SHARE = float(np.cos(np.radians(20.0))), 0.6
 _REFLECTION_S = (0.0008, 0.012)
 #: A mean over sound from an array that turned by this (rad, time constant) is too smeared to search.
 _SMEARED = float(np.radians(6.0))
+#: The background is alone if nothing else sounds at this share of frequencies.
+_ALONE = 0.9
+#: Of a background heard that long, half is believed.
+_UNSURE_S = 0.2
 _AROUND = np.array([-1, 0, 1])[:, None, None]
 
 
@@ -51,8 +56,9 @@ class LocalizerSettings:
     most ``sources``; at all other steps what was found, and what the caller expects, is followed in the mean over
     ``follow_memory_s``. Frequencies in Hz. ``points``: directions on the whole sphere, of which those above
     ``lowest_deg`` are looked at. ``range_m``: how far sounds are supposed to be. ``doubt``: how much weight a frequency
-    needs before it counts. ``tail``, ``tail_s`` and ``floor``: see :class:`Clarity`. ``least_power``: what is weaker
-    is no peak, nor what is below ``least_share`` of the strongest.
+    needs before it counts. ``tail``, ``tail_s`` and ``floor``: see :class:`Clarity`. ``still_s``: how long what the
+    background is like is remembered. ``least_power``: what is weaker is no peak, nor what is below ``least_share`` of
+    the strongest.
     """
 
     frame: int = 1024
@@ -70,6 +76,7 @@ class LocalizerSettings:
     tail: float = 0.45
     tail_s: float = 0.085
     floor: float = 0.01
+    still_s: float = 4.0
     least_power: float = 0.02
     least_share: float = 0.1
 
@@ -116,7 +123,12 @@ class Localizer:
         self._band = slice(int(chosen[0]), int(chosen[-1]) + 1)
         self._prepare(np.asarray(self.frequencies[self._band], np.float64))
         self._clarity = Clarity(len(chosen), self.hop / rate, settings.tail, settings.tail_s, settings.floor)
-        self._turning = 0.0
+        pairs, bins = len(array.first), len(chosen)
+        # What the robot's own noise is like does not change when sound is lost: never forgotten.
+        self._still = np.zeros((pairs, bins), np.complex64)
+        self._still_weight = np.zeros(bins, np.float32)
+        self._still_steps = 0
+        self._unsure_steps = _UNSURE_S * rate / self.step
         self.reset()
 
     def _prepare(self, frequencies: NDArray[np.float64]) -> None:
@@ -148,8 +160,9 @@ class Localizer:
         self.spectra = np.zeros((self.settings.frames, len(self.array), self.hop + 1), np.complex64)
         self._long = np.zeros((pairs, bins), np.complex64)
         self._short = np.zeros((pairs, bins), np.complex64)
-        self._long_weight = np.zeros(bins, np.float32)
-        self._short_weight = np.zeros(bins, np.float32)
+        #: Of the means: the weights of all, and the background's share of them.
+        self._long_weight = np.zeros((2, bins), np.float32)
+        self._short_weight = np.zeros((2, bins), np.float32)
         self._steps = 0
         self._found = NO_PEAKS
         self._clarity.reset()
@@ -183,7 +196,10 @@ class Localizer:
         sizes = np.abs(spectra)
         phases = spectra / (sizes + np.float32(_SMALL))
         powers = (sizes * sizes).mean(axis=1)
-        weights = np.stack([self._clarity.weigh(power) for power in powers])
+        heard = [(self._clarity.weigh(power), self._clarity.background, self._clarity.quiet) for power in powers]
+        weights = np.stack([weight for weight, _, _ in heard])
+        still = np.stack([weight * background for weight, background, _ in heard])
+        quiet = float(np.min([alone.mean() for _, _, alone in heard]))
         weighted = phases * weights[:, None, :]
         conjugate = phases.conj()
         cross = np.empty_like(self._long)
@@ -192,7 +208,7 @@ class Localizer:
             end = begin + len(self.array) - 1 - microphone
             np.sum(weighted[:, microphone, None] * conjugate[:, microphone + 1 :], axis=0, out=cross[begin:end])
             begin = end
-        weight = weights.sum(axis=0)
+        sums = np.stack([weights.sum(axis=0), still.sum(axis=0)])
         step_s = self.step / self.rate
         for mean, total, age in (
             (self._long, self._long_weight, step_s / settings.search_memory_s + smeared),
@@ -202,14 +218,29 @@ class Localizer:
             mean *= np.float32(keep)
             mean += cross * np.float32((1 - keep) / settings.frames)
             total *= np.float32(keep)
-            total += weight * np.float32((1 - keep) / settings.frames)
+            total += sums * np.float32((1 - keep) / settings.frames)
+        if self._clarity.settled and quiet > _ALONE:
+            self._learn_still(cross, sums[0])
+
+    def _learn_still(self, cross: NDArray[np.complex64], weight: NDArray[np.float32]) -> None:
+        """What the microphones agree on while nothing but the background sounds, weighted as all sound is."""
+        keep = np.float32(np.exp(-self.step / self.rate / self.settings.still_s))
+        self._still = self._still * keep + cross
+        self._still_weight = self._still_weight * keep + weight
+        self._still_steps += 1
+
+    def _clear(self, mean: NDArray[np.complex64], weights: NDArray[np.float32]) -> NDArray[np.complex64]:
+        """The cross spectra (P, B) of a mean without those of the background, each frequency alike."""
+        trust = np.float32(self._still_steps / (self._still_steps + self._unsure_steps))
+        still = self._still * (trust * weights[1] / (self._still_weight + np.float32(_SMALL)))
+        return np.asarray((mean - still) / (weights[0] + np.float32(self.settings.doubt)))
 
     def _correlation(self, cross: NDArray[np.complex64]) -> NDArray[np.float32]:
         """Correlations (P * W,) over lags of cross spectra (P, B)."""
         return np.asarray((np.hstack([cross.real, cross.imag]) @ self._to_lags).reshape(-1))
 
     def _search(self) -> Peaks:
-        whole = self._long / (self._long_weight + np.float32(self.settings.doubt))
+        whole = self._clear(self._long, self._long_weight)
         pairs = np.float32(len(whole))
         cross = whole
         directions: list[NDArray[np.float64]] = []
@@ -304,7 +335,7 @@ class Localizer:
             starts = np.concatenate([expected, starts[new]])
         if not len(starts):
             return NO_PEAKS
-        cross = self._short / (self._short_weight + np.float32(self.settings.doubt))
+        cross = self._clear(self._short, self._short_weight)
         directions, recent = self._climb(self._correlation(cross), starts, 1)
         nearness = directions @ directions.T
         chosen: list[int] = []

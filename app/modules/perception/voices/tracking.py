@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,8 @@ class TrackerSettings:
     and below ``echo_share`` of it, is none of either. A peak that is a copy of a stronger one makes no track from the
     second of ``echo`` on, and one the later from the first on. A track sounds (is active) while peaks' recent powers
     are at least ``active_power``, and for ``active_s`` longer. ``apart_deg``: nearer to a track none other is born.
+    An echo only ever follows: within ``trial_s`` of its birth a track must have been ``proof_share`` of the strongest,
+    or louder than ``proof_loud`` of each other track for ``proof_steps`` steps; until it has, it is not told of.
     ``jerk_degps``: how much a source's angular velocity may change in one second (standard deviation, random walk);
     ``rest_s``: how soon a silent one is supposed to have stopped. ``error_deg``: of a peak of good power. ``lag_s``:
     how old what a peak says is on average.
@@ -53,6 +55,11 @@ class TrackerSettings:
     jerk_share: float = 1.5
     rest_s: float = 3.0
     heard_power: float = 0.015
+    trial_s: float = 0.85
+    proof_share: float = 0.38
+    proof_loud: float = 0.7
+    proof_power: float = 0.04
+    proof_steps: int = 2
     sure_power: float = 0.06
     error_deg: float = 3.0
     lag_s: float = 0.05
@@ -132,7 +139,12 @@ class _Motion:
 
 @dataclass(slots=True, eq=False)
 class _Source:
-    """A track, or what may become one (``id`` 0); ``evidence`` 1 and more makes it one."""
+    """A track, or what may become one (``id`` 0); ``evidence`` 1 and more makes it one.
+
+    ``recent`` and ``share``: power of the last moments, and of the last half second in those of the strongest; as of
+    now, 0 if it is not heard. ``louder``: for how many steps it was louder than each other track, by its number.
+    ``proven``: it was seen to sound of itself.
+    """
 
     motion: _Motion
     power: float
@@ -141,6 +153,10 @@ class _Source:
     last_seen: float
     last_active: float
     id: int = 0
+    recent: float = 0.0
+    share: float = 0.0
+    louder: dict[int, int] = field(default_factory=dict)
+    proven: bool = False
 
 
 class Tracker:
@@ -170,6 +186,7 @@ class Tracker:
         for source in self._sources:
             heard = time_s - source.last_active < settings.active_s
             source.motion = source.motion.predicted(passed, settings, heard)
+            source.recent = source.share = 0.0
         tracks = [source for source in self._sources if source.id]
         maybe = [source for source in self._sources if not source.id]
         strongest = float(peaks.powers.max(initial=0.0))
@@ -189,7 +206,25 @@ class Tracker:
             self._sources.append(self._begin(time_s, peaks, k, passed))
         self._bury(time_s)
         self._bear(time_s)
-        return tuple(self._track(source, time_s) for source in self._sources if source.id)
+        self._prove()
+        return tuple(
+            self._track(source, time_s)
+            for source in self._sources
+            if source.id and (source.proven or time_s - source.born < settings.trial_s)
+        )
+
+    def _prove(self) -> None:
+        settings = self.settings
+        tracks = [source for source in self._sources if source.id]
+        for source in tracks:
+            if source.proven or source.recent < settings.proof_power:
+                continue
+            for other in tracks:
+                louder = source.recent > settings.proof_loud * other.recent
+                source.louder[other.id] = source.louder.get(other.id, 0) + louder
+            source.proven = source.share >= settings.proof_share or all(
+                source.louder[other.id] >= settings.proof_steps for other in tracks
+            )
 
     def _no_echoes(self, peaks: Peaks) -> list[int]:
         settings = self.settings
@@ -228,6 +263,8 @@ class Tracker:
             if possible[row, column]:
                 k = free[column]
                 taken.add(k)
+                sources[row].recent = float(peaks.recent[k])
+                sources[row].share = float(peaks.powers[k]) / max(float(peaks.powers.max()), settings.keep_power)
                 self._sight(sources[row], peaks, k, passed)
                 if peaks.recent[k] >= settings.heard_power:
                     sources[row].last_seen = time_s

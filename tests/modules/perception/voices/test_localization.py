@@ -166,3 +166,20 @@ def test_tangents_are_at_right_angles() -> None:
     basis = tangents(directions)
     np.testing.assert_allclose(basis @ basis.transpose(0, 2, 1), np.broadcast_to(np.eye(2), (300, 2, 2)), atol=1e-12)
     np.testing.assert_allclose((basis @ directions[:, :, None])[:, :, 0], 0, atol=1e-12)
+
+
+def test_the_robots_own_steady_sound_is_learnt_and_no_longer_heard() -> None:
+    far = Localizer(ARRAY, RATE, LocalizerSettings(range_m=np.inf))
+    rng = np.random.default_rng(9)
+    count = 5 * RATE
+    turns = np.fft.rfftfreq(count, 1 / RATE)[:, None] * (-ARRAY.offsets @ unit(0, 80) / SPEED_OF_SOUND)
+    fan = np.fft.irfft(np.fft.rfft(rng.normal(0, 3e-3, count))[:, None] * np.exp(-2j * np.pi * turns), count, axis=0)
+    # Partly each microphone's own: the air turns about every one of them.
+    fan += rng.normal(0, 2.5e-3, fan.shape)
+    early = hear(far, fan[: RATE // 2])
+    assert degrees(early.directions[0], unit(0, 80)) < 2
+    assert max(hear(far, fan[RATE // 2 :]).powers, default=0) < 0.03
+    voice = unit(70, 15)
+    peaks = hear(far, fan[: RATE // 2] + plane_waves(voice, 0.5, rng))
+    assert degrees(peaks.directions[0], voice) < 1
+    assert not any(degrees(direction, unit(0, 80)) < 20 for direction in peaks.directions)

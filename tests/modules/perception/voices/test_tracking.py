@@ -55,6 +55,35 @@ def test_a_weak_one_must_go_on_longer_and_an_echo_never_becomes_one() -> None:
     assert not any(deaf.update(k * STEP_S, seen(30, power=0.1, echo=0.7)) for k in range(100))
 
 
+def with_second(powers: tuple[float, float], recents: tuple[float, float]) -> Peaks:
+    """A strong peak at 30 degrees and another at 150."""
+    directions = np.array([unit(30), unit(150)])
+    return Peaks(directions, np.array(powers), np.array(recents), np.zeros(2), directions)
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.integers(0, 1000))
+def test_what_only_ever_follows_another_is_not_told_of_for_long(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    tracker = Tracker()
+    loud = 0.1 + 0.3 * np.repeat(rng.uniform(size=40), 4)
+    told = 0
+    for k, power in enumerate(loud):
+        # As loud in each syllable as its source lets it be; where that is silent, so is this.
+        tracks = tracker.update(k * STEP_S, with_second((0.3, 0.1), (power, 0.5 * power)))
+        told += sum(track.direction @ unit(150) > 0.9 for track in tracks)
+    assert tracks[0].direction @ unit(30) > 0.9
+    assert told * STEP_S < 1
+
+
+def test_a_weak_one_who_sounds_in_anothers_pauses_is_told_of() -> None:
+    tracker = Tracker()
+    for k in range(100):
+        pause = k % 12 < 2
+        tracks = tracker.update(k * STEP_S, with_second((0.3, 0.1), (0.05, 0.1) if pause else (0.3, 0.05)))
+    assert [track.id for track in tracks] == [1, 2]
+
+
 def test_what_is_only_remembered_and_no_longer_heard_dies() -> None:
     tracker = Tracker()
     for k in range(25):
