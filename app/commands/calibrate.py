@@ -267,12 +267,19 @@ def _sweep(text: str) -> tuple[str, range]:
 
 
 def _checked(sweep: dict[str, range], inputs: dict[str, list[str]], configuration: Configuration) -> dict[str, range]:
-    """``sweep``, if the recording feeds all its inputs. Raises ConfigError."""
+    """``sweep``, if the recording feeds all its inputs and they may be decimated. Raises ConfigError."""
     fed = sorted(f"{module}.{port}" for module, ports in inputs.items() for port in ports)
     for name in sweep:
         if name not in fed:
             raise ConfigError(
                 f"--phi: no input {name!r} is fed by this recording; there are {', '.join(fed)}",
+                configuration.program_document.file,
+            )
+        module, _, port = name.partition(".")
+        channel = configuration.program.modules[module].inputs[port]
+        if max(sweep[name]) > 1 and not configuration.channels[channel].decimable:
+            raise ConfigError(
+                f"--phi: {channel}, the channel of {name}, may not be decimated: only {name}=1 can be measured",
                 configuration.program_document.file,
             )
     return sweep

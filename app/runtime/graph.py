@@ -111,10 +111,13 @@ class FilterBank:
         self._pinned: dict[str, int] = {}
         #: Offsets by name of those that wait for their first opening.
         self._delayed: dict[str, int] = {}
+        self._undivided: set[str] = set()
 
-    def add(self, name: str, rate_filter: RateFilter) -> None:
-        """Register a filter."""
+    def add(self, name: str, rate_filter: RateFilter, *, decimable: bool = True) -> None:
+        """Register a filter; one that is not ``decimable`` may only be open or closed."""
         self._filters[name] = rate_filter
+        if not decimable:
+            self._undivided.add(name)
 
     def names(self) -> Collection[str]:
         """All ``Module.port`` names."""
@@ -131,6 +134,8 @@ class FilterBank:
         """
         if pin.offset < 0:
             raise ValueError(f"an offset is a number of messages from 0, not {pin.offset}")
+        if name in self._undivided and check_divisor(pin.divisor) not in (1, CLOSED):
+            raise ValueError(f"the channel of {name} may not be decimated: 1 or off, not {pin.divisor:g}")
         self._pinned.pop(name, None)
         self.apply({name: pin.divisor})
         self._filters[name].begin(pin.offset)
@@ -278,9 +283,12 @@ class Graph:
         self.modules[module].configure(parameters)
 
     def forget(self) -> None:
-        """Forget every message: what waits in inboxes, each channel's latest, how far each filter has counted."""
+        """Forget every message: what waits in inboxes, each channel's latest, how far each filter has counted; and
+        what modules kept for their next instance."""
         for channel in self.channels.values():
             channel.forget()
+        for slot in self.modules.values():
+            slot.context.kept.clear()
         self.filters.begin_anew()
 
     def channel(self, name: str) -> Channel[Any]:
@@ -322,7 +330,8 @@ class Graph:
             self.producers[channel_name] = f"{slot.name}.{port_name}"
             port.connect(channel)
         for port_name, port in slot.context.outputs.items():
-            self.filters.add(f"{slot.name}.{port_name}", port.filter)
+            decimable = port.channel is None or self.specs[port.channel.name].decimable
+            self.filters.add(f"{slot.name}.{port_name}", port.filter, decimable=decimable)
 
     def _wire_inputs(self, slot: ModuleSlot) -> None:
         inputs = slot.spec.inputs or {
@@ -344,7 +353,8 @@ class Graph:
             if channel_name not in self.producers and not self.specs[channel_name].external:
                 raise self._error(f"no module publishes on channel {channel_name}", key)
             port.connect(channel, 1)
-            self.filters.add(f"{slot.name}.{port_name}", port.subscription.filter)
+            decimable = self.specs[channel_name].decimable
+            self.filters.add(f"{slot.name}.{port_name}", port.subscription.filter, decimable=decimable)
 
     def _check_type(self, channel: Channel[Any], port_type: type[Any], key: tuple[str, ...]) -> None:
         if channel.message_type is not port_type:

@@ -47,6 +47,8 @@ class ModuleContext:
         self.inputs: dict[str, Input[Any]] = {}
         self.outputs: dict[str, Output[Any]] = {}
         self.parameters: dict[str, Any] = {}
+        #: What an instance leaves to the one after a restart; see :attr:`Module.kept`.
+        self.kept: dict[str, Any] = {}
         #: The latest instance made for this place.
         self.instance: Module | None = None
         self.meter = CpuMeter()
@@ -91,6 +93,14 @@ class Module:
         self._failure: asyncio.Future[None] | None = None
 
         context.instance = self
+
+    @property
+    def kept(self) -> dict[str, Any]:
+        """What outlives this instance: after a restart the next one finds it here. For little that must not be told
+        twice (the next number to give out), never for state that may be what it failed of. Begins empty, and again
+        whenever all begins anew (a replay that jumps).
+        """
+        return self._context.kept
 
     # --- declaring ---
 

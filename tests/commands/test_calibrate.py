@@ -74,6 +74,8 @@ def test_each_mistake_is_one_sentence(
     assert "has 2.0 s to measure on after --from 4; 5 s are the least" in said(str(log_file), "--from", "4")
     assert "--seconds 2: less than 5 s says little" in said(str(log_file), "--seconds", "2")
     assert "no input 'CameraStream.picture' is fed" in said(str(log_file), "--phi", "CameraStream.picture=2-3")
+    whole = "--phi: odometry, the channel of QRCodeDetector.odometry, may not be decimated: only"
+    assert whole in said(str(log_file), "--phi", "QRCodeDetector.odometry=1-3")
     assert "cannot be written" in said(str(log_file), "--output", "/proc/nowhere/here.yaml")
     (tmp_path / "here.png").mkdir()
     assert "here.png: cannot be written" in said(str(log_file), "--output", str(tmp_path / "here.yaml"))

@@ -132,7 +132,14 @@ def test_a_module_alone_that_would_hear_nothing_is_refused() -> None:
 
 @pytest.mark.parametrize(
     ("phi", "words"),
-    [({"QRCodeDetector.image": 2.0}, "no filter 'QRCodeDetector.image'"), ({"QRCodeDetector.images": 0.5}, "divisor")],
+    [
+        ({"QRCodeDetector.image": 2.0}, "no filter 'QRCodeDetector.image'"),
+        ({"QRCodeDetector.images": 0.5}, "divisor"),
+        (
+            {"QRCodeDetector.odometry": 2.0},
+            "channel of QRCodeDetector.odometry may not be decimated: 1 or",
+        ),
+    ],
 )
 def test_a_filter_that_cannot_be_held(phi: dict[str, float], words: str) -> None:
     with pytest.raises(ConfigError, match=words):

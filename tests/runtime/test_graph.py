@@ -312,6 +312,19 @@ def test_a_pinned_filter_is_nobody_elses(build: Build) -> None:
         filters.pin("B.letters", Pin(3))
 
 
+def test_what_may_not_be_decimated_is_pinned_open_or_closed(build: Build) -> None:
+    modules, channels = WIRED
+    filters = build(modules, {**channels, "n": {"decimable": False}}).filters
+    for name in ("A.numbers", "B.numbers"):
+        with pytest.raises(ValueError, match=f"the channel of {name} may not be decimated: 1 or off, not 2"):
+            filters.pin(name, Pin(2))
+        assert (filters.divisors()[name], set(filters.pinned())) == (1, set())
+    for divisor in (CLOSED, 1):
+        filters.pin("B.numbers", Pin(divisor))
+        assert filters.divisors()["B.numbers"] == divisor
+    filters.pin("B.relayed", Pin(2))
+
+
 @given(st.integers(1, 9), st.integers(0, 20), st.integers(0, 60))
 def test_decimation_begins_at_the_offset(divisor: int, offset: int, messages: int) -> None:
     rate_filter = RateFilter(divisor)
@@ -381,3 +394,14 @@ def test_a_filter_that_is_given_back_obeys_again(build: Build) -> None:
     filters.unpin("A.numbers", 7)  # never pinned
     assert (filters.divisors()["B.numbers"], filters.divisors()["A.numbers"]) == (2, 1)
     assert filters.apply({"B.numbers": 3}) == {"B.numbers": (2, 3)}
+
+
+def test_what_a_module_keeps_is_there_for_its_next_instance_until_all_is_forgotten(build: Build) -> None:
+    graph = build(*WIRED)
+    slot = graph.modules["A"]
+    assert slot.module.kept == {}
+    slot.module.kept["next"] = 7
+    assert slot.module_class(slot.context).kept == {"next": 7}
+    assert graph.modules["B"].module.kept == {}
+    graph.forget()
+    assert slot.module.kept == {}
