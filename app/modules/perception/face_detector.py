@@ -35,6 +35,9 @@ from app.modules.perception.pose_at import PoseAt
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
 
+#: Kept over restarts, so that nobody is taken for who was there before.
+_NEXT_TRACK = "next track"
+
 
 class FaceDetectorSettings(Settings):
     """Settings of FaceDetector."""
@@ -74,17 +77,14 @@ class FaceDetector(Module):
         self.on(self.odometry, self._remember)
 
     async def start(self) -> None:
-        """Load the model; after a restart, number on from the last faces told. Raises ModuleFailed."""
+        """Load the model; after a restart, go on with numbers no face has had. Raises ModuleFailed."""
         use_calling_thread()
         people = People(self.settings.height_mean_m, self.settings.height_sigma_m)
         try:
             self._looker = await self.compute(FaceLooker, self._min_score, people)
         except ModelMissing as failure:
             raise ModuleFailed(str(failure)) from None
-        channel = self.faces.channel
-        told = None if channel is None else channel.latest
-        first = 1 + max((face.track for face in told.faces), default=0) if told else 1
-        self._tracks = FaceTracks(TrackModel(forget_s=self.settings.forget_s), first)
+        self._tracks = FaceTracks(TrackModel(forget_s=self.settings.forget_s), self.kept.get(_NEXT_TRACK, 1))
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take ``min_score`` and ``fine`` from the intention."""
@@ -100,6 +100,7 @@ class FaceDetector(Module):
         if sightings:
             self._tell_of_pose(X_OB)
         placed = self._tracks.see(image.stamp, image.frame, sightings, None if X_OB is None else X_OB.to_pose3())
+        self.kept[_NEXT_TRACK] = self._tracks.next
         faces = tuple(_face(sighting, where) for sighting, where in zip(sightings, placed, strict=True))
         self.faces.publish(Faces(image.stamp, image.frame, faces))
 

@@ -36,6 +36,9 @@ from app.modules.perception.voices.speech import SpeechJudge
 from app.runtime.errors import InboxOverflow, ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
 
+#: Kept over restarts and for the next pipeline, so that nobody is taken for who was heard before.
+_NEXT_TRACK = "next track"
+
 
 class VoiceLocalizerSettings(Settings):
     """Settings of VoiceLocalizer."""
@@ -79,7 +82,6 @@ class VoiceLocalizer(Module):
         self._overruns = Overruns(self.log, self.clock)
         self._wiring: _Wiring | None = None
         self._pipeline: VoicePipeline | None = None
-        self._first_track = 1
         self._waiting: list[NDArray[np.int16]] = []
         self._waiting_length = 0
         #: Number and time of the first sample that waits, and the number of the next to come.
@@ -92,12 +94,9 @@ class VoiceLocalizer(Module):
         self.on(self.odometry, self._remember)
 
     async def start(self) -> None:
-        """Read the network that judges, and go on with numbers no source told of has had."""
+        """Read the network that judges."""
         if self.settings.speech:
             await self.compute(SpeechJudge)
-        channel = self.sources.channel
-        if channel is not None and channel.latest is not None:
-            self._first_track = max((source.track for source in channel.latest.sources), default=0) + 1
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take ``microphones``, ``separation`` and ``voices`` from the intention; another pipeline if they changed."""
@@ -133,7 +132,8 @@ class VoiceLocalizer(Module):
         self._next_sample = audio.first_sample + len(audio.samples)
         while self._pipeline is None:
             wanted = self._microphones, self._wanted
-            made = await self.compute(_made, self._wiring, *wanted, self.settings.body_m, self._first_track)
+            first = self.kept.get(_NEXT_TRACK, 1)
+            made = await self.compute(_made, self._wiring, *wanted, self.settings.body_m, first)
             # Another may have been asked for meanwhile.
             self._pipeline = made if wanted == (self._microphones, self._wanted) else None
         pipeline = self._pipeline
@@ -149,6 +149,7 @@ class VoiceLocalizer(Module):
         self._stamp, self._first_sample = stamp + pipeline.step / rate, first_sample + pipeline.step
         heading = await self._heading_at(pipeline.instant(stamp))
         sources, separated = await self.compute(pipeline.process, block, stamp, first_sample, heading)
+        self.kept[_NEXT_TRACK] = pipeline.next_track
         self.sources.publish(sources)
         if separated is not None:
             self.separated.publish(separated)
@@ -177,8 +178,6 @@ class VoiceLocalizer(Module):
 
     def _retire(self) -> None:
         """Another pipeline takes over, with numbers of its own."""
-        if self._pipeline is not None:
-            self._first_track = self._pipeline.next_track
         self._pipeline = None
         self._forget()
 

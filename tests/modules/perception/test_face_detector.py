@@ -166,17 +166,23 @@ def test_after_a_restart_numbers_go_on() -> None:
         async with bench() as b:
             seen = b.listen("faces")
 
-            async def look() -> list[int]:
+            async def look(*faces: FaceCard) -> list[int]:
                 at = b.clock.now()
                 be_at(b, at, Pose2())
-                b.feed("images", kinect_image(at, Pose2(), [PILOT, VISITOR]))
+                b.feed("images", kinect_image(at, Pose2(), list(faces)))
                 return sorted(face.track for face in (await seen.receive()).faces)
 
-            assert await look() == [1, 2]
+            assert await look(PILOT, VISITOR) == [1, 2]
+            assert await look() == [], "what was told last does not say how many there were"
             b.feed("images", None)  # cannot be an image: the module fails
             await b.clock.sleep(2.0)
             assert b.supervisor.states["Tested"].restarts == 1
-            assert await look() == [3, 4]
+            assert await look(PILOT, VISITOR) == [3, 4]
+            b.graph.forget()
+            b.feed("images", None)
+            await b.clock.sleep(4.0)
+            assert b.supervisor.states["Tested"].restarts == 2
+            assert await look(PILOT) == [1], "where all begins anew, numbers do too"
 
     run_virtual(main())
 

@@ -152,7 +152,9 @@ def test_a_gap_begins_afresh_and_parameters_make_another_pipeline_without_using_
             assert four.track > first.track
             assert off_deg(four.direction, 60) < 8
             assert drain(separated) == []
-            # A message that cannot be sound makes the module fail; its next life takes new numbers.
+            # A message that cannot be sound makes the module fail; its next life takes new numbers, whatever was told
+            # last.
+            b.graph.channel("sources").publish(SoundSources(b.clock.now(), (0.0, 0.0, 0.0), ()))
             b.feed("audio", None)
             await b.clock.sleep(2.0)
             assert b.supervisor.states["Tested"].restarts == 1

@@ -82,7 +82,8 @@ class FaceTracks:
 
     def __init__(self, model: TrackModel | None = None, first: int = 1) -> None:
         self._model = model or TrackModel()
-        self._next = first
+        self.next = first
+        """The number of the next new track."""
         self._tracks: list[_Track] = []
         #: Last image's stamp and the usual time between images, by camera.
         self._images: dict[str, tuple[float, float]] = {}
@@ -102,8 +103,8 @@ class FaceTracks:
         for index, sighting in enumerate(sightings):
             track = pairs.get(index)
             if track is None:
-                track = _Track(self._next, stamp, camera, sighting.face.box)
-                self._next += 1
+                track = _Track(self.next, stamp, camera, sighting.face.box)
+                self.next += 1
                 self._tracks.append(track)
             placed.append(self._told(track, stamp, camera, sighting, X_OB))
         if len(self._tracks) > self._model.most:
