@@ -73,6 +73,8 @@ async def test_a_code_a_face_and_a_clap_are_noticed(tmp_path: Path) -> None:
         assert not [state.problem for state in system.supervisor.states.values() if state.problem]
         assert system.translator.current is not None
         assert {s.cls for s in system.translator.current.strategies} >= {"FindQRCodes", "LocateFaces", "DetectNoises"}
+        # Nothing is desired in vain, not even after the clap.
+        assert {desire.cls for desire in system.workspace.desires()} <= set(system.table.classes)
 
 
 def test_the_body_names_its_program_and_options_its_devices() -> None:
