@@ -25,11 +25,13 @@ class CameraConfig(_Model):
 
     ``source`` is a camera's number (0 is the first) or device, a video file, a picture, or a folder of pictures. A
     file's pictures come at ``rate_hz`` (none: a video's own, 15 Hz for pictures), over again when they are through
-    unless ``loop`` is off. ``width`` and ``height`` are asked of a camera; what it gives is what it gives.
+    unless ``loop`` is off; each picture is shown for ``seconds_each``, so that whoever is given few of them sees all.
+    ``width`` and ``height`` are asked of a camera; what it gives is what it gives.
     """
 
     source: int | str = 0
     rate_hz: Positive | None = None
+    seconds_each: Annotated[float, Field(gt=0, le=3600)] = 1.5
     width: Annotated[int, Field(ge=16, le=7680)] = 640
     height: Annotated[int, Field(ge=16, le=4320)] = 480
     horizontal_fov_deg: Annotated[float, Field(gt=1, lt=170)] = 60.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from itertools import repeat
 from pathlib import Path
 from typing import Protocol
 
@@ -137,18 +138,19 @@ class _Stills:
 
     def __init__(self, files: list[Path], config: CameraConfig) -> None:
         self.rate_hz = config.rate_hz or DEFAULT_RATE_HZ
-        self._pictures = self._each(files, config.loop)
+        times = max(1, round(config.seconds_each * self.rate_hz))
+        self._pictures = self._each(files, config.loop, times)
         # A folder with a broken picture is told at once, not in the middle.
         self._kept = {file: _picture(file) for file in files[:1]}
 
-    def _each(self, files: list[Path], loop: bool) -> Iterator[Picture]:
+    def _each(self, files: list[Path], loop: bool, times: int) -> Iterator[Picture]:
         while True:
             for file in files:
                 if file not in self._kept:
                     if len(self._kept) > 1:
                         self._kept.pop(next(iter(self._kept)))
                     self._kept[file] = _picture(file)
-                yield self._kept[file]
+                yield from repeat(self._kept[file], times)
             if not loop:
                 return
 

@@ -1,8 +1,10 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
+from pydantic import ValidationError
 
 from app.robots.devices.config import CameraConfig
 from app.robots.devices.pictures import Pace, Unavailable, open_pictures
@@ -10,8 +12,8 @@ from app.robots.devices.pictures import Pace, Unavailable, open_pictures
 from .files import picture_file, video_file
 
 
-def levels(path: Path, count: int, *, loop: bool = True) -> list[int | None]:
-    source = open_pictures(CameraConfig(source=str(path), loop=loop))
+def levels(path: Path, count: int, **more: Any) -> list[int | None]:
+    source = open_pictures(CameraConfig(source=str(path), **more))
     try:
         pictures = [source.read() for _ in range(count)]
     finally:
@@ -31,8 +33,18 @@ def test_a_folder_of_pictures_comes_by_name(tmp_path: Path) -> None:
     for name, level in (("b.png", 90), ("a.png", 30), ("c.png", 250)):
         picture_file(tmp_path, name, level)
     (tmp_path / "notes.txt").write_text("no picture")
-    assert levels(tmp_path, 4) == [30, 90, 250, 30]
+    assert levels(tmp_path, 4, seconds_each=0.01) == [30, 90, 250, 30]
     assert levels(tmp_path / "b.png", 2) == [90, 90]
+
+
+def test_each_picture_of_a_folder_is_shown_for_a_while(tmp_path: Path) -> None:
+    for name, level in (("a.png", 30), ("b.png", 90)):
+        picture_file(tmp_path, name, level)
+    usual = round(1.5 * 15)
+    assert levels(tmp_path, 2 * usual + 1) == [30] * usual + [90] * usual + [30]
+    assert levels(tmp_path, 7, seconds_each=0.5, rate_hz=6, loop=False) == [30, 30, 30, 90, 90, 90, None]
+    with pytest.raises(ValidationError, match="seconds_each"):
+        CameraConfig(seconds_each=0)
 
 
 def test_nobody_writes_into_another_s_picture(tmp_path: Path) -> None:
