@@ -39,6 +39,8 @@ Look = Annotated[Literal["ahead", "robot"] | Point, PlainValidator(_look)]
 SOUND_FILES = (".wav", ".flac", ".ogg")
 SHORTEST_SCRIPT_S = 0.5
 """Of a script gone through again and again: else what is said in it would be said a hundred times a second."""
+LONGEST_SOUND_S = 120.0
+"""Of a sound that does not loop: the stage forgets it soon after."""
 ACTIONS = ("walk", "wait", "wait_for_robot", "say", "clap")
 
 
@@ -211,13 +213,14 @@ class ScenarioConfig(_Model):
 def load_scenario(path: Path | str) -> ScenarioConfig:
     """Read ``config/scenarios/<name>.yaml``, with the sound files it names as absolute paths.
 
-    Raises ConfigError (file, line, key), also for a sound that there is not, in the library or as a file.
+    Raises ConfigError (file, line, key), also for a sound that there is not, in the library or as a file, and for a
+    file that is no sound or lasts longer than :data:`LONGEST_SOUND_S` without being a ``loop``.
     """
     document = load_yaml(path)
     config = document.validate(ScenarioConfig)
     here = Path(path).resolve().parent
 
-    def resolved(clip: str, *at: str | int) -> str:
+    def resolved(clip: str, *at: str | int, loop: bool = False) -> str:
         if not clip.lower().endswith(SOUND_FILES):
             if " " not in clip.strip() and clip not in NAMES:
                 raise document.error(f"there is no sound {clip!r}; {suggestion(clip, NAMES)}", at)
@@ -225,10 +228,18 @@ def load_scenario(path: Path | str) -> ScenarioConfig:
         file = (here / clip).resolve()
         if not file.is_file():
             raise document.error(f"there is no sound file {file}", at)
+        try:
+            seconds = _seconds(file)
+        except ValueError as failure:
+            raise document.error(str(failure), at) from None
+        if seconds > LONGEST_SOUND_S and not loop:
+            raise document.error(
+                f"the sound file {file} lasts {seconds:.1f} s; {LONGEST_SOUND_S:g} s are the most without a loop", at
+            )
         return str(file)
 
     sounds = tuple(
-        sound.model_copy(update={"clip": resolved(sound.clip, "sounds", i, "clip")})
+        sound.model_copy(update={"clip": resolved(sound.clip, "sounds", i, "clip", loop=sound.loop)})
         for i, sound in enumerate(config.sounds)
     )
     people = tuple(
@@ -245,3 +256,16 @@ def load_scenario(path: Path | str) -> ScenarioConfig:
         for i, person in enumerate(config.people)
     )
     return config.model_copy(update={"sounds": sounds, "people": people})
+
+
+def _seconds(file: Path) -> float:
+    """How long a sound file lasts, by its header. Raises ValueError, in words, for one without sound."""
+    import soundfile
+
+    try:
+        seconds = float(soundfile.info(str(file)).duration)
+    except (soundfile.SoundFileError, OSError) as failure:
+        raise ValueError(f"the sound file {file} cannot be read: {failure}") from None
+    if not seconds:
+        raise ValueError(f"the sound file {file} holds no sound")
+    return seconds

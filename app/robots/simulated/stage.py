@@ -15,13 +15,13 @@ import numpy as np
 from app.geometry import Pose2
 from app.messages import PersonTruth
 from app.robots.simulated.actor import Actor, Happening
-from app.robots.simulated.scenario_config import ScenarioConfig, SoundConfig
+from app.robots.simulated.scenario_config import LONGEST_SOUND_S, ScenarioConfig, SoundConfig
 
 TICK_S = 0.01
 LOOKAHEAD_S = 2.0
 """How long before it begins a timed sound appears among the cues."""
-KEEP_S = 120.0
-"""How long after it began a sound stays there; nobody's clip is longer."""
+KEEP_S = LONGEST_SOUND_S + 1.0
+"""How long after it began a sound stays there; nobody's clip is longer, and it has a way to go."""
 STEPS_KEEP_S = 2.0
 HEIGHT_MEAN_M, HEIGHT_SIGMA_M = 1.71, 0.10
 """Of standing adults in shoes (Fryar et al., Vital and Health Statistics 3(46), 2021), as the perceptions suppose in

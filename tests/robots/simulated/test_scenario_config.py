@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
+import soundfile
 
 from app import paths
 from app.errors import ConfigError
+from app.geometry import Pose2
 from app.robots.simulated.scenario_config import load_scenario
+from app.robots.simulated.stage import Stage
 
 PERSON = "people:\n  - name: person 1\n    face: pilot\n    at: [1, 2]\n"
 
@@ -76,8 +80,46 @@ def test_a_script_that_takes_time_may_be_repeated(tmp_path: Path, script: str) -
     assert load_scenario(file).people
 
 
+def record(file: Path, seconds: float) -> None:
+    soundfile.write(file, np.zeros(round(seconds * 8000), np.int16), 8000)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"),
+    [(0.0, "holds no sound"), (None, "cannot be read"), (120.5, "lasts 120.5 s; 120 s are the most without a loop")],
+)
+def test_sound_files_that_would_not_be_heard_whole_are_refused_with_their_line(
+    tmp_path: Path, seconds: float | None, words: str
+) -> None:
+    if seconds is None:
+        (tmp_path / "long.wav").write_text("no sound")
+    else:
+        record(tmp_path / "long.wav", seconds)
+    error = load(tmp_path, "sounds:\n  - {name: a, kind: music, clip: long.wav, at: [0, 0, 1]}")
+    assert (error.line, error.key) == (3, "sounds[0].clip")
+    assert words in error.message
+    error = load(tmp_path, PERSON + "    script:\n      - {wait: 1}\n      - {say: long.wav}")
+    assert (error.line, error.key) == (8, "people[0].script[1].say")
+    assert words in error.message
+
+
+def test_a_long_file_may_loop_and_one_of_two_minutes_is_kept_to_its_end(tmp_path: Path) -> None:
+    record(tmp_path / "long.wav", 130)
+    record(tmp_path / "fits.wav", 120)
+    file = tmp_path / "scenario.yaml"
+    file.write_text(
+        "name: test\nsounds:\n  - {name: a, kind: music, clip: long.wav, at: [0, 0, 1], loop: true}\n"
+        "  - {name: b, kind: music, clip: fits.wav, at: [0, 0, 1]}\n"
+    )
+    stage = Stage(load_scenario(file))
+    stage.advance(120.3, Pose2())  # with the sound's own way
+    assert [cue.name for cue in stage.cues] == ["a", "b"]
+    stage.advance(122.0, Pose2())
+    assert [cue.name for cue in stage.cues] == ["a"]
+
+
 def test_sound_files_are_found_beside_the_scenario(tmp_path: Path) -> None:
-    (tmp_path / "hoot.wav").write_bytes(b"")
+    record(tmp_path / "hoot.wav", 0.5)
     file = tmp_path / "scenario.yaml"
     file.write_text(
         f"name: test\n{PERSON}    script: [{{say: hoot.wav}}, {{wait: 1}}, {{say: hello}}]\n"

@@ -20,7 +20,7 @@ from app.robots.simulated.acoustics.orders import Heard, Played, Scene, Setup, S
 from app.robots.simulated.acoustics.sounds import PEAK_DB_SPL, VARIANTS, Key, Library
 from app.robots.simulated.acoustics.synthesis import MAKERS
 from app.robots.simulated.image_ring import create_memory
-from app.robots.simulated.scenario_config import ScenarioConfig
+from app.robots.simulated.scenario_config import LONGEST_SOUND_S, ScenarioConfig
 from app.robots.simulated.stage import Cue, Stage
 from app.robots.simulated.wire import Socket
 from app.robots.simulated.world_config import WorldConfig
@@ -32,7 +32,7 @@ _TELL_S = 10.0
 
 
 class Acoustics:
-    """Never waits. Raises ConfigError from the beginning for a sound there is not.
+    """Never waits. Raises ConfigError from the beginning for a sound there is not, or that would be cut off.
 
     ``listening`` starts and stops it; then call :meth:`tell` often and :meth:`receive` when :attr:`descriptors` can be
     read.
@@ -56,6 +56,12 @@ class Acoustics:
         except ConfigError as failure:
             assert scenario is not None
             raise ConfigError(f"the scenario {scenario.name!r}: {failure.message}") from None
+        looping = {sound.clip for sound in scenario.sounds if sound.loop} if scenario is not None else set()
+        for (name, _), clip in clips.items():
+            if clip.seconds > LONGEST_SOUND_S and name not in looping:
+                raise ConfigError(
+                    f"{name!r} lasts {clip.seconds:.0f} s; {LONGEST_SOUND_S:g} s are the most without a loop"
+                )
         setup = Setup(
             config=config,
             loudspeaker=loudspeaker,
