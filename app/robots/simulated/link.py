@@ -250,6 +250,8 @@ class _Session(asyncio.Protocol):
         self._ended = asyncio.get_running_loop().create_future()
         self._expected = False
         self._last_lines: deque[str] = deque(maxlen=_LAST_LINES)
+        #: What the process said before it ran: if it never does, whoever waits for it is told.
+        self._held_lines: list[str] = []
         self.process: asyncio.subprocess.Process
         self._watch: asyncio.Task[None]
 
@@ -335,8 +337,9 @@ class _Session(asyncio.Protocol):
     def data_received(self, data: bytes) -> None:
         """Frames arrive."""
         for frame in self._reader.feed(data):
-            if isinstance(frame, wire.Sample):
+            if isinstance(frame, wire.Sample) and not self._running.is_set():
                 self._running.set()
+                self._tell_held()
             self._receive(frame)
 
     async def _watch_process(self) -> None:
@@ -345,17 +348,33 @@ class _Session(asyncio.Protocol):
         async for raw in self.process.stderr:
             line = raw.decode(errors="replace").rstrip()
             self._last_lines.append(line)
-            log.warning("simulated robot: %s", line)
+            self._held_lines.append(line)
+            if self._running.is_set():
+                self._tell_held()
         status = await self.process.wait()
-        failure = LinkFailed(self._epitaph(status))
-        if not self._expected:
+        sentence = self._sentence(status)
+        if sentence is None:
+            self._tell_held()
+        failure = LinkFailed(sentence or self._epitaph(status))
+        if not self._expected and self._running.is_set():
             log.error("%s", failure)
         self._ended.set_result(failure)
 
+    def _tell_held(self) -> None:
+        for line in self._held_lines:
+            log.warning("simulated robot: %s", line)
+        self._held_lines.clear()
+
+    def _words(self) -> list[str]:
+        return [line.strip() for line in self._last_lines if line.strip(" ^~")]
+
+    def _sentence(self, status: int) -> str | None:
+        """What it said for people, if that is why it ended."""
+        words = self._words()
+        return words[0] if status == 1 and len(words) == 1 else None
+
     def _epitaph(self, status: int) -> str:
         how = f"was killed by signal {-status}" if status < 0 else f"ended with status {status}"
-        words = [line.strip() for line in self._last_lines if line.strip(" ^~")]
-        if status == 1 and len(words) == 1:  # a sentence for people
-            return words[0]
+        words = self._words()
         said = "; its last words: " + " | ".join(words[-3:]) if words else ""
         return f"The simulated robot's process {how}{said}."

@@ -287,7 +287,7 @@ async def test_without_egl_one_sentence_says_what_to_install(
 
 
 async def test_a_world_that_cannot_be_built_fails_the_start_with_its_reason(
-    robot: RobotConfig, hall: WorldConfig, tmp_path: Path
+    robot: RobotConfig, hall: WorldConfig, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     bad = tmp_path / "bad.urdf"
     bad.write_text("<robot name='x'><link name='base_link'/></robot>")  # nothing in it has a mass
@@ -296,4 +296,5 @@ async def test_a_world_that_cannot_be_built_fails_the_start_with_its_reason(
         await link.start()
     assert "cannot be simulated" in str(failed.value)
     assert "bad.urdf" in str(failed.value)
+    assert not caplog.records, "who started it is told, and tells it once"
     assert link.process_id is None
