@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -11,32 +12,44 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from app.modules.perception.voices.gain import AutomaticGain
+
 Sound = NDArray[np.float32]
 MODEL = Path(__file__).with_name("silero_vad_16k_op15.onnx")
 #: What the network was trained on: samples a second, samples in one judgement, and of those before it.
 SPEECH_RATE = 16_000
 CHUNK = 512
 CONTEXT = 64
+#: A source's first moment counts as so many judgements that it is no voice: a single sound is not enough.
+_DOUBT = 2.0
+#: What is so far (dB) below the source's louder moments, as the pauses between words are, says nothing.
+_PAUSE_DB = 20.0
+#: The quiet the network hears before every source: its root mean square (dB of full scale), and for how many chunks.
+_QUIET_DB, _QUIET_CHUNKS = -50.0, 16
 
 
 @dataclass(slots=True)
 class _Stream:
     """One source's sound as the network hears it."""
 
+    context: Sound
+    state: Sound
+    gain: AutomaticGain = field(default_factory=lambda: AutomaticGain(SPEECH_RATE))
     waiting: Sound = field(default_factory=lambda: np.zeros(0, np.float32))
-    context: Sound = field(default_factory=lambda: np.zeros(CONTEXT, np.float32))
-    state: Sound = field(default_factory=lambda: np.zeros((2, 128), np.float32))
-    judged: int = 0
+    judged: float = _DOUBT
     speech: float = float("nan")
 
 
 class SpeechJudge:
     """How probably each of several sources is speech, from its sound at 16 kHz.
 
-    ``window`` judgements (32 ms each) are averaged; before there were so many, all.
+    The network judges quiet speech less surely than loud, and speech that it hears from its middle on less surely than
+    after a silence. So each source is brought to one level (AutomaticGain), and begins after half a second of quiet.
+    About ``window`` judgements (32 ms each) are averaged, each by how much it stands out of the source's own pauses:
+    a voice stays one between its words.
     """
 
-    def __init__(self, window: int = 12) -> None:
+    def __init__(self, window: int = 8) -> None:
         self._network = _load()
         self._window = window
         self._streams: dict[int, _Stream] = {}
@@ -58,23 +71,29 @@ class SpeechJudge:
         """Take what each source, by its track, says next: (N,) float32, in [-1, 1), 16,000 samples a second."""
         streams = []
         for track, sound in sounds.items():
-            stream = self._streams.setdefault(track, _Stream())
+            stream = self._streams.get(track)
+            if stream is None:
+                stream = self._streams[track] = _Stream(*self._network.after_quiet)
             stream.waiting = np.concatenate([stream.waiting, sound])
             streams.append(stream)
         while ready := [stream for stream in streams if len(stream.waiting) >= CHUNK]:
             self._judge(ready)
 
     def _judge(self, streams: list[_Stream]) -> None:
-        chunks = np.stack([np.concatenate([stream.context, stream.waiting[:CHUNK]]) for stream in streams])
+        levelled = [stream.gain.apply(stream.waiting[:CHUNK]) for stream in streams]
+        chunks = np.stack(
+            [np.concatenate([stream.context, sound]) for stream, (sound, _) in zip(streams, levelled, strict=True)]
+        )
         states = np.stack([stream.state for stream in streams], axis=1)
         probabilities, states = self._network(chunks, states)
         for index, stream in enumerate(streams):
             stream.context = chunks[index, -CONTEXT:]
             stream.waiting = stream.waiting[CHUNK:]
             stream.state = states[:, index]
-            stream.judged = min(stream.judged + 1, self._window)
-            before = 0.0 if stream.judged == 1 else stream.speech
-            stream.speech = before + (float(probabilities[index, 0]) - before) / stream.judged
+            counts = max(0.0, 1 - levelled[index][1] / _PAUSE_DB)
+            before = 0.0 if math.isnan(stream.speech) else stream.speech
+            stream.judged = min(stream.judged + counts, self._window)
+            stream.speech = before + (float(probabilities[index, 0]) - before) * min(1.0, counts / stream.judged)
 
 
 class _Network:
@@ -83,6 +102,15 @@ class _Network:
     def __init__(self, session: Any) -> None:
         self._session = session
         self._rate = np.array(SPEECH_RATE, np.int64)
+        rng = np.random.default_rng(1)
+        chunk = np.zeros((1, CONTEXT + CHUNK), np.float32)
+        state = np.zeros((2, 1, 128), np.float32)
+        for _ in range(_QUIET_CHUNKS):
+            quiet = rng.normal(0, 10 ** (_QUIET_DB / 20), (1, CHUNK)).astype(np.float32)
+            chunk = np.concatenate([chunk[:, -CONTEXT:], quiet], axis=1)
+            _, state = self(chunk, state)
+        #: Context (64,) and state (2, 128) with which a source begins.
+        self.after_quiet = chunk[0, -CONTEXT:], state[:, 0]
 
     def __call__(self, chunks: Sound, states: Sound) -> tuple[Sound, Sound]:
         probabilities, states = self._session.run(None, {"input": chunks, "state": states, "sr": self._rate})

@@ -6,9 +6,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from app.geometry import Pose3
 from app.messages import SeparatedSound, SoundSources
 from app.modules.perception.voices.array import MicrophoneArray
 from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
+from app.robots.config import MicrophonesConfig
+from app.robots.simulated.acoustics.diffraction import Microphones
+from app.robots.simulated.acoustics.offline import Source, render_scene
+from app.robots.simulated.acoustics.room import Shoebox
+from app.robots.simulated.acoustics.sounds import Library
 from benchmarks.bss_eval import bss_eval
 
 from .sounds import ARRAY, RATE, as_int16, babble, heard, heard_turning, toward
@@ -131,6 +137,34 @@ def test_subsets_take_their_own_columns_and_two_microphones_know_no_height() -> 
     assert all(source.track >= 40 for source in sources)
     assert min(abs(math.degrees(math.atan2(s.direction[1], s.direction[0])) - 50) for s in sources) < 6
     assert sources[-1].range_sigma_m > 1.5
+
+
+@pytest.mark.parametrize("separation", [True, False])
+def test_someone_who_says_hello_two_metres_away_is_a_voice_soon_and_until_he_ends(separation: bool) -> None:
+    config = MicrophonesConfig()
+    positions = np.array(config.positions) - np.mean(config.positions, axis=0)
+    clip = Library(RATE, config.sensitivity_db).get("hello")
+    place = toward(30, 15) * 2.0 + (3, 2.6, 0.9)
+    room = Shoebox((0.0, 0.0, 0.0), (7.0, 6.0, 3.0), (0.5, 0.4))
+    sound, truths = render_scene(
+        [Source(clip.samples, place, begin_s=0.5, looks="listener")],
+        Pose3.from_translation_rpy((3.0, 2.6, 0.9)),
+        room,
+        clip.seconds + 0.6,
+        Microphones(positions, RATE, shadow=True),
+        early_s=0.021,
+        noise=10 ** (config.fans_db / 20),
+    )
+    array = MicrophoneArray(positions + np.array([0.0, 0.0, 0.9]), body_m=float(np.linalg.norm(positions[0])))
+    told = run(VoicePipeline(array, RATE, PipelineSettings(separation=separation)), as_int16(sound.T))
+    begins, ends = truths[0].times_s[truths[0].active][[0, -1]]
+    judged = [
+        max((s.speech for s in m.sources if s.active and degrees(s.direction, toward(30, 15)) < 20), default=0.0)
+        for m, _ in told
+        if begins + 0.75 < m.stamp < ends
+    ]
+    # What keeps LocateVoices desired: a source that sounds and is at least as probably a voice as not.
+    assert np.mean(np.array(judged) >= 0.5) > 0.9
 
 
 def test_noise_from_everywhere_is_no_source_and_what_it_refuses() -> None:

@@ -1,0 +1,66 @@
+"""Brings a source's sound to one level, however far away it is: slow automatic gain with a limiter."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Sound = NDArray[np.float32]
+_SILENCE = 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class GainSettings:
+    """``target_db``: root mean square (dB of full scale) to which a source's louder moments are brought.
+
+    ``most_db``: the sound is never made louder than by this. ``release_db_s``: how fast what was loud is forgotten.
+    ``attack``: how much of a louder piece is believed at once, in [0, 1]. ``peak``: no sample is louder than this.
+    """
+
+    target_db: float = -20.0
+    most_db: float = 40.0
+    release_db_s: float = 6.0
+    attack: float = 0.5
+    peak: float = 0.95
+
+
+class AutomaticGain:
+    """Follows how loud one source is in its louder moments, so that pauses between words are not raised to words."""
+
+    def __init__(self, rate: int, settings: GainSettings = GainSettings()) -> None:
+        self._target = 10 ** (settings.target_db / 20)
+        self._most = 10 ** (settings.most_db / 20)
+        self._forget = settings.release_db_s / rate / 10
+        self._attack = settings.attack
+        self._peak = settings.peak
+        self._ramp = rate // 250
+        self._loud: float | None = None
+        self._gain = math.inf
+
+    def apply(self, piece: Sound) -> tuple[Sound, float]:
+        """The next ``piece`` (N,) at the level wanted, and by how many dB it stood below the louder moments (>= 0)."""
+        power = float(np.dot(piece, piece)) / len(piece)
+        if self._loud is None:
+            self._loud = power
+        elif power > self._loud:
+            self._loud += self._attack * (power - self._loud)
+        else:
+            self._loud = max(power, self._loud * 10 ** (-self._forget * len(piece)))
+        highest = float(np.abs(piece).max())
+        gain = min(
+            self._target / math.sqrt(self._loud + _SILENCE), self._most, self._peak / max(highest, math.sqrt(_SILENCE))
+        )
+        if gain > self._gain:
+            # Louder within 4 ms; softer at once, since a sudden sound must not be cut off.
+            gains = np.full(len(piece), gain, np.float32)
+            ramp = min(self._ramp, len(piece))
+            gains[:ramp] = np.linspace(self._gain, gain, ramp)
+            out = piece * gains
+        else:
+            out = piece * np.float32(gain)
+        self._gain = gain
+        below = 10 * math.log10((self._loud + _SILENCE) / (power + _SILENCE))
+        return out, max(0.0, below)
