@@ -27,7 +27,9 @@ Located = list[tuple[float, float, dict[int, NDArray[np.float64]]]]
 @dataclass(frozen=True, slots=True)
 class Score:
     """Of one scene: ``asked`` instants and ``found`` ones; ``errors_deg`` of those; ``false_s``: how long each track
-    was away from everybody; ``latencies_s``: from a talker's first speech to the first track near him (inf: none);
+    was away from everybody; ``latencies_s``: from when a talker is first as loud as the noise, over 10 ms at the first
+    microphone (what a recording holds before that is breath and hiss), to the first track near him (inf: none; 0 if
+    he was found by what is weaker);
     ``numbers``: how many track numbers each talker had; ``cpu_percent`` of a core."""
 
     asked: int
@@ -146,8 +148,8 @@ def score(scene: Scene, located: Located, cpu_percent: float, angle: Angle = in_
     """Compare what was ``located`` with who spoke."""
     known = np.array([when for when, _, _ in located])
     asked, errors, latencies, numbers = 0, [], [], []
-    for talker in scene.talkers:
-        found, first, near = _follow(talker, located, known, angle)
+    for talker, onset in zip(scene.talkers, _onsets(scene), strict=True):
+        found, first, near = _follow(talker, located, known, angle, onset)
         asked += found.size
         errors += found[~np.isnan(found)].tolist()
         latencies.append(first)
@@ -163,8 +165,18 @@ def score(scene: Scene, located: Located, cpu_percent: float, angle: Angle = in_
     )
 
 
+def _onsets(scene: Scene) -> list[float]:
+    """When each talker is first as loud as the noise (s); where nobody was recorded alone, his first speech."""
+    if not len(scene.alone):
+        return [float(np.flatnonzero(talker.active)[0]) * INSTANT_S for talker in scene.talkers]
+    noise = float(np.mean((scene.samples[:, 0] - scene.alone.sum(axis=0)) ** 2))
+    length = int(INSTANT_S * scene.rate)
+    frames = scene.alone[:, : scene.alone.shape[1] // length * length].reshape(len(scene.alone), -1, length)
+    return [float(np.argmax((sound**2).mean(axis=1) > noise)) * INSTANT_S for sound in frames]
+
+
 def _follow(
-    talker: Talker, located: Located, known: NDArray[np.float64], angle: Angle
+    talker: Talker, located: Located, known: NDArray[np.float64], angle: Angle, onset: float
 ) -> tuple[NDArray[np.float64], float, set[int]]:
     """The error (deg, NaN: missed) at each asked instant; how long until he was found; his track's numbers."""
     errors, first, numbers = [], np.inf, set()
@@ -178,7 +190,7 @@ def _follow(
         nearest, number = min(((angle(direction, truth), n) for n, direction in tracks.items()), default=(np.inf, 0))
         if nearest < GATE_DEG:
             numbers.add(number)
-            first = min(first, float(instant - speaking[0]))
+            first = min(first, max(0.0, float(instant) - onset))
         if instant >= WARM_S:
             errors.append(nearest if nearest < GATE_DEG else np.nan)
     return np.array(errors), first, numbers

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -16,7 +18,9 @@ def scene() -> Scene:
     """One second of silence before a talker in front who speaks from 0.4 s on."""
     active = np.arange(100) >= 40
     talker = Talker("", np.zeros(1), FRONT[None], 1.5, active)
-    return Scene("", RATE, BOX, np.zeros((RATE, 8), np.float32), np.zeros((1, RATE), np.float32), (talker,))
+    alone = np.where(np.arange(RATE) < 0.4 * RATE, 0, 0.1).astype(np.float32)[None]
+    hiss = np.random.default_rng(1).normal(0, 0.01, (RATE, 8)).astype(np.float32)
+    return Scene("", RATE, BOX, alone.T + hiss, alone, (talker,))
 
 
 def found(direction: np.ndarray, begin_s: float) -> Located:
@@ -33,6 +37,14 @@ def test_recall_error_and_latency_are_counted_from_speech_on(scene: Scene) -> No
     assert scored.numbers == (1,)
     assert scored.false_s == ()
     assert scored.cpu_percent == 3.0
+
+
+def test_what_is_weaker_than_the_noise_is_no_onset(scene: Scene) -> None:
+    breath = scene.alone.copy()
+    breath[:, round(0.4 * RATE) : round(0.5 * RATE)] = 0.001
+    breathing = replace(scene, alone=breath, samples=scene.samples - scene.alone.T + breath.T)
+    assert score(breathing, found(FRONT, 0.6), 0.0).latencies_s[0] == pytest.approx(0.1, abs=0.02)
+    assert score(breathing, found(FRONT, 0.2), 0.0).latencies_s[0] == 0
 
 
 def test_a_track_of_nobody_is_false_for_as_long_as_it_lasts(scene: Scene) -> None:
