@@ -26,7 +26,7 @@ FreshnessState = Literal["live", "waiting", "stale", "closed"]
 
 #: How long (s) the first message may take once a channel is opened or its module has first started: a camera's driver,
 #: or a process of its own behind the body, starts no sooner.
-GRACE_S = 3.0
+GRACE_S = 5.0
 RATE_WINDOW_S = 2.0
 RATE_SAMPLES = 20
 

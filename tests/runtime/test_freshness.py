@@ -283,7 +283,7 @@ async def test_a_watch_that_forgets_waits_for_first_messages_anew(graph: Graph) 
     supervisor = Supervisor(graph.modules, clock)
     watch = FreshnessWatch(graph, supervisor.states)
     async with supervisor:
-        for _ in range(20):
+        for _ in range(30):
             await asyncio.sleep(0.2)
             watch.sample(clock.now())
         now = clock.now()
