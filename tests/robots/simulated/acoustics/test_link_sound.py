@@ -6,12 +6,15 @@ import asyncio
 import os
 import signal
 import time
+from pathlib import Path
 
 import numpy as np
 import psutil
 import pytest
+import soundfile
 from numpy.typing import NDArray
 
+from app.link import LinkFailed
 from app.messages import Audio, GroundTruth, LinkStatus, SceneTruth
 from app.robots.config import RobotConfig
 from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS
@@ -135,3 +138,15 @@ async def test_the_microphones_process_ends_with_the_link_s_however_that_ends(
         asyncio.get_running_loop().remove_reader(descriptor)
         os.close(descriptor)
         await link.stop()
+
+
+async def test_a_sound_that_would_be_cut_off_is_refused(
+    robot: RobotConfig, hall: WorldConfig, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    file = tmp_path / "long.wav"
+    soundfile.write(file, np.zeros(130 * 8000, np.int16), 8000)
+    sound = {"name": "radio", "kind": "music", "clip": str(file), "at": [12.5, 11.5, 1.3]}
+    scenario = ScenarioConfig.model_validate({"name": "radio", "sounds": [sound]})
+    with pytest.raises(LinkFailed, match=r"long.wav' lasts 130 s; 120 s are the most without a loop"):
+        await SimulatedLink(deaf_but_for_sound(robot), hall, OFFSET, scenario).start()
+    assert not caplog.records
