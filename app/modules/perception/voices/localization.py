@@ -42,6 +42,8 @@ _REFLECTION_S = (0.0008, 0.012)
 _SMEARED = float(np.radians(6.0))
 #: The background is alone if nothing else sounds at this share of frequencies.
 _ALONE = 0.9
+#: How often it is asked whether the background comes from anywhere at all.
+_JUDGE_STEPS = 12
 #: Of a background heard that long, half is believed.
 _UNSURE_S = 0.2
 _AROUND = np.array([-1, 0, 1])[:, None, None]
@@ -128,6 +130,7 @@ class Localizer:
         self._still = np.zeros((pairs, bins), np.complex64)
         self._still_weight = np.zeros(bins, np.float32)
         self._still_steps = 0
+        self._directed = False
         self._unsure_steps = _UNSURE_S * rate / self.step
         self.reset()
 
@@ -228,9 +231,15 @@ class Localizer:
         self._still = self._still * keep + cross
         self._still_weight = self._still_weight * keep + weight
         self._still_steps += 1
+        if self._still_steps % _JUDGE_STEPS == 0:
+            agreed = self._still / (self._still_weight + np.float32(_SMALL))
+            strength = self._correlation(agreed)[self._cells].sum(axis=0).max() / len(self._still)
+            self._directed = bool(strength > self.settings.least_power)
 
     def _clear(self, mean: NDArray[np.complex64], weights: NDArray[np.float32]) -> NDArray[np.complex64]:
         """The cross spectra (P, B) of a mean without those of the background, each frequency alike."""
+        if not self._directed:
+            return np.asarray(mean / (weights[0] + np.float32(self.settings.doubt)))
         trust = np.float32(self._still_steps / (self._still_steps + self._unsure_steps))
         still = self._still * (trust * weights[1] / (self._still_weight + np.float32(_SMALL)))
         return np.asarray((mean - still) / (weights[0] + np.float32(self.settings.doubt)))

@@ -27,7 +27,9 @@ class TrackerSettings:
     second of ``echo`` on, and one the later from the first on. A track sounds (is active) while peaks' recent powers
     are at least ``active_power``, and for ``active_s`` longer. ``apart_deg``: nearer to a track none other is born.
     An echo only ever follows: within ``trial_s`` of its birth a track must have been ``proof_share`` of the strongest,
-    or louder than ``proof_loud`` of each other track for ``proof_steps`` steps; until it has, it is not told of.
+    or louder than ``proof_loud`` of each other track for ``proof_steps`` steps; until it has, it is not told of. Nor is
+    one that is silent for longer than ``told_s`` and ``told_heard`` times as long as it was heard, or than
+    ``told_moving_s`` if it moved by more than ``moving_degps``: it keeps its number, for when it is heard again.
     ``jerk_degps``: how much a source's angular velocity may change in one second (standard deviation, random walk);
     ``rest_s``: how soon a silent one is supposed to have stopped. ``error_deg``: of a peak of good power. ``lag_s``:
     how old what a peak says is on average.
@@ -55,6 +57,10 @@ class TrackerSettings:
     jerk_share: float = 1.5
     rest_s: float = 3.0
     heard_power: float = 0.015
+    told_s: float = 0.4
+    told_heard: float = 1.0
+    told_moving_s: float = 0.8
+    moving_degps: float = 5.0
     trial_s: float = 0.85
     proof_share: float = 0.38
     proof_loud: float = 0.7
@@ -143,7 +149,7 @@ class _Source:
 
     ``recent`` and ``share``: power of the last moments, and of the last half second in those of the strongest; as of
     now, 0 if it is not heard. ``louder``: for how many steps it was louder than each other track, by its number.
-    ``proven``: it was seen to sound of itself.
+    ``heard_s``: for how long it was heard. ``proven``: it was seen to sound of itself.
     """
 
     motion: _Motion
@@ -156,6 +162,7 @@ class _Source:
     recent: float = 0.0
     share: float = 0.0
     louder: dict[int, int] = field(default_factory=dict)
+    heard_s: float = 0.0
     proven: bool = False
 
 
@@ -207,11 +214,15 @@ class Tracker:
         self._bury(time_s)
         self._bear(time_s)
         self._prove()
-        return tuple(
-            self._track(source, time_s)
-            for source in self._sources
-            if source.id and (source.proven or time_s - source.born < settings.trial_s)
-        )
+        return tuple(self._track(source, time_s) for source in self._sources if self._told(source, time_s))
+
+    def _told(self, source: _Source, time_s: float) -> bool:
+        settings = self.settings
+        trusted = source.proven or time_s - source.born < settings.trial_s
+        moving = math.degrees(_speed(source.motion.velocity)) > settings.moving_degps
+        longest = settings.told_moving_s if moving else settings.silence_s
+        longest = min(longest, settings.told_s + settings.told_heard * source.heard_s)
+        return bool(source.id) and trusted and time_s - source.last_seen <= longest
 
     def _prove(self) -> None:
         settings = self.settings
@@ -268,6 +279,7 @@ class Tracker:
                 self._sight(sources[row], peaks, k, passed)
                 if peaks.recent[k] >= settings.heard_power:
                     sources[row].last_seen = time_s
+                    sources[row].heard_s += passed
                 if peaks.recent[k] >= settings.active_power:
                     sources[row].last_active = time_s
         return [k for k in free if k not in taken]
