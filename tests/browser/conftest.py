@@ -32,9 +32,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture
-def robot(tmp_path: Path) -> Iterator[Robot]:
-    """A robot of its own for each test."""
-    with running_robot(tmp_path) as running:
+def robot(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Robot]:
+    """A robot of its own for each test; a calm one for the tests of a file that says ``CALM = True``."""
+    with running_robot(tmp_path, calm=getattr(request.module, "CALM", False)) as running:
         yield running
 
 

@@ -36,6 +36,7 @@ CHROMIUM_ARGUMENTS = [
     "--disable-sync",
 ]
 START_WITHIN_S = 60
+CALM_IMV_HZ = 2
 
 
 @dataclass(frozen=True)
@@ -83,10 +84,14 @@ class Robot:
 
 
 @contextmanager
-def running_robot(folder: Path, scenario: Path | None = None) -> Iterator[Robot]:
-    """``hbba run`` on a free port, its files in ``folder``, with the people of ``scenario``; stopped at the end."""
+def running_robot(folder: Path, scenario: Path | None = None, *, calm: bool = False) -> Iterator[Robot]:
+    """``hbba run`` on a free port, its files in ``folder``, with the people of ``scenario``; stopped at the end.
+
+    ``calm``: it desires codes and hands alone, and looks round seldom, so that two cores are enough for world, program
+    and browser together where a test is about time.
+    """
     guard_log = folder / "guard.log"
-    program, start = _program(folder, guard_log, scenario)
+    program, start = _program(folder, guard_log, scenario, calm=calm)
     world = parse(config_dir() / "worlds" / "lab.yaml", WorldConfig)
     process = subprocess.Popen(
         [Path(sys.executable).with_name("hbba"), "run", "--config", program, "--port", "0"],
@@ -110,7 +115,7 @@ def running_robot(folder: Path, scenario: Path | None = None) -> Iterator[Robot]
         process.stdout.close()
 
 
-def _program(folder: Path, guard_log: Path, scenario: Path | None) -> tuple[Path, Pose2]:
+def _program(folder: Path, guard_log: Path, scenario: Path | None, *, calm: bool) -> tuple[Path, Pose2]:
     """The lab's program with the guard's log turned on, written to ``folder``; and where the robot starts."""
     config = config_dir()
     body = yaml.safe_load((config / "robots" / "irl1_tr.yaml").read_text())
@@ -120,11 +125,17 @@ def _program(folder: Path, guard_log: Path, scenario: Path | None) -> tuple[Path
         "world": str(config / "worlds" / "lab.yaml"),
         "scenario": None if scenario is None else str(scenario),
     }
-    (folder / "robot.yaml").write_text(yaml.safe_dump(body))
     program = yaml.safe_load((config / "lab.yaml").read_text())
+    channels = yaml.safe_load((config / program["channels"]).read_text())
+    if calm:
+        body["streams"]["imv"]["rate_hz"] = channels["imv"]["rate_hz"] = CALM_IMV_HZ
+        desires = [{"class": "FindQRCodes"}, {"class": "Teleoperation", "security": True}]
+        program["modules"]["ScenarioCoordinator"]["settings"] = {"desires": desires}
+    (folder / "robot.yaml").write_text(yaml.safe_dump(body))
+    (folder / "channels.yaml").write_text(yaml.safe_dump(channels))
     program |= {
         "robot": "robot.yaml",
-        "channels": str(config / program["channels"]),
+        "channels": "channels.yaml",
         "strategies": [str(config / file) for file in program["strategies"]],
     }
     path = folder / "program.yaml"

@@ -18,6 +18,8 @@ from tests.browser.running import Robot
 BRAKING_S = 1.0
 #: What a busy computer may add; how fast it really is, `make bench` tells.
 SLACK_S = 0.2
+#: About how soon the wheels stop: not about what else the computer can do beside.
+CALM = True
 
 
 def moving(row: GuardRow) -> bool:
