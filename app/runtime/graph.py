@@ -147,6 +147,10 @@ class FilterBank:
             del self._pinned[name]
             self.apply({name: divisor})
 
+    def undivided(self) -> Collection[str]:
+        """The filters that may only be open or closed."""
+        return frozenset(self._undivided)
+
     def pinned(self) -> Collection[str]:
         """The filters that are pinned now."""
         return self._pinned.keys()
@@ -265,9 +269,9 @@ class Graph:
             for name, slot in self.modules.items()
         }
 
-    def undivided(self) -> set[str]:
-        """The inputs ``Module.port`` whose channel may not be decimated: open or closed, nothing between."""
-        return {name for name, channel in self.inputs().items() if not self.specs[channel].decimable}
+    def undivided(self) -> Collection[str]:
+        """The filters ``Module.port`` whose channel may not be decimated: open or closed, nothing between."""
+        return self.filters.undivided()
 
     def inputs(self) -> dict[str, str]:
         """The channel of every connected input ``Module.port``."""
