@@ -27,7 +27,7 @@ from pydantic import Field
 from app.geometry import Pose2
 from app.messages import Face, Faces, Image, Odometry, read_only
 from app.modules.perception.faces.placing import FaceLooker, Sighting
-from app.modules.perception.faces.tracks import FaceTracks, Placed, TrackModel
+from app.modules.perception.faces.tracks import FaceTracks, Placed, TrackModel, prepare
 from app.modules.perception.faces.yunet import THRESHOLD, ModelMissing
 from app.modules.perception.height import People
 from app.modules.perception.opencv import use_calling_thread
@@ -82,6 +82,7 @@ class FaceDetector(Module):
         people = People(self.settings.height_mean_m, self.settings.height_sigma_m)
         try:
             self._looker = await self.compute(FaceLooker, self._min_score, people)
+            await self.compute(prepare)
         except ModelMissing as failure:
             raise ModuleFailed(str(failure)) from None
         self._tracks = FaceTracks(TrackModel(forget_s=self.settings.forget_s), self.kept.get(_NEXT_TRACK, 1))

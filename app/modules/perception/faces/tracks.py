@@ -23,7 +23,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 from app.geometry import Pose3
 from app.modules.perception.faces.placing import Sighting, ray_covariance
@@ -142,7 +141,7 @@ class FaceTracks:
                 distance = float(residual @ np.linalg.solve(S, residual))
                 if distance <= _GATES[len(residual)]:
                     costs[row, column] = distance + math.log(float(np.linalg.det(S)))
-        rows, columns = linear_sum_assignment(costs)
+        rows, columns = _assigned(costs)
         return {int(r): tracks[c] for r, c in zip(rows, columns, strict=True) if costs[r, c] < _NEVER}
 
     def _by_overlap(
@@ -159,7 +158,7 @@ class FaceTracks:
         if not left or not tracks:
             return {}
         shares = np.array([[overlap(sightings[i].face.box, t.boxes[camera][1]) for t in tracks] for i in left])
-        rows, columns = linear_sum_assignment(-shares)
+        rows, columns = _assigned(-shares)
         return {left[r]: tracks[c] for r, c in zip(rows, columns, strict=True) if shares[r, c] >= self._model.overlap}
 
     # --- filter --------------------------------------------------------------------------------------------------
@@ -247,3 +246,16 @@ def _across(ray: Vector) -> Vector:
     first = np.cross(helper, ray)
     first /= np.linalg.norm(first)
     return np.stack((first, np.cross(ray, first)))
+
+
+def prepare() -> None:
+    """Load what is loaded late, where it holds nobody up: in a module's thread."""
+    _assigned(np.zeros((1, 1)))
+
+
+def _assigned(costs: NDArray[np.float64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Rows and columns of least cost together (Kuhn, 1955)."""
+    from scipy.optimize import linear_sum_assignment  # takes a third of a second, which no start should wait for
+
+    rows, columns = linear_sum_assignment(costs)
+    return rows, columns

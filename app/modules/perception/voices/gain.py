@@ -36,7 +36,8 @@ class AutomaticGain:
         self._forget = settings.release_db_s / rate / 10
         self._attack = settings.attack
         self._peak = settings.peak
-        self._ramp = rate // 250
+        #: Louder within 4 ms; softer at once, since a sudden sound must not be cut off.
+        self._rise = np.linspace(0, 1, rate // 250, dtype=np.float32)
         self._loud: float | None = None
         self._gain = math.inf
 
@@ -49,18 +50,15 @@ class AutomaticGain:
             self._loud += self._attack * (power - self._loud)
         else:
             self._loud = max(power, self._loud * 10 ** (-self._forget * len(piece)))
-        highest = float(np.abs(piece).max())
+        highest = max(float(piece.max()), -float(piece.min()))
         gain = min(
             self._target / math.sqrt(self._loud + _SILENCE), self._most, self._peak / max(highest, math.sqrt(_SILENCE))
         )
+        out = piece * np.float32(gain)
         if gain > self._gain:
-            # Louder within 4 ms; softer at once, since a sudden sound must not be cut off.
-            gains = np.full(len(piece), gain, np.float32)
-            ramp = min(self._ramp, len(piece))
-            gains[:ramp] = np.linspace(self._gain, gain, ramp)
-            out = piece * gains
-        else:
-            out = piece * np.float32(gain)
+            rise = self._rise[: len(piece)]
+            before = np.float32(self._gain / gain)
+            out[: len(rise)] *= before + (1 - before) * rise
         self._gain = gain
         below = 10 * math.log10((self._loud + _SILENCE) / (power + _SILENCE))
         return out, max(0.0, below)
