@@ -54,6 +54,25 @@ def test_recorded_speech_is_a_voice(name: str) -> None:
     assert (found[levels > levels.max() - 30] > 0.5).mean() > 0.9
 
 
+def test_how_loud_a_voice_is_does_not_matter() -> None:
+    sound = read(reference_speech() / "librivox_sense_0870.wav")[: 4 * SPEECH_RATE]
+    loud = judged(sound)
+    for quieter_db in (20, 40):
+        quiet = judged(np.rint(sound * 10 ** (-quieter_db / 20) * 32768).astype(np.float32) / 32768)
+        assert abs((quiet > 0.5).mean() - (loud > 0.5).mean()) < 0.05
+
+
+def test_a_voice_remains_one_between_its_words() -> None:
+    sound = read(reference_speech() / "librivox_sense_0870.wav")[: 3 * SPEECH_RATE]
+    judge = SpeechJudge()
+    judge.hear({1: sound})
+    before = judge.speech(1)
+    assert before > 0.7
+    pause = np.random.default_rng(4).normal(0, 1e-3, SPEECH_RATE // CHUNK * CHUNK).astype(np.float32)
+    judge.hear({1: pause})
+    assert judge.speech(1) > 0.5
+
+
 def test_recorded_claps_and_dishes_are_none() -> None:
     folder = reference_speech() / "noise"
     assert judged(read(folder / "hydrogen_GMRockKit_HandClap.wav")).max() < 0.5
