@@ -71,7 +71,7 @@ def tour(browser: Browser, robot: Robot) -> None:
     shoot(page, "tour-found")
 
     page.get_by_test_id("tab-attention").click()
-    wish = {"class": "FindQRCodes", "intensity": 8, "utility": 4, "ttl": 20}
+    wish = {"class": "LocateVoices", "intensity": 8, "utility": 1, "ttl": 20}
     robot.request("POST", "/desires", wish)
     page.wait_for_timeout(9_000)
     shoot(page, "tour-desire")
