@@ -145,7 +145,7 @@ def why(page: Page) -> None:
     """Hover over the lane that gave way, and show the reason."""
     box = page.get_by_test_id("lane-canvas").bounding_box()
     assert box is not None
-    page.mouse.move(box["x"] + 0.9 * box["width"], box["y"] + 0.62 * box["height"])
+    page.mouse.move(box["x"] + 0.9 * box["width"], box["y"] + 0.17 * box["height"])
     page.get_by_test_id("lane-tooltip").wait_for()
     shoot(page, "tour-why")
     page.mouse.move(5, 5)
