@@ -31,7 +31,7 @@ def _panel(axes: Axes, relation: Relation, what: str, label: str, title: str) ->
     phis = [point.phi for point in relation.points]
     values = [getattr(point, what) for point in relation.points]
     line: Fit = getattr(relation, what)
-    x = np.linspace(0, 1, 50)
+    x = np.linspace(0, 1 / min(phis), 50)
     axes.plot(x, line.base + line.slope * x, color=_LINE, linewidth=1.5, zorder=1)
     half = [point.cpu_spread / 2 if what == "cpu" else 0 for point in relation.points]
     axes.errorbar(
@@ -50,7 +50,7 @@ def _panel(axes: Axes, relation: Relation, what: str, label: str, title: str) ->
     axes.set_xlabel("1/φ")
     shown = _apart(phis)
     axes.set_xticks([1 / phi for phi in shown], [f"1/{phi}" if phi > 1 else "1" for phi in shown])
-    axes.set_xlim(0, 1.05)
+    axes.set_xlim(0, 1.05 / min(phis))
     axes.set_ylim(bottom=min(0.0, *values))
     axes.grid(alpha=0.25)
     words = f"{line.base:.3g} + {line.slope:.3g}/φ\nresidual {line.residual:.2g}"
@@ -60,7 +60,8 @@ def _panel(axes: Axes, relation: Relation, what: str, label: str, title: str) ->
 def _apart(phis: list[int]) -> list[int]:
     """Those of ``phis`` whose labels do not overlap, the small ones first."""
     shown: list[int] = []
+    widest = 1 / min(phis)
     for phi in sorted(phis):
-        if not shown or 1 / shown[-1] - 1 / phi > 0.035:
+        if not shown or 1 / shown[-1] - 1 / phi > 0.07 * widest:
             shown.append(phi)
     return shown
