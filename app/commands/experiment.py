@@ -54,12 +54,10 @@ def run(args: argparse.Namespace) -> int:
     """Run the experiment that ``args`` name. Raises ConfigError."""
     import cv2
 
-    from app import logs
     from app.experiments.trial import ScriptBlocked
     from app.link import LinkFailed
 
     cv2.setNumThreads(1)
-    logs.configure("warning", as_json=False)
     try:
         return _trial(args) if args.experiment == "trial" else _overload(args)
     except (LinkFailed, ScriptBlocked) as failure:
@@ -68,12 +66,14 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _trial(args: argparse.Namespace) -> int:
+    from app import logs
     from app.commands.progress import shown
     from app.experiments.overload.report import document
     from app.experiments.simulated import simulated_program
     from app.experiments.tour import run as run_trial
 
     program = simulated_program(args.config, _scenario(args.scenario))
+    logs.configure("warning", as_json=False)
     with shown("driving") as progress:
         outcome, events = run_trial(program, args.record, lambda leg, of, label: progress(leg, of, label))
     if args.json:
@@ -92,12 +92,14 @@ def _trial(args: argparse.Namespace) -> int:
 
 
 def _overload(args: argparse.Namespace) -> int:
+    from app import logs
     from app.commands.progress import shown
     from app.experiments.overload.experiment import plan
     from app.experiments.overload.experiment import run as run_both
     from app.experiments.overload.report import document, doubts, plot, table
 
     what = plan(args.config, _scenario(args.scenario), args.seconds, args.budget)
+    logs.configure("warning", as_json=False)
     with shown("running") as progress:
         without, kept = run_both(what, lambda condition, part: progress(round(1000 * part), 1000, condition))
     if args.json:
