@@ -302,6 +302,7 @@ async def test_a_watch_that_forgets_waits_for_first_messages_anew(graph: Graph) 
 async def test_a_start_and_an_opening_are_quiet_and_a_source_that_never_comes_is_said_once(
     graph: Graph, caplog: pytest.LogCaptureFixture
 ) -> None:
+    caplog.set_level(logging.INFO, "hbba.freshness")
     clock = VirtualClock()
     states = {name: ModuleState(name, "running", clock.now()) for name in graph.modules}
     watch = FreshnessWatch(graph, states)
