@@ -54,7 +54,7 @@ def run(args: argparse.Namespace) -> int:
     """Run the experiment that ``args`` name. Raises ConfigError."""
     import cv2
 
-    from app.experiments.trial import ScriptBlocked
+    from app.experiments.script import ScriptBlocked
     from app.link import LinkFailed
 
     cv2.setNumThreads(1)
@@ -68,9 +68,9 @@ def run(args: argparse.Namespace) -> int:
 def _trial(args: argparse.Namespace) -> int:
     from app import logs
     from app.commands.progress import shown
-    from app.experiments.overload.report import document
+    from app.experiments.observation import document
     from app.experiments.simulated import simulated_program
-    from app.experiments.tour import run as run_trial
+    from app.experiments.trial import run as run_trial
 
     program = simulated_program(args.config, _scenario(args.scenario))
     logs.configure("warning", as_json=False)
@@ -94,9 +94,10 @@ def _trial(args: argparse.Namespace) -> int:
 def _overload(args: argparse.Namespace) -> int:
     from app import logs
     from app.commands.progress import shown
+    from app.experiments.observation import document
     from app.experiments.overload.experiment import plan
     from app.experiments.overload.experiment import run as run_both
-    from app.experiments.overload.report import document, doubts, plot, table
+    from app.experiments.overload.report import doubts, plot, table
 
     what = plan(args.config, _scenario(args.scenario), args.seconds, args.budget)
     logs.configure("warning", as_json=False)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,7 +12,6 @@ from app.robots.config import RobotConfig
 from app.robots.factory import create_link, load_body
 from app.robots.simulated.link import SimulatedLink
 from app.runtime.clock import RealClock
-from app.runtime.graph import Pin
 from app.system import System
 
 
@@ -25,12 +23,12 @@ class SimulatedProgram:
     body: RobotConfig
     scenario: Path
 
-    def system(self, pins: Mapping[str, Pin] | None = None) -> tuple[System, SimulatedLink]:
+    def system(self) -> tuple[System, SimulatedLink]:
         """A program to be entered, and its body. Raises ConfigError."""
         clock = RealClock()
         link = create_link(self.body, clock.offset)
         assert isinstance(link, SimulatedLink)
-        return System(self.configuration, link=link, body=self.body, clock=clock, pins=pins), link
+        return System(self.configuration, link=link, body=self.body, clock=clock), link
 
 
 def simulated_program(config: Path | None = None, scenario: Path | None = None) -> SimulatedProgram:

@@ -13,13 +13,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.attention.desires import Source
-from app.config import Configuration
+from app.experiments.observation import Observer, Outcome
 from app.experiments.overload.confinement import confined
-from app.experiments.overload.observation import Observer, Outcome
+from app.experiments.script import ScriptBlocked, Waypoint, drive_script, load_script
 from app.experiments.simulated import SimulatedProgram, simulated_program
-from app.experiments.trial import ScriptBlocked, Waypoint, drive_script, load_script
 from app.runtime.graph import Pin
-from app.system import System
 
 #: Before anything is measured, everything has started and the first pictures have come.
 SETTLE_S = 3.0
@@ -56,8 +54,12 @@ def run(what: Plan, told: Told) -> tuple[Outcome, Outcome]:
 
 
 async def _condition(what: Plan, attention: bool, told: Callable[[float], None]) -> Outcome:
-    system, link = what.program.system(pins=None if attention else _open(what.program.configuration))
+    system, link = what.program.system()
     clock = system.clock
+    if not attention:
+        for name in system.table.filters:
+            if name.partition(".")[0] not in NOT_PERCEPTION:
+                system.graph.filters.pin(name, Pin(1))
     async with system:
         assert link.process_id is not None
         for cls in WATCHING:
@@ -89,10 +91,3 @@ def _how(driving: asyncio.Task[None]) -> str:
     except ScriptBlocked as failure:
         return f"given up: {failure}"
     return "driven to its end"
-
-
-def _open(configuration: Configuration) -> dict[str, Pin]:
-    """Every filter that attention would set, at φ = 1."""
-    with_everything = System(configuration)
-    names = with_everything.table.filters
-    return {name: Pin(1) for name in sorted(names) if name.partition(".")[0] not in NOT_PERCEPTION}

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from app.experiments.overload.observation import RESULTS, Outcome
+from app.experiments.observation import RESULTS, Outcome
 
 TITLES = {
     "qr_codes": "QR codes looked for",
@@ -71,16 +69,6 @@ def doubts(outcomes: Sequence[Outcome], budget: float) -> list[str]:
     return said
 
 
-def document(outcomes: Sequence[Outcome], settings: dict[str, Any]) -> dict[str, Any]:
-    """Everything but the series, for machines; what is not known is null."""
-    entries = []
-    for outcome in outcomes:
-        entry = asdict(outcome)
-        del entry["series"]
-        entries.append(entry)
-    return {**settings, "outcomes": _plain(entries)}
-
-
 def plot(without: Outcome, kept: Outcome, path: Path) -> None:
     """Ages over time, ages' spread and CPU. Raises OSError where it cannot be written."""
     figure = Figure(figsize=(11, 7), layout="constrained")
@@ -134,11 +122,3 @@ def _missed(outcome: Outcome) -> str:
 
 def _ms(seconds: float) -> str:
     return f"{1e3 * seconds:.0f}"
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, float):
-        return round(value, 6) if math.isfinite(value) else None
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    return [_plain(item) for item in value] if isinstance(value, list | tuple) else value

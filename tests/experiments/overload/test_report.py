@@ -5,8 +5,8 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
-from app.experiments.overload.observation import Ages, Outcome
-from app.experiments.overload.report import document, doubts, plot, table
+from app.experiments.observation import Ages, Outcome, document
+from app.experiments.overload.report import doubts, plot, table
 
 
 def outcome(*, attention: bool, age: float) -> Outcome:

@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.errors import ConfigError
-from app.experiments.trial import (
+from app.experiments.script import (
     PATIENCE_S,
     ScriptBlocked,
     Sticks,

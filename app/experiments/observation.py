@@ -6,7 +6,7 @@ import asyncio
 import math
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any
 
@@ -82,6 +82,16 @@ class Outcome:
     utilities: dict[str, float]
     others_cpu: float = 0.0
     script: str = ""
+
+
+def document(outcomes: Sequence[Outcome], settings: dict[str, Any]) -> dict[str, Any]:
+    """Everything but the series, for machines; what is not known is null."""
+    entries = []
+    for outcome in outcomes:
+        entry = asdict(outcome)
+        del entry["series"]
+        entries.append(entry)
+    return {**settings, "outcomes": _plain(entries)}
 
 
 class Observer:
@@ -223,3 +233,11 @@ def _busy_s() -> float:
     """CPU time that all programs of this computer together have taken (s)."""
     times = psutil.cpu_times()
     return float(sum(times) - times.idle - getattr(times, "iowait", 0.0) - getattr(times, "guest", 0.0))
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, float):
+        return round(value, 6) if math.isfinite(value) else None
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    return [_plain(item) for item in value] if isinstance(value, list | tuple) else value
