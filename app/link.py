@@ -48,6 +48,11 @@ class RobotDescription:
     simulated: bool
     #: Whether :meth:`RobotLink.play` is heard.
     loudspeaker: bool = False
+    #: What the body covers of the floor, seen from above: corners (m) in ``base_link``, convex, counter-clockwise.
+    #: Empty for a body that does not move.
+    footprint: tuple[tuple[float, float], ...] = ()
+    #: How high it is (m): what hangs higher is not in its way.
+    height_m: float = 1.5
 
 
 class RobotLink(Protocol):

@@ -20,6 +20,9 @@ from app.attention.translator import EXPLAIN_S, Hysteresis, IntentionTranslator
 from app.attention.workspace import IntentionWorkspace, random_id
 from app.config import Configuration, load_configuration
 from app.link import RobotLink
+from app.maps.control import MapControl
+from app.maps.library import MapLibrary
+from app.maps.library import default_folder as default_maps_folder
 from app.modules.desire_classes import desire_classes
 from app.recording.control import RecorderControl
 from app.recording.library import RecordingLibrary, default_folder
@@ -54,6 +57,7 @@ class System:
         clock: Clock | None = None,
         pins: Mapping[str, Pin] | None = None,
         recordings: RecordingLibrary | None = None,
+        maps: MapLibrary | None = None,
         new_id: Callable[[], str] = random_id,
         partial: bool = False,
         reproducible: bool = False,
@@ -81,11 +85,15 @@ class System:
         self.timeline = Timeline(program.attention.history, self.clock.now)
         self.recordings = recordings or RecordingLibrary(default_folder())
         self.recorder = RecorderControl()
+        self.maps = maps or MapLibrary(default_maps_folder())
+        self.map = MapControl()
         services: dict[type[object], object] = {
             RobotLink: self.link,
             IntentionWorkspace: self.workspace,
             RecordingLibrary: self.recordings,
             RecorderControl: self.recorder,
+            MapLibrary: self.maps,
+            MapControl: self.map,
             ChannelTable: ChannelTable(configuration.channels),
         }
         self.graph = Graph(

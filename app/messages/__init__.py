@@ -4,14 +4,22 @@ Conventions (ARCHITECTURE.md, *Words*): SI units, radians, seconds; right-handed
 (REP 103/105: ``odom -> base_link -> ...``); camera optical frames x right, y down, z forward. ``stamp`` is the
 robot's clock at *capture*, seconds since the Unix epoch. Arrays are read-only: whoever makes a message passes its
 arrays through :func:`read_only`. Poses are named by monogram: ``X_WB`` is the pose of B in W, ``p_WB`` its
-translation; O is ``odom``, B ``base_link``, C a camera's optical frame, L the laser, M a microphone, A the array of
-them, Q a QR code, F a face, S a sound source.
+translation; M is ``map`` (in ``p_BM`` a microphone), O ``odom``, B ``base_link``, C a camera's optical frame, L the
+laser, A the array of microphones, Q a QR code, F a face, S a sound source.
 """
 
 from __future__ import annotations
 
 from app.messages.base import Message, read_only
 from app.messages.driving import Exploitation, LinkStatus, OperatorDrive, Twist
+from app.messages.navigation import (
+    Localization,
+    NavigationStatus,
+    OccupancyGrid,
+    PlannedPath,
+    Zone,
+    Zones,
+)
 from app.messages.percepts import (
     EncodedImage,
     Face,
@@ -69,13 +77,17 @@ __all__ = [
     "LaserScan",
     "LinkStatus",
     "LoadRecord",
+    "Localization",
     "LogLine",
     "LoudNoise",
     "Message",
     "ModuleRecord",
+    "NavigationStatus",
+    "OccupancyGrid",
     "Odometry",
     "OperatorDrive",
     "PersonTruth",
+    "PlannedPath",
     "PointCloud",
     "QRCode",
     "QRCodes",
@@ -87,5 +99,7 @@ __all__ = [
     "SoundSources",
     "SoundTruth",
     "Twist",
+    "Zone",
+    "Zones",
     "read_only",
 ]

@@ -10,7 +10,8 @@ class OperatorDrive:
     """What an operator's hands say: ``linear`` and ``angular`` in [-1, 1] of the robot's limits (forward, left).
 
     ``held`` is the dead-man: False means stop, whatever the rest says. ``stamp`` is the robot's clock at arrival,
-    ``sequence`` grows by one with each command of one operator session.
+    ``sequence`` grows by one with each command of one operator session. ``override`` is a hold of its own: while it is
+    held, what stands in the way does not stop the robot, but only a crawl is allowed.
     """
 
     stamp: float
@@ -19,6 +20,7 @@ class OperatorDrive:
     held: bool
     linear: float
     angular: float
+    override: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,11 +34,15 @@ class Twist:
 
 @dataclass(frozen=True, slots=True)
 class Exploitation:
-    """Which behavior's command the arbiter let through: ``behavior`` is None when nobody drives."""
+    """Which behavior's command the arbiter let through: ``behavior`` is None when nobody drives.
+
+    ``limited`` says in words why the collision monitor slowed or stopped it, "" where it did not.
+    """
 
     stamp: float
     behavior: str | None
     twist: Twist
+    limited: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -183,6 +184,13 @@ class StartPose(_Model):
     heading_deg: float = 0.0
 
 
+def circle(radius_m: float, corners: int = 16) -> tuple[tuple[float, float], ...]:
+    """A regular polygon around a circle of ``radius_m``: a round body's footprint."""
+    reach = radius_m / math.cos(math.pi / corners)
+    angles = (2 * math.pi * number / corners for number in range(corners))
+    return tuple((round(reach * math.cos(a), 4), round(reach * math.sin(a), 4)) for a in angles)
+
+
 class RobotConfig(_Model):
     """One body. :func:`load_robot_config` takes ``model``, ``world`` and ``scenario`` relative to the file itself."""
 
@@ -190,6 +198,10 @@ class RobotConfig(_Model):
     name: str = "IRL-1/TR"
     model: Path
     world: Path
+    footprint: Annotated[tuple[tuple[float, float], ...], Field(min_length=3, max_length=64)] = Field(
+        default=circle(0.28), description="corners (m) in base_link, convex, counter-clockwise, of what it covers"
+    )
+    height_m: Positive = Field(default=1.5, description="what hangs higher is not in its way")
     limits: LimitsConfig = LimitsConfig()
     base: BaseConfig = BaseConfig()
     streams: StreamsConfig = StreamsConfig()

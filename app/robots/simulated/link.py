@@ -235,6 +235,8 @@ def describe(robot: RobotConfig) -> RobotDescription:
         descriptions,
         simulated=True,
         loudspeaker=robot.loudspeaker is not None and streams.microphones is not None,
+        footprint=robot.footprint,
+        height_m=robot.height_m,
     )
 
 

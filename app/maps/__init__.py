@@ -1,0 +1,1 @@
+"""Maps that are kept: their folder, their files, and the one way to whoever makes them."""

@@ -1,0 +1,106 @@
+"""Where the robot is on a map, what the map is, and the way to a goal.
+
+Frame M is ``map``, fixed in the world: ``map -> odom -> base_link``. What jumps when a loop is closed or the robot is
+found again is ``X_MO``; ``odom`` never jumps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.geometry import Pose2
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Localization:
+    """Where the robot is on the map, as the scan taken at ``stamp`` says.
+
+    ``X_MO`` places ``odom`` on the map, ``X_MB = X_MO @ X_OB(stamp)`` the robot. ``covariance`` (3, 3) float64 of
+    ``X_MB``'s x, y (m^2) and theta (rad^2), along the map's axes. ``overlap`` in [0, 1] is the share of the scan that
+    fits the map. ``map`` names the map, "" while it has no name. ``state`` is ``mapping`` (the map grows), ``tracking``
+    (the pose is followed on a map that stays), ``searching`` (the robot looks for itself on the map) or ``lost`` (what
+    the laser sees has not fitted the map for a while): only by the first two may be driven.
+    """
+
+    stamp: float
+    X_MO: Pose2
+    X_MB: Pose2
+    covariance: NDArray[np.float64]
+    state: str
+    overlap: float
+    map: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OccupancyGrid:
+    """A map of what is free and what is not, in ``frame`` (``map`` or ``odom``).
+
+    ``cells`` (H, W) int8: −1 unknown, 0 free … 100 occupied (as ROS's ``nav_msgs/OccupancyGrid``). Cell [row, column]
+    covers x from ``origin[0] + column * resolution_m`` and y from ``origin[1] + row * resolution_m``, one resolution
+    each. ``version`` grows with every change of the cells.
+    """
+
+    stamp: float
+    frame: str
+    cells: NDArray[np.int8]
+    resolution_m: float
+    origin: tuple[float, float]
+    version: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlannedPath:
+    """A way to the goal: ``poses`` (N, 3) float64, x, y (m) and heading (rad) in ``frame``; none of them: no way."""
+
+    stamp: float
+    frame: str
+    poses: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class NavigationStatus:
+    """What a behavior that goes somewhere is about.
+
+    ``behavior`` is its name. ``goal`` is what was asked for (on the map; a heading that nobody asked for is NaN), None
+    without one; ``target`` where it really goes: the nearest reachable place, if the goal itself is not one.
+    ``remaining_m`` of the path, None where there is none. ``progress_stamp`` is when it last came nearer, along its
+    path, than ever before on the way to this goal. ``recoveries`` counts them since the goal was given. ``state`` is
+    ``idle``, ``planning``, ``following`` a path, ``recovering`` (clears, backs off, turns), ``waiting`` for what it
+    needs (a pose, a map, fresh sensors, a free way), ``arrived`` or ``unreachable``; ``reason`` says it to people, and
+    what would help.
+    """
+
+    stamp: float
+    behavior: str
+    state: str
+    reason: str
+    goal: Pose2 | None = None
+    target: Pose2 | None = None
+    remaining_m: float | None = None
+    progress_stamp: float | None = None
+    recoveries: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Zone:
+    """A part of the map that the robot keeps out of (``kind`` is ``keep_out``) or drives slowly in (``slow``).
+
+    ``polygon`` (N, 2) float64: its corners, at least 3, m on the map. ``speed`` is the share of the robot's greatest
+    speed allowed there, in ]0, 1]; of a ``keep_out`` zone it means nothing.
+    """
+
+    name: str
+    kind: str
+    polygon: NDArray[np.float64]
+    speed: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Zones:
+    """Every zone of the map in use; published when one changes."""
+
+    stamp: float
+    zones: tuple[Zone, ...]
