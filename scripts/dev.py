@@ -84,9 +84,10 @@ def main() -> int:
 
 
 def set_up(extras: set[str], *, page_wanted: bool = True) -> None:
-    """The virtual environment with ``extras`` and, if wanted, the page."""
+    """The virtual environment with ``extras``, the compiled kernels and, if wanted, the page."""
     make_environment()
     install(extras)
+    compile_kernels()
     if page_wanted:
         try:
             build_page()
@@ -143,6 +144,16 @@ def install(extras: set[str]) -> None:
         raise SetupFailed(f"pip could not install the project:\n{done.stdout.strip()[-3000:]}")
     content = {"hash": wanted, "extras": sorted(extras), "root": str(ROOT), "python": sys.version}
     STAMP.write_text(json.dumps(content), encoding="utf-8")
+
+
+def compile_kernels() -> None:
+    """Compile the numerical kernels unless they stand in the cache as they are now."""
+    asked = [PYTHON, "-c", "import sys; from app import compiled; sys.exit(0 if compiled.is_ready() else 1)"]
+    if run(asked) == 0:
+        return
+    say("compiling the numerical kernels (a minute the first time)")
+    if run([PYTHON, "-m", "app.compiled"]):
+        raise SetupFailed("The numerical kernels could not be compiled: what failed stands above.")
 
 
 def build_page() -> None:

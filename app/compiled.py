@@ -1,0 +1,129 @@
+"""Numerical kernels: functions that numba compiles, once on a computer, and that run without the interpreter's lock.
+
+A kernel has an explicit signature, so that it is compiled when its file is imported (not at its first call, in the
+midst of a robot's run) and loaded from numba's cache afterwards. Files with kernels are imported late, by whoever
+computes with them. ``python -m app.compiled`` compiles all of them; set-up does so.
+
+A kernel calls only kernels of its own file: numba's cache does not notice when one of another file changes.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import importlib
+import os
+import platform
+import subprocess
+import sys
+from collections.abc import Callable
+from importlib import metadata
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_APP = Path(__file__).resolve().parent
+#: What the import of a file with kernels looks like.
+_MARK = "from app.compiled import"
+
+
+def kernel(signature: str | list[str], *, fastmath: bool = False, **options: Any) -> Callable[[F], F]:
+    """Compile the function under it for ``signature``, as ``"float64[:](float32[::1], int64)"``; runs without the lock.
+
+    Arrays of a signature are writable ones: hand over a copy of one that is read-only. ``fastmath`` forgets NaN and
+    infinity: only for kernels that meet neither. Further ``options`` are numba's own.
+    """
+    import numba
+
+    def decorate(function: F) -> F:
+        return cast(F, numba.njit(signature, cache=True, nogil=True, fastmath=fastmath, **options)(function))
+
+    return decorate
+
+
+def kernel_modules() -> list[str]:
+    """The names of all modules of this program that have kernels."""
+    files = [file for file in sorted(_APP.rglob("*.py")) if file != Path(__file__).resolve() and _has_kernel(file)]
+    return [".".join(("app", *file.relative_to(_APP).with_suffix("").parts)) for file in files]
+
+
+def is_ready() -> bool:
+    """Whether all kernels stand compiled, as they are now, in the cache of this computer."""
+    try:
+        return _stamp_file().read_text(encoding="utf-8") == _digest(kernel_modules())
+    except OSError:
+        return False
+
+
+def make_ready() -> None:
+    """Compile, in a child process, what is not compiled yet: this one goes on at its pace. Blocks until it is done.
+
+    A failure to compile is left to whoever imports the kernels, who sees what it is.
+    """
+    if not is_ready():
+        subprocess.run([sys.executable, "-m", "app.compiled"], stdin=subprocess.DEVNULL, check=False)
+
+
+def compile_all(say: Callable[[str], None]) -> None:
+    """Compile every kernel of the program; ``say`` is told each file before its turn."""
+    names = kernel_modules()
+    for number, name in enumerate(names, 1):
+        say(f"compiling {name} ({number} of {len(names)})")
+        importlib.import_module(name)
+    stamp = _stamp_file()
+    try:
+        stamp.parent.mkdir(parents=True, exist_ok=True)
+        stamp.write_text(_digest(names), encoding="utf-8")
+    except OSError:
+        return  # nowhere to note it: numba compiles anew, or not, by its own cache
+
+
+def _has_kernel(file: Path) -> bool:
+    """Whether the file imports :func:`kernel` itself, not just this file's other functions."""
+    text = file.read_text(encoding="utf-8")
+    return _MARK in text and any(
+        isinstance(node, ast.ImportFrom)
+        and node.module == "app.compiled"
+        and any(alias.name == "kernel" for alias in node.names)
+        for node in ast.walk(ast.parse(text))
+    )
+
+
+def _digest(names: list[str]) -> str:
+    """Of everything that the compiled code depends on."""
+    digest = hashlib.sha256()
+    for part in (sys.version, platform.machine(), platform.processor(), _cpu(), metadata.version("numba")):
+        digest.update(part.encode())
+    for name in names:
+        digest.update(_APP.parent.joinpath(*name.split(".")).with_suffix(".py").read_bytes())
+    return digest.hexdigest()
+
+
+def _cpu() -> str:
+    import llvmlite.binding
+
+    return str(llvmlite.binding.get_host_cpu_name())
+
+
+def _stamp_file() -> Path:
+    """Beside the code, as numba's cache, where that may be written, else in the user's cache."""
+    beside = _APP / "__pycache__"
+    if os.access(beside if beside.is_dir() else _APP, os.W_OK):
+        return beside / "kernels.sha256"
+    cache = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(cache) / "hbba" / f"kernels-{hashlib.sha256(str(_APP).encode()).hexdigest()[:16]}.sha256"
+
+
+def main() -> int:
+    """Compile everything, telling each file on standard output."""
+
+    def say(text: str) -> None:
+        print(f"hbba: {text}", flush=True)
+
+    compile_all(say)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
