@@ -1,21 +1,68 @@
-"""The folder of maps: names, listing, renaming, deleting.
+"""The folder of maps: names, listing, keeping, renaming, deleting.
 
-A map is a folder of its own: ``map.yaml`` and ``map.pgm`` (as ROS's ``map_server`` reads them), ``graph.npz`` (its pose
-graph, with which mapping goes on), ``zones.yaml``.
+A map is a folder of its own: ``map.yaml`` and ``map.pgm`` (as ROS's ``map_server`` reads them), ``zones.yaml``, and
+what its maker keeps beside them (``graph.npz``, the pose graph with which mapping goes on). A map that another program
+made is used as it is once its YAML file is called ``map.yaml``.
 """
 
 from __future__ import annotations
 
 import os
 import re
+import shutil
+import tempfile
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
+
+from app.errors import ConfigError
+from app.maps.control import MapUnavailable
+from app.maps.map_server import pgm_bytes, read_map, yaml_text
+from app.maps.picture import shown_png
+from app.maps.zones import read_zones, zones_text
+from app.messages import OccupancyGrid, Zone
 
 #: What a map may be called: nothing that could leave the folder.
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
 
+MAP, PICTURE, ZONES, GRAPH = "map.yaml", "map.pgm", "zones.yaml", "graph.npz"
+
+
+class UnknownMap(MapUnavailable):
+    """There is no map of this name."""
+
+
+class MapNameTaken(MapUnavailable):
+    """Another map has this name already."""
+
+
+@dataclass(frozen=True, slots=True)
+class MapFacts:
+    """What is known of a kept map.
+
+    ``size_m``: width and height of its picture; ``known_m2``: how much of that is known; ``saved``: Unix time (s);
+    ``graph``: whether mapping can go on from it; ``zones``: how many it has; ``problem``: why it cannot be used, "" if
+    it can (the figures are 0 then).
+    """
+
+    name: str
+    saved: float
+    size_m: tuple[float, float] = (0.0, 0.0)
+    resolution_m: float = 0.0
+    known_m2: float = 0.0
+    graph: bool = False
+    zones: int = 0
+    problem: str = ""
+
 
 class MapLibrary:
-    """Maps in one folder. All methods touch the disk: call them off the event loop."""
+    """Maps in one folder. All methods touch the disk: call them off the event loop.
+
+    Those that take a name raise ValueError for one that may not be, UnknownMap for one that no map has, ConfigError for
+    a map whose files are damaged, and OSError where the disk refuses.
+    """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -28,6 +75,115 @@ class MapLibrary:
                 f" not {name!r}"
             )
         return self.folder / name
+
+    def names(self) -> list[str]:
+        """Every map there is, sorted."""
+        if not self.folder.is_dir():
+            return []
+        for left in self.folder.glob(".*.old"):
+            # A program that died between the two renames of `keep`.
+            former = self.folder / left.name[1:].removesuffix(".old")
+            if not former.exists():
+                left.rename(former)
+        found = (entry.name for entry in self.folder.iterdir() if (entry / MAP).is_file())
+        return sorted(name for name in found if NAME.fullmatch(name))
+
+    def existing(self, name: str) -> Path:
+        """The folder of the map ``name``."""
+        path = self.path(name)
+        if not (path / MAP).is_file():
+            names = self.names()
+            if name not in names:
+                raise UnknownMap(f"there is no map {name!r}; there are: {', '.join(names) or 'none'}")
+        return path
+
+    def listing(self) -> list[MapFacts]:
+        """Every map with its facts, sorted by name; a damaged one says what its problem is."""
+        return [self.facts(name) for name in self.names()]
+
+    def facts(self, name: str) -> MapFacts:
+        """What is known of the map ``name``; a damaged one says what its problem is."""
+        path = self.existing(name)
+        saved = (path / MAP).stat().st_mtime
+        try:
+            grid, zones = self.grid(name), self.zones(name)
+        except ConfigError as damage:
+            return MapFacts(name, saved, problem=str(damage))
+        height, width = grid.cells.shape
+        cell = grid.resolution_m
+        known = int(np.count_nonzero(grid.cells >= 0))
+        size = width * cell, height * cell
+        return MapFacts(name, saved, size, cell, known * cell**2, (path / GRAPH).is_file(), len(zones))
+
+    def grid(self, name: str) -> OccupancyGrid:
+        """Its cells."""
+        return read_map(self.existing(name) / MAP)
+
+    def zones(self, name: str) -> tuple[Zone, ...]:
+        """Its zones."""
+        return read_zones(self.existing(name) / ZONES)
+
+    def picture(self, name: str) -> bytes:
+        """PNG, as people draw maps: free white, occupied black, unknown grey."""
+        return shown_png(self.grid(name))
+
+    def keep(
+        self,
+        name: str,
+        grid: OccupancyGrid,
+        zones: Iterable[Zone] = (),
+        others: Mapping[str, Callable[[Path], None]] | None = None,
+    ) -> None:
+        """Keep ``grid`` and ``zones`` as the map ``name``; an older one of this name is replaced, wholly or not at all.
+
+        ``others``: file names and what writes each.
+        """
+        path = self.path(name)
+        self.folder.mkdir(parents=True, exist_ok=True)
+        new = Path(tempfile.mkdtemp(prefix=".new-", dir=self.folder))
+        try:
+            _write(new / PICTURE, pgm_bytes(grid))
+            _write(new / ZONES, zones_text(zones).encode())
+            for file, write in (others or {}).items():
+                write(new / file)
+            _write(new / MAP, yaml_text(grid, PICTURE).encode())
+            new.chmod(0o755)
+            old = self.folder / f".{name}.old"
+            if path.exists():
+                shutil.rmtree(old, ignore_errors=True)
+                path.rename(old)
+            new.rename(path)
+            shutil.rmtree(old, ignore_errors=True)
+        except BaseException:
+            shutil.rmtree(new, ignore_errors=True)
+            raise
+
+    def keep_zones(self, name: str, zones: Iterable[Zone]) -> None:
+        """Replace the zones of the map ``name``."""
+        path = self.existing(name) / ZONES
+        new = path.with_name(f".{ZONES}.new")
+        _write(new, zones_text(zones).encode())
+        new.replace(path)
+
+    def rename(self, name: str, to: str) -> None:
+        """Call the map ``name`` ``to`` from now on. Raises MapNameTaken where another has that name."""
+        path, target = self.existing(name), self.path(to)
+        if to != name:
+            if target.exists():
+                raise MapNameTaken(f"there is a map {to!r} already: delete it first, or choose another name")
+            path.rename(target)
+
+    def delete(self, name: str) -> None:
+        """Delete the map ``name`` with all that is kept with it."""
+        shutil.rmtree(self.existing(name))
+
+
+def _write(path: Path, data: bytes) -> None:
+    """Write a file so that it is on the disk when its folder gets its name."""
+    with path.open("wb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
 
 
 def default_folder() -> Path:

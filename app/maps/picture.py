@@ -1,0 +1,35 @@
+"""A map as a picture: for programs that colour it themselves, and for people."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from app.messages import OccupancyGrid
+
+#: What an unknown cell is in :func:`values_png`.
+UNKNOWN = 255
+
+
+def values_png(grid: OccupancyGrid) -> bytes:
+    """PNG, 8-bit grey, of the cells' own values: 0 free ... 100 occupied, 255 unknown. Its top row has the
+    greatest y.
+    """
+    return _png(grid.cells.view(np.uint8)[::-1])
+
+
+def shown_png(grid: OccupancyGrid) -> bytes:
+    """PNG, 8-bit grey, as people draw maps: free white, occupied black, unknown grey. Its top row has the greatest
+    y.
+    """
+    grey = np.round(254 - 2.54 * grid.cells.astype(np.float32)).astype(np.uint8)
+    grey[grid.cells < 0] = 205
+    return _png(grey[::-1])
+
+
+def _png(pixels: NDArray[np.uint8]) -> bytes:
+    done, data = cv2.imencode(".png", np.ascontiguousarray(pixels), [cv2.IMWRITE_PNG_COMPRESSION, 3])
+    if not done:
+        raise ValueError(f"no picture can be made of {pixels.shape[1]} x {pixels.shape[0]} cells")
+    return data.tobytes()

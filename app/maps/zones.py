@@ -1,0 +1,100 @@
+"""Zones as they stand in ``zones.yaml`` beside a map, and as people send them."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+
+from app.messages import Zone, read_only
+from app.yaml_source import load_yaml
+
+#: Nothing on a map is further from its origin (m).
+FURTHEST_M = 1e5
+#: A smaller one (m^2) is a slip of the hand, or a line.
+SMALLEST_M2 = 1e-3
+
+Metres = Annotated[float, Field(ge=-FURTHEST_M, le=FURTHEST_M, allow_inf_nan=False)]
+
+
+class ZoneEntry(BaseModel):
+    """One zone; see :class:`app.messages.Zone`."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: str = Field(min_length=1, max_length=100, description="what people call it; no two zones of a map share one")
+    kind: Literal["keep_out", "slow"] = Field(
+        "keep_out", description="the robot keeps out of it, or drives slowly in it"
+    )
+    polygon: tuple[tuple[Metres, Metres], ...] = Field(
+        min_length=3, max_length=1000, description="corners x, y on the map, m"
+    )
+    speed: float = Field(1.0, gt=0, le=1, description="share of the greatest speed allowed in a slow zone")
+
+    @field_validator("polygon")
+    @classmethod
+    def _has_an_area(cls, polygon: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+        area = 0.5 * math.fsum(
+            a[0] * b[1] - b[0] * a[1] for a, b in zip(polygon, (*polygon[1:], polygon[0]), strict=True)
+        )
+        # A crossed one may come to nothing though it covers something: its extent tells.
+        xs, ys = zip(*polygon, strict=True)
+        if abs(area) < SMALLEST_M2 and (max(xs) - min(xs)) * (max(ys) - min(ys)) < SMALLEST_M2:
+            raise ValueError("should cover some floor: its corners stand in one line or on one point")
+        return polygon
+
+    def zone(self) -> Zone:
+        """The message."""
+        return Zone(self.name, self.kind, read_only(np.array(self.polygon, dtype=np.float64)), self.speed)
+
+    @staticmethod
+    def of(zone: Zone) -> ZoneEntry:
+        """The entry of ``zone``. Raises pydantic's ValidationError for one that may not be."""
+        corners = tuple((x, y) for x, y in zone.polygon.tolist())
+        return ZoneEntry.model_validate({"name": zone.name, "kind": zone.kind, "polygon": corners, "speed": zone.speed})
+
+
+class ZoneFile(BaseModel):
+    """All zones of a map."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    zones: tuple[ZoneEntry, ...] = Field((), max_length=1000)
+
+    @model_validator(mode="after")
+    def _names_differ(self) -> ZoneFile:
+        names = [zone.name for zone in self.zones]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"two zones are called {name!r}; each needs a name of its own")
+        return self
+
+
+def checked(zones: Iterable[Zone]) -> tuple[Zone, ...]:
+    """``zones``, if they may be. Raises ValueError, which says what is wrong with them."""
+    return tuple(entry.zone() for entry in ZoneFile(zones=tuple(ZoneEntry.of(zone) for zone in zones)).zones)
+
+
+def read_zones(path: Path) -> tuple[Zone, ...]:
+    """The zones in the file ``path``; none where there is no file. Raises ConfigError with file and line."""
+    if not path.exists():
+        return ()
+    return tuple(entry.zone() for entry in load_yaml(path).validate(ZoneFile).zones)
+
+
+def zones_text(zones: Iterable[Zone]) -> str:
+    """The content of ``zones.yaml``: one zone a block, one corner beside the other."""
+    lines = ["# Zones of this map: keep_out, or slow at a share of the greatest speed; corners x, y in m on the map."]
+    entries = [ZoneEntry.of(zone) for zone in zones]
+    lines.append("zones:" if entries else "zones: []")
+    for entry in entries:
+        lines.append(f"  - name: {json.dumps(entry.name)}")
+        lines.append(f"    kind: {entry.kind}")
+        lines.append(f"    polygon: {json.dumps(entry.polygon)}")
+        lines.append(f"    speed: {json.dumps(entry.speed)}")
+    return "\n".join(lines) + "\n"
