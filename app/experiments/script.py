@@ -21,6 +21,7 @@ from app.errors import ConfigError
 from app.geometry import Pose2, wrap_angle
 from app.messages import GroundTruth, LaserScan, Odometry, OperatorDrive
 from app.robots.simulated.link import SimulatedLink
+from app.robots.simulated.lockstep import LockstepLink
 from app.robots.simulated.scenario_config import WaypointConfig, load_scenario
 from app.system import System
 
@@ -145,7 +146,7 @@ class _Hands:
         self._sees = "hokuyo" in streams
         if self._sees:
             stack.callback(self._link.attach("hokuyo", self._see_scan))
-        self._start = self._link.start_pose if isinstance(self._link, SimulatedLink) else Pose2()
+        self._start = self._link.start_pose if isinstance(self._link, SimulatedLink | LockstepLink) else Pose2()
 
     def _see_truth(self, truth: GroundTruth) -> None:
         self._pose = (truth.stamp, truth.X_WB)

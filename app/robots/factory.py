@@ -11,8 +11,10 @@ from app.robots.config import RobotConfig, StartPose, load_robot_config
 from app.robots.devices.config import JOINTS_HZ, ODOMETRY_HZ, STATUS_HZ, DevicesConfig, load_devices_config
 from app.robots.model import load_model
 from app.robots.simulated.link import SimulatedLink
-from app.robots.simulated.scenario_config import load_scenario
+from app.robots.simulated.lockstep import LockstepLink
+from app.robots.simulated.scenario_config import ScenarioConfig, load_scenario
 from app.robots.simulated.world_config import WorldConfig
+from app.runtime.clock import Clock
 from app.yaml_source import load_yaml, parse
 
 Body = RobotConfig | DevicesConfig
@@ -51,15 +53,32 @@ def create_link(robot_config: Body, clock_offset: float) -> RobotLink:
     """
     if isinstance(robot_config, DevicesConfig):
         return _devices(robot_config, clock_offset)
-    _check_model(robot_config)
-    world = parse(robot_config.world, WorldConfig)
-    if robot_config.scenario is None:
-        return SimulatedLink(robot_config, world, clock_offset)
-    scenario = load_scenario(robot_config.scenario)
+    robot, world, scenario = simulated_parts(robot_config)
+    return SimulatedLink(robot, world, clock_offset, scenario)
+
+
+def create_lockstep(robot_config: RobotConfig, clock: Clock, *, cameras: bool = False) -> LockstepLink:
+    """The simulated body ``robot_config`` in the program's own process, in step with ``clock``; see ``lockstep.py``.
+
+    Raises ConfigError (file, line, key) if its model or its world is wrong.
+    """
+    robot, world, scenario = simulated_parts(robot_config)
+    return LockstepLink(robot, world, clock, scenario, cameras=cameras)
+
+
+def simulated_parts(robot: RobotConfig) -> tuple[RobotConfig, WorldConfig, ScenarioConfig | None]:
+    """What a simulated body is put together from: itself, where it starts in its scenario; its world; the scenario.
+
+    Raises ConfigError.
+    """
+    _check_model(robot)
+    world = parse(robot.world, WorldConfig)
+    if robot.scenario is None:
+        return robot, world, None
+    scenario = load_scenario(robot.scenario)
     if scenario.start is not None:
-        start = StartPose(**scenario.start.model_dump())
-        robot_config = robot_config.model_copy(update={"start": start})
-    return SimulatedLink(robot_config, world, clock_offset, scenario)
+        robot = robot.model_copy(update={"start": StartPose(**scenario.start.model_dump())})
+    return robot, world, scenario
 
 
 def _devices(config: DevicesConfig, clock_offset: float) -> RobotLink:

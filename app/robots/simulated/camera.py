@@ -21,7 +21,7 @@ import mujoco
 from numpy.random import Generator
 
 from app.robots.config import StreamsConfig
-from app.robots.simulated.eyes import Eye, FisheyeEye, KinectEye
+from app.robots.simulated.eyes import Eye, open_eyes
 from app.robots.simulated.image_ring import SLOTS, ImageRing
 from app.robots.simulated.painter import Painter, Snapshot
 from app.robots.simulated.wire import ImageNotice
@@ -96,7 +96,7 @@ class CameraThread:
     def _run(self) -> None:
         try:
             painter = Painter(self._model)
-            eyes = self._eyes(painter)
+            eyes = open_eyes(painter, self._model, self._streams, self._rngs)
             self._ready.set()
             self._serve(eyes)
             painter.close()
@@ -104,19 +104,6 @@ class CameraThread:
             self.failure = failure
             self._ready.set()
             self._wake()
-
-    def _eyes(self, painter: Painter) -> dict[str, Eye]:
-        eyes: dict[str, Eye] = {}
-        kinect, imv = self._streams.kinect, self._streams.imv
-        if kinect is not None:
-            eye = eyes["kinect"] = KinectEye(painter, self._model, kinect, self._rngs["kinect"])
-            first = Snapshot.initial(self._model)
-            for _ in eye.draw(first):  # OpenGL makes itself ready with the first picture
-                pass
-        if imv is not None:
-            base = kinect.height if kinect is not None else 0
-            eyes["imv"] = FisheyeEye(painter, self._model, imv, self._rngs["imv"], base)
-        return eyes
 
     def _serve(self, eyes: Mapping[str, Eye]) -> None:
         jobs: dict[str, _Job] = {}

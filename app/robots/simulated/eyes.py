@@ -6,7 +6,7 @@ again, with fresh noise, where nothing that it may see has moved since.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Protocol
 
 import mujoco
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from app.robots.config import ImvConfig, KinectConfig
+from app.robots.config import ImvConfig, KinectConfig, StreamsConfig
 from app.robots.simulated.body import PREFIX
 from app.robots.simulated.color_noise import ColorNoise
 from app.robots.simulated.fisheye import Tiling, tile
@@ -143,3 +143,19 @@ class FisheyeEye:
         self._noise = ColorNoise(c.height, c.width, c.color_noise, self._rng)
         self._painter.reserve(tiling.width, self._base + tiling.height)
         return tiling
+
+
+def open_eyes(
+    painter: Painter, model: mujoco.MjModel, streams: StreamsConfig, rngs: Mapping[str, Generator]
+) -> dict[str, Eye]:
+    """The cameras of ``streams``, by stream, each with its own random numbers; OpenGL is ready when it returns."""
+    eyes: dict[str, Eye] = {}
+    kinect, imv = streams.kinect, streams.imv
+    if kinect is not None:
+        eye = eyes["kinect"] = KinectEye(painter, model, kinect, rngs["kinect"])
+        for _ in eye.draw(Snapshot.initial(model)):  # OpenGL makes itself ready with the first picture
+            pass
+    if imv is not None:
+        base = kinect.height if kinect is not None else 0
+        eyes["imv"] = FisheyeEye(painter, model, imv, rngs["imv"], base)
+    return eyes

@@ -32,12 +32,12 @@ from app.robots.simulated import wire
 from app.robots.simulated.gl import check_gl, gl_environment
 from app.robots.simulated.image_ring import ImageRings, create_memory, memory_bytes
 from app.robots.simulated.lenses import lenses, picture_formats
+from app.robots.simulated.receivers import Receivers
 from app.robots.simulated.scenario_config import ScenarioConfig
 from app.robots.simulated.world_config import WorldConfig
 
 START_TIMEOUT_S = 20.0
 STOP_TIMEOUT_S = 0.6
-ALWAYS_ON = ("odometry", "joints", "status")
 _UNSENT_BYTES = 4096
 _LAST_LINES = 12
 
@@ -59,8 +59,7 @@ class SimulatedLink:
         self._clock_offset = clock_offset
         self._description = describe(robot)
         self._lenses = lenses(robot)
-        self._receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in self._description.streams}
-        self._wanted: set[str] = set()
+        self._receivers = Receivers(self._description)
         self._session: _Session | None = None
         self._e_stop: str | None = None
         self.images_overwritten = 0
@@ -92,7 +91,7 @@ class SimulatedLink:
             raise LinkFailed(problem)
         session = await _Session.open(self._robot, self._receive)
         self._session = session
-        wanted = frozenset(self._wanted)
+        wanted = frozenset(self._receivers.wanted)
         session.send(wire.Start(self._robot, self._world, self._clock_offset, wanted, self._e_stop, self._scenario))
         try:
             async with asyncio.timeout(START_TIMEOUT_S):
@@ -119,25 +118,11 @@ class SimulatedLink:
 
     def attach(self, stream: str, receive: Callable[[Any], None]) -> Callable[[], None]:
         """Call ``receive(message)`` on the loop for each message of ``stream``; returns the detacher."""
-        if stream not in self._receivers:
-            raise KeyError(f"{self._robot.name} has no stream {stream!r}; it has {', '.join(self._receivers)}")
-        receivers = self._receivers[stream]
-        receivers.append(receive)
-
-        def detach() -> None:
-            with contextlib.suppress(ValueError):
-                receivers.remove(receive)
-
-        return detach
+        return self._receivers.attach(stream, receive)
 
     def demand(self, stream: str, wanted: bool) -> None:
         """Tell whether anybody listens to ``stream``; may be told before :meth:`start`."""
-        if stream not in self._receivers:
-            raise KeyError(f"{self._robot.name} has no stream {stream!r}; it has {', '.join(self._receivers)}")
-        if stream in ALWAYS_ON or wanted == (stream in self._wanted):
-            return
-        (self._wanted.add if wanted else self._wanted.discard)(stream)
-        if self._session is not None:
+        if self._receivers.demand(stream, wanted) and self._session is not None:
             self._session.send(wire.Demand(stream, wanted))
 
     def command(self, twist: Twist) -> None:
@@ -179,12 +164,12 @@ class SimulatedLink:
                 elif isinstance(message, Audio):
                     read_only(message.samples)
                     read_only(message.p_BM)
-                self._deliver(stream, message)
+                self._receivers.deliver(stream, message)
             case wire.ImageNotice():
                 self._deliver_image(frame)
 
     def _deliver_image(self, notice: wire.ImageNotice) -> None:
-        if not self._receivers[notice.stream] or self._session is None:
+        if not self._receivers.listened(notice.stream) or self._session is None:
             return
         pictures = self._session.rings.read(notice.stream, notice.slot, notice.sequence)
         if pictures is None:
@@ -195,16 +180,7 @@ class SimulatedLink:
         read_only(notice.X_BC.rotation)
         read_only(notice.X_BC.translation)
         image = Image(notice.stamp, frame, color, depth, lens, notice.X_BC)
-        self._deliver(notice.stream, image)
-
-    def _deliver(self, stream: str, message: Any) -> None:
-        for receive in tuple(self._receivers[stream]):
-            try:
-                receive(message)
-            except Exception as failure:  # noqa: BLE001  # one receiver's fault must not cut the others off, nor pass in silence
-                asyncio.get_running_loop().call_exception_handler(
-                    {"message": f"a receiver of {stream} raised", "exception": failure}
-                )
+        self._receivers.deliver(notice.stream, image)
 
 
 def describe(robot: RobotConfig) -> RobotDescription:

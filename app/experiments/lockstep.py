@@ -1,0 +1,111 @@
+"""A whole program in a simulated world that keeps its time: as fast as this computer can, and the same each time.
+
+``run_in_world(configuration, body, script)`` builds the program around a body in lockstep (``LockstepLink``), runs the
+coroutine ``script`` beside it in virtual time and returns what that returns.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+from collections.abc import Awaitable, Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+from app.config import Configuration
+from app.maps.library import MapLibrary
+from app.modules.recording.recorder import Recorder
+from app.robots.config import RobotConfig
+from app.robots.factory import create_lockstep
+from app.robots.simulated.lockstep import LockstepLink
+from app.runtime.clock import VirtualClock, run_virtual
+from app.runtime.graph import Pin, load_class
+from app.system import System
+
+T = TypeVar("T")
+
+PATIENCE_S = 600.0
+"""A thread that owes a result for longer (real s) is given up: then only would a run depend on the machine."""
+ORIGIN = 1_000_000.0
+"""The robot's clock (s) at the begin."""
+
+
+@dataclass(frozen=True, slots=True)
+class WorldRun:
+    """A program under way: ``system`` is all of it, ``link`` its body, which tells the truth."""
+
+    system: System
+    link: LockstepLink
+
+
+def run_in_world(
+    configuration: Configuration,
+    body: RobotConfig,
+    script: Callable[[WorldRun], Awaitable[T]],
+    *,
+    cameras: bool = False,
+    pins: Mapping[str, Pin] | None = None,
+    maps: MapLibrary | None = None,
+) -> T:
+    """Run ``script`` beside the program of ``configuration`` in the world of ``body``, in virtual time.
+
+    Modules of streams that the body does not have (its cameras, without ``cameras``; its microphones) are left out,
+    and strategies serve without them. ``pins`` and ``maps`` as for ``System``. Not to be called on an event loop.
+    Raises what the script raises, ConfigError, and what ended the program if it ended before the script.
+    """
+    clock = VirtualClock(ORIGIN)
+    link = create_lockstep(body, clock, cameras=cameras)
+    system = System(
+        able(configuration, link),
+        link=link,
+        body=body,
+        clock=clock,
+        pins=pins,
+        maps=maps,
+        new_id=_numbered(),
+        partial=True,
+        reproducible=True,
+    )
+    return run_virtual(_run(WorldRun(system, link), script), patience_s=PATIENCE_S)
+
+
+def able(configuration: Configuration, link: LockstepLink) -> Configuration:
+    """``configuration`` without the modules that need a stream that the body of ``link`` does not have.
+
+    What those would feed comes from nowhere, and whoever listens hears nothing. Recorders are left out as well: they
+    write in real time.
+    """
+    streams = set(link.description.streams)
+    modules = {}
+    for name, spec in configuration.program.modules.items():
+        kind = load_class(spec.class_path)  # one that does not exist is the graph's to refuse
+        if kind is None or (set(kind.streams.values()) <= streams and not issubclass(kind, Recorder)):
+            modules[name] = spec
+    produced = {channel for spec in modules.values() for channel in spec.outputs.values()}
+    channels = {
+        name: spec if name in produced else spec.model_copy(update={"external": True, "rate_hz": None})
+        for name, spec in configuration.channels.items()
+    }
+    program = configuration.program.model_copy(update={"modules": modules})
+    return replace(configuration, program=program, channels=channels)
+
+
+async def _run(run: WorldRun, script: Callable[[WorldRun], Awaitable[T]]) -> T:
+    async with run.system:
+        failed = asyncio.create_task(run.system.wait_failed(), name="failure")
+        scripted = asyncio.ensure_future(script(run))
+        try:
+            await asyncio.wait({scripted, failed}, return_when=asyncio.FIRST_COMPLETED)
+            if not scripted.done():
+                raise failed.result()
+            return scripted.result()
+        finally:
+            failed.cancel()
+            scripted.cancel()
+            await asyncio.wait({failed, scripted})
+
+
+def _numbered() -> Callable[[], str]:
+    """Ids of desires in the order they come."""
+    numbers = itertools.count(1)
+    return lambda: f"d{next(numbers)}"

@@ -1,0 +1,71 @@
+"""What the body touches besides the floor: the truth, for whoever measures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from app.geometry import Pose2
+
+if TYPE_CHECKING:  # MuJoCo looks for its OpenGL library when it is imported
+    from app.robots.simulated.body import Simulation
+
+APART_S = 0.5
+"""Touched again after so long, a thing is touched anew."""
+FLOOR = "floor"
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """The body began to touch ``what`` at ``stamp`` (robot's clock, s), standing at ``X_WB``.
+
+    ``at``: where on the body's surface (m, world). ``what`` names the shape, or its body where it has no name: a wall,
+    ``crate3.0``, ``person0/trunk``.
+    """
+
+    stamp: float
+    what: str
+    at: tuple[float, float, float]
+    X_WB: Pose2
+
+
+class ContactWatch:
+    """Notes contacts of a simulation; :meth:`look` after each step."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self._simulation = simulation
+        model = simulation.model
+        of_robot = model.body_rootid[model.geom_bodyid] == model.body_rootid[simulation.base_body]
+        self._obstacle = ~of_robot
+        self._obstacle[model.geom(FLOOR).id] = False
+        self._last: dict[int, float] = {}
+        self._found: list[Contact] = []
+
+    @property
+    def found(self) -> tuple[Contact, ...]:
+        """So far, in the order they began."""
+        return tuple(self._found)
+
+    def look(self, stamp: float) -> None:
+        """Note what is touched now."""
+        contacts = self._simulation.data.contact
+        pairs = contacts.geom
+        touching = self._obstacle[pairs]
+        if not touching.any():
+            return
+        for index in np.flatnonzero(touching.any(axis=1)):
+            geom = int(pairs[index][touching[index]][0])
+            if stamp - self._last.get(geom, -np.inf) > APART_S:
+                x, y, z = (float(v) for v in contacts.pos[index])
+                self._found.append(Contact(stamp, self._name(geom), (x, y, z), self._simulation.true_pose()))
+            self._last[geom] = stamp
+
+    def _name(self, geom: int) -> str:
+        model = self._simulation.model
+        name = str(model.geom(geom).name)
+        if name:
+            return name
+        body = str(model.body(int(model.geom_bodyid[geom])).name)
+        return "a wall" if body == "world" else body

@@ -1,0 +1,192 @@
+"""A simulated body that lives in the program's own process and steps its world on the program's clock.
+
+On a ``VirtualClock`` a whole program so runs faster than real time, and the same each time: time stands while anything
+computes, and the world takes its turns (250 a second, as in the link's process) between what the program does. Guard,
+physics, odometry, laser, people and joints are those of the link's process (``living_world.py``). For tests and
+experiments; ``hbba run`` keeps the real process, for a guard in the program's own process protects nobody.
+
+    configuration = load_configuration(paths.config_dir() / "lab.yaml")
+    body = load_body(configuration.path(configuration.program.robot))
+
+    async def script(run: WorldRun) -> Pose2:
+        run.link.command(Twist(run.system.clock.now(), 0.3, 0.0))     # or desires: run.system.workspace.add(...)
+        await run.system.clock.sleep(0.2)                             # 50 turns of the world
+        return run.link.true_pose()                                   # the truth is the experimenter's to ask
+
+    pose = run_in_world(configuration, body, script)                  # app.experiments.lockstep
+
+There is no stream ``microphones``, and ``kinect`` and ``imv`` only with ``cameras``: their pictures are then drawn
+while time stands, and come with the step they show.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import os
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from app.geometry import Pose2
+from app.link import LinkFailed, RobotDescription
+from app.messages import Audio, Image, LaserScan, PersonTruth, Twist, read_only
+from app.robots.config import RobotConfig
+from app.robots.simulated import wire
+from app.robots.simulated.contacts import Contact
+from app.robots.simulated.gl import check_gl, gl_environment
+from app.robots.simulated.lenses import picture_formats
+from app.robots.simulated.link import describe
+from app.robots.simulated.receivers import Receivers
+from app.robots.simulated.scenario_config import ScenarioConfig
+from app.robots.simulated.world_config import WorldConfig
+from app.runtime.clock import Clock
+
+if TYPE_CHECKING:  # MuJoCo looks for its OpenGL library when it is imported
+    from app.robots.simulated.lockstep_world import LockstepWorld
+
+
+class LockstepLink:
+    """Implements ``app.link.RobotLink`` for a robot in a world that turns on ``clock``."""
+
+    def __init__(
+        self,
+        robot: RobotConfig,
+        world: WorldConfig,
+        clock: Clock,
+        scenario: ScenarioConfig | None = None,
+        *,
+        cameras: bool = False,
+    ) -> None:
+        self._robot = without_threads(robot, cameras=cameras)
+        self._world = world
+        self._scenario = scenario
+        self._clock = clock
+        self._description = describe(self._robot)
+        self._receivers = Receivers(self._description)
+        self._e_stop: str | None = None
+        self._living: LockstepWorld | None = None
+        self._turning: asyncio.Task[None] | None = None
+
+    @property
+    def description(self) -> RobotDescription:
+        """What this body is; known before :meth:`start`."""
+        return self._description
+
+    @property
+    def start_pose(self) -> Pose2:
+        """``X_WO``: where in the world odometry begins, as configured."""
+        start = self._robot.start
+        return Pose2(start.x, start.y, math.radians(start.heading_deg))
+
+    # The truth, for tests and experiments; modules do not know this class.
+
+    def true_pose(self) -> Pose2:
+        """``X_WB`` now; the start before :meth:`start`."""
+        return self._living.simulation.true_pose() if self._living is not None else self.start_pose
+
+    @property
+    def people(self) -> tuple[PersonTruth, ...]:
+        """Everybody in the world, as of now."""
+        return self._living.stage.people if self._living is not None else ()
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """Every time that the body touched something other than the floor, since :meth:`start`."""
+        return self._living.contacts.found if self._living is not None else ()
+
+    # app.link.RobotLink
+
+    async def start(self) -> None:
+        """Build the world and let it turn. Raises LinkFailed, having released everything."""
+        if self._turning is not None:
+            if not self._turning.done():
+                raise LinkFailed("The simulated robot runs already.")
+            await self.stop()
+        if picture_formats(self._robot) and (problem := check_gl()):
+            raise LinkFailed(problem)
+        for name, value in gl_environment().items():
+            os.environ.setdefault(name, value)
+        from app.robots.simulated.lockstep_world import LockstepWorld
+
+        self._living = LockstepWorld(
+            self._robot, self._world, self._scenario, self._receive, wanted=self._receivers.wanted, e_stop=self._e_stop
+        )
+        self._turning = asyncio.create_task(self._turn(self._living), name="world in lockstep")
+
+    async def stop(self) -> None:
+        """Stop the wheels, release everything; idempotent."""
+        turning, self._turning = self._turning, None
+        living, self._living = self._living, None
+        if turning is not None:
+            turning.cancel()
+            await asyncio.wait({turning})
+        if living is not None:
+            living.close()
+
+    async def wait_failed(self) -> LinkFailed:
+        """Wait until the world cannot turn on; return why."""
+        if self._turning is None:
+            return LinkFailed("The simulated robot was not started.")
+        turning = self._turning
+        await asyncio.wait({turning})
+        error = None if turning.cancelled() else turning.exception()
+        failure = LinkFailed(f"The simulated world stopped: {error or 'it was told to'}.")
+        failure.__cause__ = error
+        return failure
+
+    def attach(self, stream: str, receive: Callable[[Any], None]) -> Callable[[], None]:
+        """Call ``receive(message)`` for each message of ``stream``; returns the detacher."""
+        return self._receivers.attach(stream, receive)
+
+    def demand(self, stream: str, wanted: bool) -> None:
+        """Tell whether anybody listens to ``stream``; may be told before :meth:`start`."""
+        if self._receivers.demand(stream, wanted):
+            self._accept(wire.Demand(stream, wanted))
+
+    def command(self, twist: Twist) -> None:
+        """Give the base a velocity."""
+        self._accept(wire.Drive(twist.stamp, twist.linear_mps, twist.angular_radps))
+
+    def play(self, audio: Audio) -> None:
+        """Swallow it: this body has no loudspeaker."""
+
+    def e_stop(self, reason: str) -> None:
+        """Latch the emergency stop, also beyond a restart of the link."""
+        if self._e_stop is None:
+            self._e_stop = reason
+        self._accept(wire.EStop(reason))
+
+    def clear_e_stop(self) -> None:
+        """Release the latch."""
+        self._e_stop = None
+        self._accept(wire.ClearEStop())
+
+    def _accept(self, frame: object) -> None:
+        if self._living is not None:
+            self._living.accept(frame)
+
+    def _receive(self, stream: str, message: object) -> None:
+        if isinstance(message, LaserScan):
+            read_only(message.ranges)
+            read_only(message.intensities)
+        elif isinstance(message, Image):
+            read_only(message.color)
+            if message.depth is not None:
+                read_only(message.depth)
+        self._receivers.deliver(stream, message)
+
+    async def _turn(self, living: LockstepWorld) -> None:
+        began, turns = self._clock.now(), 0
+        while True:
+            turns += 1
+            await self._clock.sleep_until(began + turns * living.turn_s)
+            living.lockstep(self._clock.now(), began)
+
+
+def without_threads(robot: RobotConfig, *, cameras: bool) -> RobotConfig:
+    """``robot`` without what needs processes of its own: ears and voice, and eyes unless ``cameras``."""
+    removed: dict[str, None] = {"microphones": None}
+    if not cameras:
+        removed |= {"kinect": None, "imv": None}
+    streams = robot.streams.model_copy(update=removed)
+    return robot.model_copy(update={"streams": streams, "loudspeaker": None, "guard_log": None})

@@ -1,0 +1,60 @@
+"""Who listens to which stream of a body in its world: one table for every kind of simulated link."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Callable
+from typing import Any
+
+from app.link import RobotDescription
+
+ALWAYS_ON = ("odometry", "joints", "status")
+"""Streams that run whether anybody listens or not."""
+
+
+class Receivers:
+    """The receivers of each stream of ``description``, and which streams are ``wanted``."""
+
+    def __init__(self, description: RobotDescription) -> None:
+        self._robot = description.name
+        self._receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in description.streams}
+        self.wanted: set[str] = set()
+
+    def attach(self, stream: str, receive: Callable[[Any], None]) -> Callable[[], None]:
+        """As ``RobotLink.attach``. Raises KeyError naming the streams there are."""
+        receivers = self._of(stream)
+        receivers.append(receive)
+
+        def detach() -> None:
+            with contextlib.suppress(ValueError):
+                receivers.remove(receive)
+
+        return detach
+
+    def demand(self, stream: str, wanted: bool) -> bool:
+        """Note whether ``stream`` is wanted; True where that changes anything. Raises KeyError as :meth:`attach`."""
+        self._of(stream)
+        if stream in ALWAYS_ON or wanted == (stream in self.wanted):
+            return False
+        (self.wanted.add if wanted else self.wanted.discard)(stream)
+        return True
+
+    def listened(self, stream: str) -> bool:
+        """Whether anybody is attached to ``stream``."""
+        return bool(self._receivers[stream])
+
+    def deliver(self, stream: str, message: Any) -> None:
+        """Give ``message`` to everybody attached; one receiver's fault is the loop's to tell and cuts no other off."""
+        for receive in tuple(self._receivers[stream]):
+            try:
+                receive(message)
+            except Exception as failure:  # noqa: BLE001  # must not cut the others off, nor pass in silence
+                asyncio.get_running_loop().call_exception_handler(
+                    {"message": f"a receiver of {stream} raised", "exception": failure}
+                )
+
+    def _of(self, stream: str) -> list[Callable[[Any], None]]:
+        if stream not in self._receivers:
+            raise KeyError(f"{self._robot} has no stream {stream!r}; it has {', '.join(self._receivers)}")
+        return self._receivers[stream]
