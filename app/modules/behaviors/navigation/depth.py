@@ -1,0 +1,1 @@
+"""Depth pictures as obstacles on the floor: compiled kernels of the local costmap."""
