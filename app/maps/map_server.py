@@ -77,9 +77,8 @@ def pgm_bytes(grid: OccupancyGrid) -> bytes:
     pixels = np.full(cells.shape, _UNKNOWN, np.uint8)
     pixels[(cells >= 0) & (cells <= FREE_UP_TO)] = _FREE
     pixels[cells >= OCCUPIED_FROM] = _OCCUPIED
-    height, width = pixels.shape
-    head = f"P5\n# HBBA {grid.resolution_m:.3f} m/pix\n{width} {height}\n255\n"
-    return head.encode() + pixels.tobytes()
+    height, width = grid.cells.shape
+    return f"P5\n# {grid.resolution_m:.3f} m/pix\n{width} {height}\n255\n".encode() + pixels.tobytes()
 
 
 def _pixels(path: Path) -> NDArray[np.uint8]:
@@ -91,8 +90,7 @@ def _pixels(path: Path) -> NDArray[np.uint8]:
     pixels = _decoded(data)
     if pixels is None:
         raise ConfigError("the map's picture is damaged, or of a kind that is none of PGM and PNG", str(path))
-    height, width = pixels.shape[:2]
-    if max(height, width) > LONGEST_SIDE:
+    if max(pixels.shape) > LONGEST_SIDE:
         raise ConfigError(f"the map's picture has more than {LONGEST_SIDE} pixels on a side", str(path))
     if data[:2] == b"P5" and not _whole_pgm(data):
         # OpenCV fills what is missing with grey.

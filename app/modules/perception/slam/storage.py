@@ -1,0 +1,135 @@
+"""The pose graph in a file, ``graph.npz``: keyframes with what they saw, where they are, and what joins them.
+
+An archive of arrays, as numpy writes them, without pickles. Rows of keyframes stand one after another in ``points``,
+``ends`` and ``hits``; ``points_of`` and ``ends_of`` (N + 1) say where each begins and the last ends.
+"""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.errors import ConfigError
+from app.geometry import Pose2
+from app.modules.perception.slam.values import Edge, Keyframe, SlamState
+
+FORMAT = 1
+
+
+def write_state(path: Path, state: SlamState) -> None:
+    """Write ``state`` to the file ``path``."""
+    keyframes, edges = state.keyframes, state.edges
+    with path.open("wb") as file:
+        np.savez_compressed(
+            file,
+            format=np.array(FORMAT),
+            id=np.array([k.id for k in keyframes], np.int64),
+            stamp=np.array([k.stamp for k in keyframes], np.float64),
+            travelled_m=np.array([k.travelled_m for k in keyframes], np.float64),
+            origin=np.array([k.origin for k in keyframes], np.float32).reshape(-1, 2),
+            pose=np.array([(p.x, p.y, p.theta) for p in state.poses], np.float64).reshape(-1, 3),
+            points=_joined([k.points for k in keyframes], (0, 4), np.float32),
+            points_of=_places([k.points for k in keyframes]),
+            ends=_joined([k.ends for k in keyframes], (0, 2), np.float32),
+            ends_of=_places([k.ends for k in keyframes]),
+            hits=_joined([k.hits for k in keyframes], (0,), np.bool_),
+            edge=np.array([(e.a, e.b) for e in edges], np.int64).reshape(-1, 2),
+            edge_pose=np.array([(e.X_ab.x, e.X_ab.y, e.X_ab.theta) for e in edges], np.float64).reshape(-1, 3),
+            edge_information=np.array([e.information for e in edges], np.float64).reshape(-1, 3),
+            edge_loop=np.array([e.loop for e in edges], np.bool_),
+            submap=np.array([id for submap in state.submaps for id in submap], np.int64),
+            submap_of=_places(state.submaps),
+        )
+        file.flush()
+
+
+def read_state(path: Path) -> SlamState:
+    """The state in the file ``path``. Raises ConfigError for one that is damaged or of another format."""
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            arrays = {name: archive[name] for name in archive.files}
+    except OSError as failure:
+        raise ConfigError(f"the map's graph cannot be read: {failure.strerror or failure}", str(path)) from None
+    except (ValueError, EOFError, KeyError, zipfile.BadZipFile, zipfile.LargeZipFile) as damage:
+        raise ConfigError(f"the map's graph is damaged: {damage}", str(path)) from None
+    try:
+        if int(arrays["format"]) != FORMAT:
+            raise ConfigError(f"the map's graph has format {arrays['format']}; this program reads {FORMAT}", str(path))
+        return _state(arrays)
+    except KeyError as missing:
+        raise ConfigError(f"the map's graph is damaged: it has no {missing}", str(path)) from None
+    except (ValueError, TypeError, IndexError) as damage:
+        raise ConfigError(f"the map's graph is damaged: {damage}", str(path)) from None
+
+
+def _state(a: Mapping[str, NDArray[Any]]) -> SlamState:
+    ids = _checked(a, "id", np.int64, (-1,))
+    count = len(ids)
+    known = set(ids.tolist())
+    if len(known) != count:
+        raise ValueError("two keyframes have the same id")
+    stamps, travelled = (_checked(a, name, np.float64, (count,)) for name in ("stamp", "travelled_m"))
+    origins = _checked(a, "origin", np.float32, (count, 2))
+    poses = _checked(a, "pose", np.float64, (count, 3))
+    points = _split(_checked(a, "points", np.float32, (-1, 4)), a, "points_of", count)
+    all_ends = _checked(a, "ends", np.float32, (-1, 2))
+    ends = _split(all_ends, a, "ends_of", count)
+    hits = _split(_checked(a, "hits", np.bool_, (len(all_ends),)), a, "ends_of", count)
+    keyframes = tuple(
+        Keyframe(
+            id=int(ids[i]), stamp=float(stamps[i]), points=points[i], ends=ends[i], hits=hits[i], origin=origins[i],
+            travelled_m=float(travelled[i]),
+        )
+        for i in range(count)
+    )  # fmt: skip
+    pairs = _checked(a, "edge", np.int64, (-1, 2))
+    measured = _checked(a, "edge_pose", np.float64, (len(pairs), 3))
+    information = _checked(a, "edge_information", np.float64, (len(pairs), 3))
+    loops = _checked(a, "edge_loop", np.bool_, (len(pairs),))
+    submaps = _split(_checked(a, "submap", np.int64, (-1,)), a, "submap_of", None)
+    if not known.issuperset(pairs.ravel().tolist()) or not known.issuperset(a["submap"].tolist()):
+        raise ValueError("it names keyframes that it does not have")
+    edges = tuple(
+        Edge(int(one), int(other), Pose2(*X.tolist()), (float(w[0]), float(w[1]), float(w[2])), bool(loop))
+        for (one, other), X, w, loop in zip(pairs, measured, information, loops, strict=True)
+    )
+    return SlamState(
+        keyframes, tuple(Pose2(*pose) for pose in poses.tolist()), edges, tuple(tuple(s.tolist()) for s in submaps)
+    )
+
+
+def _joined(parts: list[NDArray[Any]], empty: tuple[int, ...], dtype: type[np.generic]) -> NDArray[Any]:
+    return np.concatenate(parts).astype(dtype, copy=False) if parts else np.zeros(empty, dtype)
+
+
+def _places(parts: Any) -> NDArray[np.int64]:
+    """Where each part begins in their sequence, and where the last ends."""
+    return np.cumsum([0, *(len(part) for part in parts)], dtype=np.int64)
+
+
+def _checked(
+    arrays: Mapping[str, NDArray[Any]], name: str, dtype: type[np.generic], shape: tuple[int, ...]
+) -> NDArray[Any]:
+    """The array ``name``, of this kind and shape (−1: any length), every number finite."""
+    array = arrays[name]
+    if array.dtype != dtype or array.ndim != len(shape):
+        raise ValueError(f"{name} has {array.ndim} dimensions of {array.dtype}")
+    if any(wanted not in (-1, there) for wanted, there in zip(shape, array.shape, strict=True)):
+        raise ValueError(f"{name} has the shape {array.shape}")
+    if array.dtype.kind == "f" and not np.isfinite(array).all():
+        raise ValueError(f"{name} has numbers that are not finite")
+    return array
+
+
+def _split(
+    array: NDArray[Any], arrays: Mapping[str, NDArray[Any]], places: str, count: int | None
+) -> list[NDArray[Any]]:
+    bounds = _checked(arrays, places, np.int64, (-1 if count is None else count + 1,))
+    if not len(bounds) or bounds[0] != 0 or bounds[-1] != len(array) or (np.diff(bounds) < 0).any():
+        raise ValueError(f"{places} does not fit what it divides")
+    return [np.ascontiguousarray(array[a:b]) for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
