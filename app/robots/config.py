@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from app.errors import ConfigError
 from app.link import BaseLimits
@@ -184,6 +184,25 @@ class StartPose(_Model):
     heading_deg: float = 0.0
 
 
+def check_footprint(corners: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+    """``corners`` if they are a convex polygon, counter-clockwise, around the base's origin. Raises ValueError."""
+    following = (*corners[1:], corners[0])
+    edges = [(bx - ax, by - ay) for (ax, ay), (bx, by) in zip(corners, following, strict=True)]
+    if any(math.hypot(*edge) < 1e-6 for edge in edges):
+        raise ValueError("two corners that follow each other are the same")
+    turns = [ax * by - ay * bx for (ax, ay), (bx, by) in zip(edges, (*edges[1:], edges[0]), strict=True)]
+    if all(turn < 0 for turn in turns):
+        raise ValueError("the corners go clockwise; name them counter-clockwise, as seen from above")
+    around = sum(math.atan2(turn, ax * bx + ay * by) for turn, (ax, ay), (bx, by) in zip(
+        turns, edges, (*edges[1:], edges[0]), strict=True
+    ))  # fmt: skip
+    if any(turn < -1e-9 for turn in turns) or abs(around - 2 * math.pi) > 1e-6:
+        raise ValueError("the polygon is not convex: going round it, every corner must turn left")
+    if any(ex * -ay - ey * -ax <= 0 for (ax, ay), (ex, ey) in zip(corners, edges, strict=True)):
+        raise ValueError("base_link, at (0, 0), does not lie inside it")
+    return corners
+
+
 def circle(radius_m: float, corners: int = 16) -> tuple[tuple[float, float], ...]:
     """A regular polygon around a circle of ``radius_m``: a round body's footprint."""
     reach = radius_m / math.cos(math.pi / corners)
@@ -213,6 +232,11 @@ class RobotConfig(_Model):
     guard_log: Path | None = Field(
         default=None, description="record every step of the guard in this file (guard_log.py)"
     )
+
+    @field_validator("footprint")
+    @classmethod
+    def _footprint_is_sound(cls, corners: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+        return check_footprint(corners)
 
 
 def load_robot_config(path: Path | str) -> RobotConfig:

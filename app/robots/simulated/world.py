@@ -21,6 +21,7 @@ from app.robots.simulated.world_config import (
     CODE_RISE_M,
     LETTER_HEIGHT_M,
     LETTER_WIDTH_M,
+    CylindersConfig,
     DoorConfig,
     ObjectConfig,
     PosterConfig,
@@ -82,6 +83,8 @@ class _Builder:
         # What hides comes before what it hides, for shapes are drawn in this order: a hidden pixel costs a third
         for number, item in enumerate(self._config.objects):
             self._object(number, item)
+        for number, cylinders in enumerate(self._config.cylinders):
+            self._cylinders(number, cylinders)
         for number, poster in enumerate(self._config.posters):
             self._poster(number, poster)
         for wall in self._config.walls:
@@ -202,6 +205,12 @@ class _Builder:
             if isinstance(part.material, str) and part.material not in materials:
                 part = Part(part.shape, part.at, part.size, (0.5, 0.5, 0.5), part.rpy, part.solid)
             self._geom(part, X_WP, name=f"{item.kind}{number}.{index}")
+
+    def _cylinders(self, number: int, cylinders: CylindersConfig) -> None:
+        size, middle = (2 * cylinders.radius, 2 * cylinders.radius, cylinders.height), cylinders.height / 2
+        for index, (x, y) in enumerate(cylinders.at):
+            part = Part("cylinder", (x, y, middle), size, cylinders.material)
+            self._geom(part, Pose3.identity(), name=f"cylinder{number}.{index}")
 
     def _poster(self, number: int, poster: PosterConfig) -> None:
         name = f"poster{number}"

@@ -118,6 +118,15 @@ class ObjectConfig(_Model):
         return kind
 
 
+class CylindersConfig(_Model):
+    """Upright cylinders that are alike, standing on the floor at the points ``at``: a field of obstacles in few lines."""
+
+    at: Annotated[tuple[Point, ...], Field(min_length=1, max_length=5000)]
+    radius: Positive = 0.075
+    height: Positive = 1.0
+    material: str
+
+
 class PosterConfig(_Model):
     """A US-Letter page with a QR code, flat on a wall.
 
@@ -185,6 +194,7 @@ class WorldConfig(_Model):
     rooms: tuple[RoomConfig, ...] = ()
     gaps: tuple[GapConfig, ...] = ()
     objects: tuple[ObjectConfig, ...] = ()
+    cylinders: tuple[CylindersConfig, ...] = ()
     posters: tuple[PosterConfig, ...] = ()
     ambient: Annotated[float, Field(ge=0, le=1)] = 0.45
     lights: tuple[LightConfig, ...] = ()
@@ -193,6 +203,7 @@ class WorldConfig(_Model):
     @model_validator(mode="after")
     def _materials_exist(self) -> WorldConfig:
         used = [self.floor, *(w.material for w in self.walls), *(a.material for a in self.areas)]
+        used += [c.material for c in self.cylinders]
         used += [name for name in (self.ceiling, *(o.material for o in self.objects)) if name is not None]
         for name in used:
             if name not in self.materials:
