@@ -1,0 +1,107 @@
+"""What is tried when the body does not get on, in which order, and when people are asked (a pure state machine).
+
+One *round*: **wait** (a person passes), **clear** (what the costmap remembers is forgotten, and the way planned anew),
+**back off** (along the way it came), **turn** (look around), **open up** (what is unknown or was in the way once counts
+as free). After each, the way is tried again; what gets the body nearer to its goal than it ever was ends the round.
+After ``rounds`` of them it **asks** people for help, waits, and begins anew.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Measure(Enum):
+    """What is done about not getting on; the values say it to people."""
+
+    WAIT = "waiting for the way to clear"
+    CLEAR = "looking afresh at what stands around"
+    BACK_OFF = "backing off along the way it came"
+    TURN = "turning to look around"
+    OPEN_UP = "trying ways it does not know or that were blocked before"
+    ASK = "it does not get on by itself: clear its way, or drive it into the open"
+
+
+#: The order within a round.
+LADDER = (Measure.WAIT, Measure.CLEAR, Measure.BACK_OFF, Measure.TURN, Measure.OPEN_UP)
+
+
+@dataclass(frozen=True, slots=True)
+class RecoverySettings:
+    """``stuck_s`` without getting on begins a measure. Waiting takes ``wait_s``; backing off ends after ``back_m`` or
+    ``back_s``, a turn after ``turn_rad`` or ``turn_s``; ``rounds`` of all measures before people are asked, who have
+    ``ask_s``.
+    """
+
+    stuck_s: float = 1.5
+    wait_s: float = 1.5
+    back_m: float = 0.4
+    back_s: float = 4.0
+    turn_rad: float = 1.6
+    turn_s: float = 6.0
+    rounds: int = 2
+    ask_s: float = 15.0
+
+
+class Recovery:
+    """Chooses measures; knows nothing of how they are done."""
+
+    def __init__(self, settings: RecoverySettings | None = None) -> None:
+        self.settings = settings or RecoverySettings()
+        #: Measures begun since the goal was given.
+        self.count = 0
+        self._rung = 0
+        self._round = 0
+        self._current: Measure | None = None
+        self._began = 0.0
+
+    @property
+    def current(self) -> Measure | None:
+        """What is being done; None while the way is followed."""
+        return self._current
+
+    def begin(self, now: float) -> Measure:
+        """The body does not get on: the next measure, which becomes :attr:`current`."""
+        if self._rung == len(LADDER):
+            self._rung = 0
+            self._round += 1
+        if self._round >= self.settings.rounds:
+            self._round = 0
+            self._current = Measure.ASK
+        else:
+            self._current = LADDER[self._rung]
+            self._rung += 1
+            self.count += 1
+        self._began = now
+        return self._current
+
+    def over(self, now: float, *, driven_m: float = 0.0, turned_rad: float = 0.0, barred: bool = False) -> bool:
+        """Whether :attr:`current` has done what it can: ``driven_m`` and ``turned_rad`` since it began; ``barred``: the
+        body may not move as the measure wants."""
+        s, elapsed = self.settings, now - self._began
+        match self._current:
+            case None | Measure.CLEAR | Measure.OPEN_UP:
+                return True
+            case Measure.WAIT:
+                return elapsed >= s.wait_s
+            case Measure.ASK:
+                return elapsed >= s.ask_s
+            case Measure.BACK_OFF:
+                return barred or driven_m >= s.back_m or elapsed >= s.back_s
+            case Measure.TURN:
+                return barred or turned_rad >= s.turn_rad or elapsed >= s.turn_s
+
+    def end(self) -> None:
+        """The measure is over: the way is followed again."""
+        self._current = None
+
+    def succeeded(self) -> None:
+        """The body came nearer to its goal than ever: the next time it begins with the mildest measure."""
+        self._rung = self._round = 0
+
+    def reset(self) -> None:
+        """Another goal."""
+        self.succeeded()
+        self.end()
+        self.count = 0
