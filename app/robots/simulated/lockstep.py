@@ -27,13 +27,14 @@ import os
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from app.errors import ConfigError
 from app.geometry import Pose2
 from app.link import LinkFailed, RobotDescription
 from app.messages import Audio, Image, LaserScan, PersonTruth, Twist, read_only
 from app.robots.config import RobotConfig
 from app.robots.simulated import wire
 from app.robots.simulated.contacts import Contact
-from app.robots.simulated.gl import check_gl, gl_environment
+from app.robots.simulated.gl import GlUnavailable, check_gl, gl_environment
 from app.robots.simulated.lenses import picture_formats
 from app.robots.simulated.link import describe
 from app.robots.simulated.receivers import Receivers
@@ -106,11 +107,15 @@ class LockstepLink:
             raise LinkFailed(problem)
         for name, value in gl_environment().items():
             os.environ.setdefault(name, value)
-        from app.robots.simulated.lockstep_world import LockstepWorld
-
-        self._living = LockstepWorld(
-            self._robot, self._world, self._scenario, self._receive, wanted=self._receivers.wanted, e_stop=self._e_stop
-        )
+        # A world takes a second to build, and time need not know
+        try:
+            living = await asyncio.to_thread(self._build)
+        except (ConfigError, GlUnavailable) as failure:
+            raise LinkFailed(str(failure)) from None
+        living.wanted |= self._receivers.wanted
+        if self._e_stop is not None:
+            living.accept(wire.EStop(self._e_stop))
+        self._living = living
         self._turning = asyncio.create_task(self._turn(self._living), name="world in lockstep")
 
     async def stop(self) -> None:
@@ -174,6 +179,11 @@ class LockstepLink:
             if message.depth is not None:
                 read_only(message.depth)
         self._receivers.deliver(stream, message)
+
+    def _build(self) -> LockstepWorld:
+        from app.robots.simulated.lockstep_world import LockstepWorld
+
+        return LockstepWorld(self._robot, self._world, self._scenario, self._receive)
 
     async def _turn(self, living: LockstepWorld) -> None:
         began, turns = self._clock.now(), 0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -29,11 +29,8 @@ class LockstepWorld(LivingWorld):
         world: WorldConfig,
         scenario: ScenarioConfig | None,
         send: Callable[[str, object], None],
-        *,
-        wanted: Iterable[str] = (),
-        e_stop: str | None = None,
     ) -> None:
-        super().__init__(robot, world, scenario, send, wanted=wanted, e_stop=e_stop)
+        super().__init__(robot, world, scenario, send)
         self.contacts = ContactWatch(self.simulation)
         self._steps = 0
         self._lenses = lenses(robot)

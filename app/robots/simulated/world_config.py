@@ -119,7 +119,7 @@ class ObjectConfig(_Model):
 
 
 class CylindersConfig(_Model):
-    """Upright cylinders that are alike, standing on the floor at the points ``at``: a field of obstacles in few lines."""
+    """Upright cylinders that are alike, on the floor at the points ``at``: a field of obstacles in few lines."""
 
     at: Annotated[tuple[Point, ...], Field(min_length=1, max_length=5000)]
     radius: Positive = 0.075

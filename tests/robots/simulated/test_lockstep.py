@@ -1,0 +1,219 @@
+"""The body in lockstep: the same world as the process's, on the program's clock, the same each time."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Awaitable, Callable
+from typing import Any, TypeVar
+
+import numpy as np
+import pytest
+
+from app.link import LinkFailed
+from app.messages import GroundTruth, Image, LaserScan, LinkStatus, Odometry, SceneTruth, Twist
+from app.robots.config import RobotConfig
+from app.robots.simulated.lockstep import LockstepLink
+from app.robots.simulated.scenario_config import ScenarioConfig
+from app.robots.simulated.world_config import WorldConfig
+from app.runtime.clock import VirtualClock, run_virtual
+from tests.robots.conftest import make_hall, needs_gl
+
+T = TypeVar("T")
+WALKING = ScenarioConfig.model_validate(
+    {
+        "name": "one walks",
+        "people": [
+            {"name": "one", "face": "pilot", "at": (6, 6), "script": [{"walk": (6, 9), "speed": 1.0}, {"walk": (6, 6)}]}
+        ],
+    }
+)
+
+
+class Body:
+    """A link in lockstep with everything it says."""
+
+    def __init__(self, link: LockstepLink, clock: VirtualClock) -> None:
+        self.link, self.clock = link, clock
+        self.heard: dict[str, list[Any]] = {stream: [] for stream in link.description.streams}
+        for stream, messages in self.heard.items():
+            link.attach(stream, messages.append)
+
+    async def drive(self, linear: float, angular: float, seconds: float) -> None:
+        for _ in range(round(seconds / 0.05)):
+            self.link.command(Twist(self.clock.now(), linear, angular))
+            await self.clock.sleep(0.05)
+
+
+def live(
+    robot: RobotConfig,
+    world: WorldConfig,
+    script: Callable[[Body], Awaitable[T]],
+    scenario: ScenarioConfig | None = None,
+    *,
+    cameras: bool = False,
+) -> T:
+    """Run ``script`` in the world in virtual time."""
+
+    async def run() -> T:
+        clock = VirtualClock()
+        body = Body(LockstepLink(robot, world, clock, scenario, cameras=cameras), clock)
+        await body.link.start()
+        try:
+            return await script(body)
+        finally:
+            await body.link.stop()
+
+    return run_virtual(run())
+
+
+def at(robot: RobotConfig, x: float, y: float, heading_deg: float = 0.0) -> RobotConfig:
+    start = robot.start.model_copy(update={"x": x, "y": y, "heading_deg": heading_deg})
+    return robot.model_copy(update={"start": start})
+
+
+def test_streams_run_at_their_rates_by_the_programs_clock_and_unwanted_ones_not(
+    robot: RobotConfig, hall: WorldConfig
+) -> None:
+    async def script(body: Body) -> dict[str, list[Any]]:
+        await body.clock.sleep(1.0)
+        assert not body.heard["hokuyo"]
+        for stream in ("hokuyo", "ground_truth", "scene_truth"):
+            body.link.demand(stream, True)
+        for messages in body.heard.values():
+            messages.clear()
+        await body.clock.sleep(2.0)
+        return body.heard
+
+    heard = live(at(robot, 10, 10), hall, script, WALKING)
+    rates = {"odometry": 100, "joints": 30, "status": 20, "hokuyo": 40, "ground_truth": 100, "scene_truth": 20}
+    assert set(heard) == set(rates)  # no ears, and eyes only where asked for
+    for stream, rate_hz in rates.items():
+        assert len(heard[stream]) == pytest.approx(2 * rate_hz, abs=2), stream
+        stamps = [message.stamp for message in heard[stream]]
+        assert stamps == sorted(stamps)
+    scan: LaserScan = heard["hokuyo"][-1]
+    assert scan.ranges.shape == (720,)
+    assert not scan.ranges.flags.writeable
+    assert scan.ranges[360] == pytest.approx(19.9 - 10.2, abs=0.05)  # the east wall, from the laser ahead of the base
+    status: LinkStatus = heard["status"][-1]
+    assert status.world_rate == 1.0
+    truth: SceneTruth = heard["scene_truth"][-1]
+    assert truth.people[0].y > 6.5
+
+
+def test_it_drives_as_the_guard_lets_it_and_stops_when_commands_end(robot: RobotConfig, hall: WorldConfig) -> None:
+    async def script(body: Body) -> tuple[float, float, list[LinkStatus], Odometry]:
+        await body.drive(9.0, 0.0, 3.0)
+        moving = body.link.true_pose()
+        await body.clock.sleep(0.2)  # the last command is 0.05 s old: it stands for 0.15 s more
+        await body.clock.sleep(1.0)
+        return moving.x, body.link.true_pose().x, body.heard["status"], body.heard["odometry"][-1]
+
+    moving, stopped, statuses, odometry = live(at(robot, 5, 10), hall, script)
+    # 0.4 m/s after 1 s of 0.4 m/s^2, and 2 s at that
+    assert moving - 5 == pytest.approx(1.0, abs=0.03)
+    assert stopped - moving == pytest.approx(0.4 * 0.15 + 0.4**2 / (2 * 2.5), abs=0.03)
+    assert odometry.X_OB.x == pytest.approx(stopped - 5, rel=0.02)
+    assert statuses[-1].guard in ("idle", "stale_command")
+    assert max(status.applied.linear_mps for status in statuses) == pytest.approx(0.4)
+
+
+def test_an_emergency_stop_holds_until_it_is_cleared_also_over_a_restart(robot: RobotConfig, hall: WorldConfig) -> None:
+    async def script(body: Body) -> list[float]:
+        places = []
+        body.link.e_stop("a test")
+        await body.link.stop()
+        await body.link.start()
+        await body.drive(0.4, 0.0, 1.0)
+        places.append(body.link.true_pose().x)
+        body.link.clear_e_stop()
+        await body.drive(0.4, 0.0, 1.0)
+        places.append(body.link.true_pose().x)
+        return places
+
+    held, free = live(at(robot, 5, 10), hall, script)
+    assert held == pytest.approx(5.0, abs=0.002)
+    assert free > 5.1
+
+
+def test_two_runs_are_the_same_and_another_seed_is_not(robot: RobotConfig, hall: WorldConfig) -> None:
+    async def script(body: Body) -> tuple[Any, ...]:
+        body.link.demand("hokuyo", True)
+        await body.drive(0.3, 0.4, 1.0)
+        last: LaserScan = body.heard["hokuyo"][-1]
+        return body.link.true_pose(), body.heard["odometry"][-1].X_OB, last.stamp, last.ranges.tobytes()
+
+    first = live(at(robot, 10, 10), hall, script, WALKING)
+    assert live(at(robot, 10, 10), hall, script, WALKING) == first
+    assert live(at(robot, 10, 10).model_copy(update={"seed": 2}), hall, script, WALKING) != first
+
+
+def test_contacts_tell_what_was_touched_and_each_time_once(robot: RobotConfig) -> None:
+    posts = {"at": [(6.0, 10.0)], "material": "wall"}
+    world = make_hall(cylinders=[posts])
+
+    async def script(body: Body) -> Any:
+        await body.drive(0.4, 0.0, 3.0)
+        once = body.link.contacts
+        await body.drive(-0.4, 0.0, 2.0)
+        await body.drive(0.4, 0.0, 3.0)
+        return once, body.link.contacts
+
+    once, twice = live(at(robot, 5.3, 10), world, script)
+    assert [contact.what for contact in once] == ["cylinder0.0"]
+    assert once[0].at[:2] == pytest.approx((6.0 - 0.075, 10.0), abs=0.02)
+    assert once[0].X_WB.x == pytest.approx(6.0 - 0.075 - 0.275, abs=0.01)
+    assert [contact.what for contact in twice] == ["cylinder0.0"] * 2
+
+
+def test_the_laser_measures_a_cylinder_where_it_stands(robot: RobotConfig) -> None:
+    world = make_hall(cylinders=[{"at": [(8.0, 10.0), (8.0, 11.5)], "radius": 0.2, "material": "wall"}])
+
+    async def script(body: Body) -> LaserScan:
+        body.link.demand("hokuyo", True)
+        await body.clock.sleep(0.2)
+        return body.heard["hokuyo"][-1]
+
+    scan = live(at(robot, 5, 10), world, script)
+    angles = scan.angle_min + scan.angle_increment * np.arange(scan.ranges.size)
+    ahead = scan.ranges[np.abs(angles) < 0.01]
+    assert np.mean(ahead) == pytest.approx(8.0 - 0.2 - 5.2, abs=0.02)
+    aside = scan.ranges[np.abs(angles - math.atan2(1.5, 2.8)) < 0.01]
+    assert np.mean(aside) == pytest.approx(math.hypot(1.5, 2.8) - 0.2, abs=0.02)
+
+
+@needs_gl
+def test_with_cameras_pictures_come_with_the_step_they_show(robot: RobotConfig, hall: WorldConfig) -> None:
+    kinect = robot.streams.kinect
+    assert kinect is not None
+    small = kinect.model_copy(update={"width": 160, "height": 120})
+    robot = robot.model_copy(update={"streams": robot.streams.model_copy(update={"kinect": small, "imv": None})})
+
+    async def script(body: Body) -> tuple[list[Image], list[GroundTruth]]:
+        body.link.demand("kinect", True)
+        body.link.demand("ground_truth", True)
+        await body.drive(0.0, 0.0, 0.5)
+        return body.heard["kinect"], body.heard["ground_truth"]
+
+    pictures, _ = live(at(robot, 17, 10), hall, script, cameras=True)
+    assert len(pictures) == pytest.approx(0.5 * 15, abs=1)
+    assert all(b.stamp - a.stamp == pytest.approx(1 / 15, abs=0.005) for a, b in itertools.pairwise(pictures))
+    depth = pictures[-1].depth
+    assert depth is not None
+    assert np.median(depth[20:60]) == pytest.approx(2900 - 1000 * pictures[-1].X_BC.translation[0], abs=150)
+
+
+def test_a_body_that_runs_is_not_started_twice_and_one_that_does_not_says_so(
+    robot: RobotConfig, hall: WorldConfig
+) -> None:
+    async def script(body: Body) -> None:
+        with pytest.raises(LinkFailed, match="runs already"):
+            await body.link.start()
+        with pytest.raises(KeyError, match="no stream 'kinect'"):
+            body.link.attach("kinect", print)
+        await body.link.stop()
+        await body.link.stop()
+        assert "not started" in str(await body.link.wait_failed())
+
+    live(robot, hall, script)
