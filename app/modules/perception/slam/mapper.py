@@ -2,33 +2,59 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from typing import Protocol
+from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2
-from app.modules.perception.slam.scans import Beams
+from app.geometry import Pose2, wrap_angle
+from app.modules.perception.slam.loop_closure import LoopJob, LoopMemory, LoopOutcome, Submap, pose_array
+from app.modules.perception.slam.matching import NOISE_M, Fit, fitted
+from app.modules.perception.slam.pose_graph import Optimize, optimized
+from app.modules.perception.slam.scans import Beams, Scan, prepared
+from app.modules.perception.slam.search import Pyramid, sought
 from app.modules.perception.slam.settings import SlamSettings
-from app.modules.perception.slam.values import Keyframe, Match, SlamState
+from app.modules.perception.slam.surfels import SurfelGrid
+from app.modules.perception.slam.values import Edge, Keyframe, Match, SlamState
+
+#: Odometry that moved less than this (m, rad) has not moved; but so many scans later the scan is looked at again.
+_REST = 1e-4
+_REST_SCANS = 10
+_LEAST_POINTS = 25
+_RESCUE_LEVELS = 4
+_RESCUE_SCORE = 0.45
+#: Another pose is taken where this share more of the scan lies on the map.
+_RESCUE_GAIN = 0.03
+#: Of the edges between keyframes of a submap (m, rad), for a whole scan on it.
+_MATCH_SIGMAS = (0.02, 0.005)
+#: An edge of so small a share of the scan says little, and one of no share next to nothing.
+_SURE_SHARE = 0.6
+_UNSURE_WEIGHT = 0.02
+_LOST_WEIGHT = 1e-4
+#: Where the robot was placed by a person or a search (m, rad).
+_PLACED_SIGMAS = (0.5, 0.25)
+#: Rescue looks no farther than this (m, rad).
+_RESCUE_MOST = (6.0, math.pi)
 
 
-class Outcome(Protocol):
-    """What a job found; for :meth:`Slam.take`."""
+@dataclass(slots=True, eq=False)
+class _ActiveSubmap:
+    """A submap in the making: ``keyframes`` by id, the first gives the frame of ``grid``."""
 
-
-class Job(Protocol):
-    """Work off the critical path: ``run`` may be called in any thread, and touches nothing of the Slam it is from."""
-
-    def run(self) -> Outcome: ...
+    grid: SurfelGrid
+    keyframes: list[int]
+    pyramid: Pyramid | None = None
+    pyramid_of: int = 0
 
 
 class Slam:
     """Follows the robot and, unless ``frozen``, maps as it goes. Not to be called from two threads at once.
 
     The map begins with the robot at ``X_MB``; with ``state``, it is the one that was kept, and the robot is about
-    at ``X_MB`` on it. ``frozen``: the map stays as it is, memory too.
+    at ``X_MB`` on it. ``frozen``: the map stays as it is, memory too. ``optimize`` corrects the graph.
     """
 
     def __init__(
@@ -38,48 +64,229 @@ class Slam:
         state: SlamState | None = None,
         X_MB: Pose2 | None = None,
         frozen: bool = False,
-    ) -> None: ...
+        optimize: Optimize = optimized,
+    ) -> None:
+        self.settings = settings or SlamSettings()
+        self._optimize = optimize
+        self._keyframes: dict[int, Keyframe] = {}
+        self._poses: dict[int, Pose2] = {}
+        self._edges: list[Edge] = []
+        self._submaps: list[Submap] = []
+        self._active: list[_ActiveSubmap] = []
+        self._made = 0  # keyframes ever
+        self._memory = LoopMemory()
+        self._due: list[int] = []
+        self._job_out = False
+        self._version = 0
+        self._moved = False
+        self._travelled_m = 0.0
+        self._X_MB = X_MB or Pose2()
+        self._covariance = np.zeros((3, 3))
+        self._X_OB: Pose2 | None = None
+        self._keyframe = -1
+        self._X_KB = Pose2()
+        self._rested = 0
+        self._last_fit: Fit | None = None
 
     def add(
         self,
         stamp: float,
-        ranges: NDArray[np.float32],
+        ranges: NDArray[np.floating],
         beams: Beams,
         X_OB: Pose2,
         twist: tuple[float, float] = (0.0, 0.0),
         sweep_s: float = 0.0,
     ) -> Match:
         """Take one sweep, begun at ``stamp`` with the body at ``X_OB`` and moving with ``twist`` (m/s, rad/s)."""
-        raise NotImplementedError
+        step = self._X_OB.inverse() @ X_OB if self._X_OB is not None else Pose2()
+        self._X_OB = X_OB
+        if self._keyframes:
+            distance = math.hypot(step.x, step.y)
+            self._travelled_m += distance
+            if distance < _REST and abs(step.theta) < _REST and self._rested < _REST_SCANS:
+                self._rested += 1
+                return self._told(stamp, X_OB, added=False)
+        self._rested = 0
+        scan = prepared(ranges, beams, twist, sweep_s, self.settings.range_max_m, self.settings.thinning_m)
+        if not self._keyframes:
+            if not len(scan.points):
+                return self._told(stamp, X_OB, added=False)
+            self._add_keyframe(stamp, scan, None)
+            return self._told(stamp, X_OB, added=True)
+        fit = self._follow(scan, step)
+        off = self._poses[self._keyframe].inverse() @ self._X_MB
+        added = math.hypot(off.x, off.y) > self.settings.keyframe_m or abs(off.theta) > self.settings.keyframe_rad
+        if added:
+            self._add_keyframe(stamp, scan, fit)
+        else:
+            self._X_KB = off
+        return self._told(stamp, X_OB, added)
 
-    def place(self, X_MB: Pose2) -> None:
-        """The robot is about at ``X_MB``: the next scan is matched around there."""
-
-    def pending(self) -> Job | None:
+    def pending(self) -> LoopJob | None:
         """Work that is due (loops to look for, a graph to correct); None while one is out, or nothing is due."""
-        raise NotImplementedError
+        if self._job_out or not self._due:
+            return None
+        due, self._due = tuple(self._due), []
+        return self._job(due, settle=False)
 
-    def take(self, outcome: Outcome) -> None:
+    def settling(self) -> LoopJob | None:
+        """The correction of the graph by all that was found: at the end of a log, or before a map is kept."""
+        return None if self._job_out or not self._poses else self._job((), settle=True)
+
+    def take(self, outcome: LoopOutcome) -> None:
         """Take over what a job found: quick."""
+        self._job_out = False
+        self._edges.extend(outcome.edges)
+        if outcome.poses is None:
+            return
+        shift = outcome.poses[outcome.last] @ self._poses[outcome.last].inverse()
+        for id, pose in self._poses.items():
+            known = outcome.poses.get(id)
+            self._poses[id] = known if known is not None else shift @ pose
+        self._X_MB = self._poses[self._keyframe] @ self._X_KB
+        self._moved = True
+        self._version += 1
 
     @property
     def version(self) -> int:
         """Grows whenever a keyframe is added, removed or moved."""
-        raise NotImplementedError
+        return self._version
 
     @property
     def keyframes(self) -> Mapping[int, Keyframe]:
         """All keyframes by id, in the order of their making."""
-        raise NotImplementedError
+        return MappingProxyType(self._keyframes)
 
     def pose(self, id: int) -> Pose2:
         """Where keyframe ``id`` is on the map (``X_MK``)."""
-        raise NotImplementedError
+        return self._poses[id]
 
     def poses(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Ids (N,) and poses (N, 3) x, y, theta on the map of all keyframes, in the order of ``keyframes``."""
-        raise NotImplementedError
+        return np.array(list(self._poses), dtype=np.int64), pose_array(self._poses)
 
-    def state(self) -> SlamState:
-        """What must be kept to go on mapping from here."""
-        raise NotImplementedError
+    @property
+    def loops(self) -> int:
+        """How many edges close loops."""
+        return sum(edge.loop for edge in self._edges)
+
+    # --- Following -------------------------------------------------------------------------------------------------
+
+    def _follow(self, scan: Scan, step: Pose2) -> Fit:
+        """Move on by odometry's ``step``, then to where the scan lies on the submap."""
+        settings = self.settings
+        distance = math.hypot(step.x, step.y)
+        sigma_m, sigma_rad = settings.odometry_sigmas(distance, step.theta)
+        self._predict(step, sigma_m, sigma_rad)
+        submap = self._active[0]
+        X_MS = self._poses[submap.keyframes[0]]
+        prior = X_MS.inverse() @ self._X_MB
+        fit = fitted(submap.grid, scan.points, prior, prior, (sigma_m, sigma_rad))
+        if fit.inliers < settings.rescue_below and len(scan.points) > _LEAST_POINTS:
+            fit = self._rescued(submap, scan, prior, fit, (sigma_m, sigma_rad), step)
+        self._last_fit = fit
+        if fit.inliers >= settings.lost_below:
+            self._X_MB = X_MS @ fit.X_SB
+            self._update(X_MS, fit)
+        return fit
+
+    def _rescued(
+        self,
+        submap: _ActiveSubmap,
+        scan: Scan,
+        prior: Pose2,
+        fit: Fit,
+        sigmas: tuple[float, float],
+        step: Pose2,
+    ) -> Fit:
+        """A better pose than ``fit``, from farther around ``prior``, if there is one."""
+        if submap.pyramid is None or submap.pyramid_of != len(submap.keyframes):
+            submap.pyramid = Pyramid(submap.grid, _RESCUE_LEVELS)
+            submap.pyramid_of = len(submap.keyframes)
+        window_m = 0.5 + math.hypot(step.x, step.y)
+        window_rad = 0.25 + abs(step.theta)
+        found = sought(submap.pyramid, scan.points, prior, window_m, window_rad, _RESCUE_SCORE)
+        if found is None:
+            return fit
+        loose = (sigmas[0] * math.sqrt(5.0), sigmas[1] * math.sqrt(5.0))
+        other = fitted(submap.grid, scan.points, found[0], prior, loose)
+        return other if other.inliers > fit.inliers + _RESCUE_GAIN else fit
+
+    def _predict(self, step: Pose2, sigma_m: float, sigma_rad: float) -> None:
+        before = self._X_MB
+        self._X_MB = before @ step
+        swing = np.eye(3)
+        swing[0, 2] = before.y - self._X_MB.y
+        swing[1, 2] = self._X_MB.x - before.x
+        self._covariance = swing @ self._covariance @ swing.T + np.diag([sigma_m**2, sigma_m**2, sigma_rad**2])
+
+    def _update(self, X_MS: Pose2, fit: Fit) -> None:
+        c, s = math.cos(X_MS.theta), math.sin(X_MS.theta)
+        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        information = turn @ fit.information @ turn.T / max(1.0, (fit.rms_m / NOISE_M) ** 2)
+        self._covariance = np.linalg.inv(np.linalg.inv(self._covariance) + information)
+
+    # --- Mapping ---------------------------------------------------------------------------------------------------
+
+    def _add_keyframe(self, stamp: float, scan: Scan, fit: Fit | None) -> None:
+        id = self._made
+        self._made += 1
+        self._keyframes[id] = Keyframe(id, stamp, scan.points, scan.ends, scan.hits, scan.origin, self._travelled_m)
+        self._poses[id] = self._X_MB
+        self._keyframe, self._X_KB = id, Pose2()
+        self._version += 1
+        information = _information(0.0 if fit is None else fit.inliers, self.settings)
+        for submap in self._active:
+            X_SB = self._poses[submap.keyframes[0]].inverse() @ self._X_MB
+            submap.grid.insert(scan.points, X_SB)
+            self._edges.append(Edge(submap.keyframes[0], id, X_SB, information, loop=False))
+            submap.keyframes.append(id)
+        self._turn_submaps(id, scan)
+        self._due.append(id)
+
+    def _turn_submaps(self, id: int, scan: Scan) -> None:
+        """Begin a submap when the newest is half full; then the oldest, if whole, is finished."""
+        full = self.settings.submap_keyframes
+        if self._active and len(self._active[-1].keyframes) < full // 2:
+            return
+        if len(self._active) == 2:
+            if len(self._active[0].keyframes) < full:
+                return
+            finished = self._active.pop(0)
+            self._submaps.append(Submap(len(self._submaps), tuple(finished.keyframes)))
+        grid = SurfelGrid()
+        grid.insert(scan.points, Pose2())
+        self._active.append(_ActiveSubmap(grid, [id]))
+
+    def _job(self, due: tuple[int, ...], settle: bool) -> LoopJob:
+        self._job_out = True
+        return LoopJob(
+            self.settings, dict(self._keyframes), dict(self._poses), tuple(self._edges), tuple(self._submaps), due,
+            self._memory, self._optimize, settle,
+        )  # fmt: skip
+
+    def _told(self, stamp: float, X_OB: Pose2, added: bool) -> Match:
+        fit = self._last_fit
+        moved, self._moved = self._moved, False
+        return Match(
+            stamp=stamp,
+            X_MB=self._X_MB,
+            X_MO=self._X_MB @ X_OB.inverse(),
+            covariance=self._covariance,
+            overlap=0.0 if fit is None else fit.overlap,
+            inliers=0.0 if fit is None else fit.inliers,
+            matched=fit is None or fit.inliers >= self.settings.lost_below,
+            keyframe=self._keyframe,
+            X_KB=self._X_KB,
+            added=added,
+            moved=moved,
+        )
+
+
+def _information(inliers: float, settings: SlamSettings) -> tuple[float, float, float]:
+    if inliers > _SURE_SHARE:
+        weight = inliers
+    else:
+        weight = _UNSURE_WEIGHT if inliers >= settings.lost_below else _LOST_WEIGHT
+    sigma_m, sigma_rad = _MATCH_SIGMAS
+    return weight / sigma_m**2, weight / sigma_m**2, weight / sigma_rad**2

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from app.compiled import kernel
 from app.geometry import Pose2
+
+#: Neighbours on either side of a reading that its surface is estimated from.
+_NEIGHBOURS = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -21,4 +26,152 @@ class Beams:
     angles: NDArray[np.float64]
     range_min: float
     range_max: float
-    X_BL: Pose2 = Pose2()
+    X_BL: Pose2 = field(default_factory=Pose2)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scan:
+    """A sweep in ``base_link`` as it stood when the sweep began; the arrays are those of :class:`values.Keyframe`."""
+
+    points: NDArray[np.float32]
+    ends: NDArray[np.float32]
+    hits: NDArray[np.bool_]
+    origin: NDArray[np.float32]
+
+
+def prepared(
+    ranges: NDArray[np.floating],
+    beams: Beams,
+    twist: tuple[float, float],
+    sweep_s: float,
+    range_max_m: float,
+    thinning_m: float,
+) -> Scan:
+    """``ranges`` (N,) m of a sweep that took ``sweep_s`` from its first ray to its last, of a body moving with ``twist``.
+
+    Points nearer to the last one than ``thinning_m`` or farther than ``range_max_m`` from the laser are left out.
+    Raises ValueError where there are not as many ranges as beams.
+    """
+    if len(ranges) != len(beams.angles):
+        raise ValueError(f"{len(ranges)} ranges of {len(beams.angles)} beams")
+    readings = np.array(ranges, dtype=np.float64)
+    ends, origins = _ends(
+        readings,
+        np.array(beams.angles, dtype=np.float64),
+        beams.range_max,
+        beams.X_BL.x,
+        beams.X_BL.y,
+        beams.X_BL.theta,
+        twist[0],
+        twist[1],
+        sweep_s,
+    )
+    limit = min(range_max_m, beams.range_max)
+    points = _surface(readings, ends, origins, beams.range_min, limit, thinning_m)
+    measured = readings >= beams.range_min  # False of NaN
+    return Scan(
+        points=points,
+        ends=ends[measured].astype(np.float32),
+        hits=readings[measured] < beams.range_max,
+        origin=origins[len(origins) // 2].astype(np.float32),
+    )
+
+
+@kernel(
+    "Tuple((float64[:, ::1], float64[:, ::1]))(float64[::1], float64[::1], float64, float64, float64, float64, float64,"
+    " float64, float64)"
+)
+def _ends(
+    ranges: NDArray[np.float64],
+    angles: NDArray[np.float64],
+    range_max: float,
+    laser_x: float,
+    laser_y: float,
+    laser_theta: float,
+    speed: float,
+    turn_rate: float,
+    sweep_s: float,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Ends and origins (N, 2) of all rays in the base of the sweep's beginning, the twist being constant."""
+    count = len(ranges)
+    ends = np.empty((count, 2))
+    origins = np.empty((count, 2))
+    for i in range(count):
+        elapsed = sweep_s * i / max(count - 1, 1)
+        turned = turn_rate * elapsed
+        half = 0.5 * turned
+        # Length of the chord of the arc driven so far.
+        chord = speed * elapsed * (math.sin(half) / half if abs(half) > 1e-9 else 1.0)
+        base_x = chord * math.cos(half)
+        base_y = chord * math.sin(half)
+        c = math.cos(turned)
+        s = math.sin(turned)
+        origins[i, 0] = base_x + c * laser_x - s * laser_y
+        origins[i, 1] = base_y + s * laser_x + c * laser_y
+        reach = min(ranges[i], range_max)
+        direction = turned + laser_theta + angles[i]
+        ends[i, 0] = origins[i, 0] + reach * math.cos(direction)
+        ends[i, 1] = origins[i, 1] + reach * math.sin(direction)
+    return ends, origins
+
+
+@kernel("float32[:, ::1](float64[::1], float64[:, ::1], float64[:, ::1], float64, float64, float64)")
+def _surface(
+    ranges: NDArray[np.float64],
+    ends: NDArray[np.float64],
+    origins: NDArray[np.float64],
+    range_min: float,
+    range_max: float,
+    thinning: float,
+) -> NDArray[np.float32]:
+    """Thinned points with normals (M, 4) by the principal axis of each reading's neighbours on its surface."""
+    count = len(ranges)
+    points = np.empty((count, 4), np.float32)
+    made = 0
+    last_x = 1e9
+    last_y = 1e9
+    for i in range(count):
+        if not (ranges[i] > range_min and ranges[i] < range_max):
+            continue
+        x = ends[i, 0]
+        y = ends[i, 1]
+        if (x - last_x) ** 2 + (y - last_y) ** 2 < thinning * thinning:
+            continue
+        last_x = x
+        last_y = y
+        # A neighbour farther away than this is on another surface; far off, readings of one surface lie wide apart.
+        gap = max(0.12, 0.06 * ranges[i])
+        n = 0
+        sx = sy = sxx = sxy = syy = 0.0
+        for j in range(max(0, i - _NEIGHBOURS), min(count, i + _NEIGHBOURS + 1)):
+            if not (ranges[j] > range_min and ranges[j] < range_max):
+                continue
+            u = ends[j, 0] - x
+            v = ends[j, 1] - y
+            if u * u + v * v < gap * gap:
+                n += 1
+                sx += u
+                sy += v
+                sxx += u * u
+                sxy += u * v
+                syy += v * v
+        points[made, 0] = x
+        points[made, 1] = y
+        points[made, 2] = 0.0
+        points[made, 3] = 0.0
+        if n >= 3:
+            sxx -= sx * sx / n
+            sxy -= sx * sy / n
+            syy -= sy * sy / n
+            axis = 0.5 * math.atan2(2.0 * sxy, sxx - syy)
+            c = math.cos(axis)
+            s = math.sin(axis)
+            along = sxx * c * c + 2.0 * sxy * c * s + syy * s * s
+            across = sxx + syy - along
+            if across < 0.1 * along + 1e-9:
+                towards = -s * (origins[i, 0] - x) + c * (origins[i, 1] - y)
+                sign = 1.0 if towards >= 0.0 else -1.0
+                points[made, 2] = -s * sign
+                points[made, 3] = c * sign
+        made += 1
+    return points[:made].copy()

@@ -71,7 +71,7 @@ class Edge:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SlamState:
-    """All that must be kept to go on mapping: ``poses`` on the map of ``keyframes``, one each; ``submaps`` lists ids."""
+    """What must be kept to go on mapping: ``poses`` on the map of ``keyframes``, one each; ``submaps`` list ids."""
 
     keyframes: tuple[Keyframe, ...]
     poses: tuple[Pose2, ...]

@@ -1,0 +1,119 @@
+"""The pose graph: all keyframes where all edges together want them; robust against loops that are none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.geometry import Pose2
+from app.modules.perception.slam.values import Edge
+
+#: From so many standard deviations on, a loop's weight falls with its error (Cauchy's estimator).
+_SOFT_SIGMAS = 3.0
+#: The first keyframe stays where it is.
+_ANCHOR_SIGMAS = (1e-4, 1e-4, 1e-5)
+#: Noise models are made for steps of this ratio of the information: making one costs more than an edge.
+_STEP = 1.15
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GraphArrays:
+    """A graph as arrays, which another process can be given.
+
+    ``poses`` (N, 3) float64 x, y, theta; of edge e, ``ends`` (E, 2) int64 rows of ``poses``, ``measured`` (E, 3) pose
+    of the second in the first, ``information`` (E, 3) and ``loops`` (E,) bool as in :class:`Edge`.
+    """
+
+    poses: NDArray[np.float64]
+    ends: NDArray[np.int64]
+    measured: NDArray[np.float64]
+    information: NDArray[np.float64]
+    loops: NDArray[np.bool_]
+
+
+#: What corrects a graph: its poses (N, 3), the first unmoved.
+Optimize = Callable[[GraphArrays], NDArray[np.float64]]
+
+
+def graph_arrays(poses: Mapping[int, Pose2], edges: Sequence[Edge]) -> GraphArrays:
+    """``poses`` by id, in their order, and the ``edges`` between them."""
+    rows = {id: row for row, id in enumerate(poses)}
+    return GraphArrays(
+        poses=np.array([(p.x, p.y, p.theta) for p in poses.values()], dtype=np.float64).reshape(-1, 3),
+        ends=np.array([(rows[e.a], rows[e.b]) for e in edges], dtype=np.int64).reshape(-1, 2),
+        measured=np.array([(e.X_ab.x, e.X_ab.y, e.X_ab.theta) for e in edges], dtype=np.float64).reshape(-1, 3),
+        information=np.array([e.information for e in edges], dtype=np.float64).reshape(-1, 3),
+        loops=np.array([e.loop for e in edges], dtype=np.bool_),
+    )
+
+
+def optimized(graph: GraphArrays) -> NDArray[np.float64]:
+    """The poses (N, 3) that fit the edges best, by GTSAM's Levenberg-Marquardt.
+
+    It holds the interpreter's lock meanwhile: a robot that is driving calls it in another process.
+    """
+    import gtsam
+
+    noise = gtsam.noiseModel
+    factors = gtsam.NonlinearFactorGraph()
+    values = gtsam.Values()
+    for row, pose in enumerate(graph.poses):
+        values.insert(row, gtsam.Pose2(*pose))
+    anchor = noise.Diagonal.Sigmas(np.array(_ANCHOR_SIGMAS))
+    factors.add(gtsam.PriorFactorPose2(0, gtsam.Pose2(*graph.poses[0]), anchor))
+    steps = np.round(np.log(graph.information) / np.log(_STEP)).astype(np.int64)
+    models: dict[tuple[int, int, int, bool], object] = {}
+    ends, measured, loops = graph.ends.tolist(), graph.measured.tolist(), graph.loops.tolist()
+    for (a, b), X_ab, step, loop in zip(ends, measured, steps.tolist(), loops, strict=True):
+        key = (*step, loop)
+        model = models.get(key)
+        if model is None:
+            model = noise.Diagonal.Sigmas(_STEP ** (-0.5 * np.array(step)))
+            if loop:
+                model = noise.Robust.Create(noise.mEstimator.Cauchy.Create(_SOFT_SIGMAS), model)
+            models[key] = model
+        factors.add(gtsam.BetweenFactorPose2(a, b, gtsam.Pose2(*X_ab), model))
+    parameters = gtsam.LevenbergMarquardtParams()
+    parameters.setMaxIterations(20)
+    parameters.setRelativeErrorTol(1e-4)
+    parameters.setAbsoluteErrorTol(1e-4)
+    result = gtsam.LevenbergMarquardtOptimizer(factors, values, parameters).optimize()
+    # In the order of the keys, which is that of the rows.
+    return np.asarray(gtsam.utilities.extractPose2(result), dtype=np.float64)
+
+
+def without(edges: Iterable[Edge], removed: int) -> list[Edge]:
+    """``edges`` that say the same of all keyframes but ``removed``.
+
+    What hung on it hangs, through the surest of its edges, on that one's other end instead (after Kretzschmar and
+    Stachniss, 2012, whose tree this is the star of).
+    """
+    kept: list[Edge] = []
+    touching: list[Edge] = []
+    for edge in edges:
+        (touching if removed in (edge.a, edge.b) else kept).append(edge)
+    if len(touching) < 2:
+        return kept
+    spokes = sorted((_from(edge, removed) for edge in touching), key=lambda e: (e.loop, -e.information[0], -e.b))
+    hub = spokes[0]
+    X_hr = hub.X_ab.inverse()
+    for spoke in spokes[1:]:
+        if spoke.b != hub.b:
+            kept.append(Edge(hub.b, spoke.b, X_hr @ spoke.X_ab, _summed(hub, spoke), hub.loop or spoke.loop))
+    return kept
+
+
+def _from(edge: Edge, id: int) -> Edge:
+    """The same edge, told from its end ``id``."""
+    return edge if edge.a == id else Edge(edge.b, edge.a, edge.X_ab.inverse(), edge.information, edge.loop)
+
+
+def _summed(first: Edge, second: Edge) -> tuple[float, float, float]:
+    """Information of one edge after the other: variances add, and the first's angle swings the second's arm."""
+    a, b = first.information, second.information
+    swing = (second.X_ab.x**2 + second.X_ab.y**2) / a[2]
+    along = 1.0 / (1.0 / min(a[:2]) + 1.0 / min(b[:2]) + swing)
+    return along, along, 1.0 / (1.0 / a[2] + 1.0 / b[2])

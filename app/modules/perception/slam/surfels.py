@@ -1,0 +1,144 @@
+"""Surfel grids: what the laser saw from a few keyframes, as one small piece of surface in each cell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.compiled import kernel
+from app.geometry import Pose2
+
+#: Side of a cell (m): a wall's readings fill it, and a door's two sides do not share it.
+CELL_M = 0.1
+#: Where there is no surfel, its mean is this far away (m).
+NOWHERE = 1e6
+#: Cells around what is in a grid: the widest neighbourhood that a search looks at.
+MARGIN = 4
+#: How much larger a grid is made when it must grow (cells).
+_ROOM = 48
+#: A cell with so many readings forgets old ones.
+_FULL = 30.0
+
+
+class SurfelGrid:
+    """Grows with what is put into it. All in one frame, the submap's own.
+
+    ``surfels`` (H, W, 4) float32: mean of the readings in the cell (m; NOWHERE if none) and the surface's unit normal
+    (0, 0 where readings do not agree on one). Cell [i, j] covers x from ``(corner[0] + i) * CELL_M`` and y from
+    ``(corner[1] + j) * CELL_M``.
+    """
+
+    def __init__(self) -> None:
+        self.corner = (0, 0)
+        self.surfels = _empty((0, 0))
+        self._sums = np.zeros((0, 0, 5), np.float32)
+
+    def insert(self, points: NDArray[np.float32], X_SB: Pose2) -> None:
+        """Put ``points`` (N, 4) of a scan taken at ``X_SB`` of the submap into it."""
+        if not len(points):
+            return
+        self._make_room(points, X_SB)
+        _insert(self._sums, self.surfels, *self.corner, points, X_SB.x, X_SB.y, X_SB.theta)
+
+    def _make_room(self, points: NDArray[np.float32], pose: Pose2) -> None:
+        low_i, low_j, high_i, high_j = _bounds(points, pose.x, pose.y, pose.theta)
+        low = np.array([low_i - MARGIN, low_j - MARGIN])
+        high = np.array([high_i + MARGIN + 1, high_j + MARGIN + 1])
+        rows, columns = self.surfels.shape[:2]
+        if rows:
+            had_low = np.array(self.corner)
+            had_high = had_low + (rows, columns)
+            if (low >= had_low).all() and (high <= had_high).all():
+                return
+            # Only to the sides where it is too small, and there with room for what comes next.
+            low = np.where(low < had_low, low - _ROOM, had_low)
+            high = np.where(high > had_high, high + _ROOM, had_high)
+        size = (int(high[0] - low[0]), int(high[1] - low[1]))
+        sums = np.zeros((*size, 5), np.float32)
+        surfels = _empty(size)
+        if rows:
+            i, j = (int(v) for v in had_low - low)
+            sums[i : i + rows, j : j + columns] = self._sums
+            surfels[i : i + rows, j : j + columns] = self.surfels
+        self.corner = (int(low[0]), int(low[1]))
+        self._sums, self.surfels = sums, surfels
+
+
+def surfel_grid(scans: Iterable[tuple[NDArray[np.float32], Pose2]]) -> SurfelGrid:
+    """The grid of ``scans``: points (N, 4) and the pose in the grid's frame that each was taken at."""
+    grid = SurfelGrid()
+    for points, pose in scans:
+        grid.insert(points, pose)
+    return grid
+
+
+def _empty(size: tuple[int, int]) -> NDArray[np.float32]:
+    surfels = np.zeros((*size, 4), np.float32)
+    surfels[..., :2] = NOWHERE
+    return surfels
+
+
+@kernel("UniTuple(int64, 4)(float32[:, ::1], float64, float64, float64)")
+def _bounds(points: NDArray[np.float32], x: float, y: float, theta: float) -> tuple[int, int, int, int]:
+    """First and last cells (i, j, i, j) that the points lie in."""
+    c = math.cos(theta)
+    s = math.sin(theta)
+    low_x = low_y = 1e9
+    high_x = high_y = -1e9
+    for k in range(len(points)):
+        px = c * points[k, 0] - s * points[k, 1] + x
+        py = s * points[k, 0] + c * points[k, 1] + y
+        low_x = min(low_x, px)
+        high_x = max(high_x, px)
+        low_y = min(low_y, py)
+        high_y = max(high_y, py)
+    return (
+        math.floor(low_x / CELL_M),
+        math.floor(low_y / CELL_M),
+        math.floor(high_x / CELL_M),
+        math.floor(high_y / CELL_M),
+    )
+
+
+@kernel(
+    "void(float32[:, :, ::1], float32[:, :, ::1], int64, int64, float32[:, ::1], float64, float64, float64)",
+    fastmath=True,
+)
+def _insert(
+    sums: NDArray[np.float32],
+    surfels: NDArray[np.float32],
+    corner_i: int,
+    corner_j: int,
+    points: NDArray[np.float32],
+    x: float,
+    y: float,
+    theta: float,
+) -> None:
+    c = math.cos(theta)
+    s = math.sin(theta)
+    for k in range(len(points)):
+        px = c * points[k, 0] - s * points[k, 1] + x
+        py = s * points[k, 0] + c * points[k, 1] + y
+        i = int(math.floor(px / CELL_M)) - corner_i
+        j = int(math.floor(py / CELL_M)) - corner_j
+        total = sums[i, j]
+        if total[4] >= _FULL:
+            for q in range(5):
+                total[q] *= 0.9
+        total[0] += px
+        total[1] += py
+        total[2] += c * points[k, 2] - s * points[k, 3]
+        total[3] += s * points[k, 2] + c * points[k, 3]
+        total[4] += 1.0
+        surfel = surfels[i, j]
+        n = total[4]
+        surfel[0] = total[0] / n
+        surfel[1] = total[1] / n
+        length = math.sqrt(total[2] * total[2] + total[3] * total[3])
+        # Normals that cancel each other out are no surface's.
+        agree = length > 0.5 * n
+        surfel[2] = total[2] / length if agree else 0.0
+        surfel[3] = total[3] / length if agree else 0.0
