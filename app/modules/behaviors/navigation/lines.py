@@ -1,0 +1,218 @@
+"""Compiled kernels on straight lines through a cost field, in cells: (row, column) of a cell's middle are its indices."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from app.compiled import kernel
+
+
+@kernel("float64(float32[:,::1], float64, float64, float64, float64)")
+def line_cost(cost, r0, c0, r1, c1):  # type: ignore[no-untyped-def]
+    """What the straight way costs, in cells of the open: exact, cell by cell; +inf where it crosses a lethal one."""
+    rows, columns = cost.shape
+    dr, dc = r1 - r0, c1 - c0
+    length = math.hypot(dr, dc)
+    i, j = int(math.floor(r0 + 0.5)), int(math.floor(c0 + 0.5))
+    if i < 0 or j < 0 or i >= rows or j >= columns:
+        return math.inf
+    if length < 1e-12:
+        return 0.0 if cost[i, j] < math.inf else math.inf
+    step_i, step_j = (1 if dr > 0 else -1), (1 if dc > 0 else -1)
+    # Shares of the line at which the next row and the next column begin, and between one and the next
+    t_i, each_i = math.inf, math.inf
+    if dr != 0.0:
+        each_i = abs(1.0 / dr)
+        t_i = (i + 0.5 * step_i - r0) / dr
+    t_j, each_j = math.inf, math.inf
+    if dc != 0.0:
+        each_j = abs(1.0 / dc)
+        t_j = (j + 0.5 * step_j - c0) / dc
+    total, t = 0.0, 0.0
+    while True:
+        end = min(t_i, t_j, 1.0)
+        # Where it only touches a corner it does not cross.
+        if (end - t) * length > 1e-6:
+            here = cost[i, j]
+            if here == math.inf:
+                return math.inf
+            total += (end - t) * here
+        if end >= 1.0:
+            return total * length
+        t = end
+        if abs(t_i - t_j) * length < 1e-9:
+            i, j, t_i, t_j = i + step_i, j + step_j, t_i + each_i, t_j + each_j
+        elif t_i < t_j:
+            i, t_i = i + step_i, t_i + each_i
+        else:
+            j, t_j = j + step_j, t_j + each_j
+        if i < 0 or j < 0 or i >= rows or j >= columns:
+            return math.inf if t * length < length - 1e-6 else total * length
+
+
+@kernel("int64[::1](float32[:,::1], float64[:,::1])")
+def shortcuts(cost, points):  # type: ignore[no-untyped-def]
+    """Indices of the points (N, 2) row, column to keep: between them the straight way costs no more than by the others."""
+    n = len(points)
+    so_far = np.zeros(n)
+    for k in range(1, n):
+        so_far[k] = so_far[k - 1] + line_cost(cost, points[k - 1, 0], points[k - 1, 1], points[k, 0], points[k, 1])
+    kept = np.empty(n, dtype=np.int64)
+    kept[0] = 0
+    count, at = 1, 0
+    while at < n - 1:
+        good, bad, stride = at + 1, n, 2
+        # Twice as far as long as it pays, and then halving between the last that did and the first that did not
+        while at + stride < n or good < n - 1:
+            k = min(at + stride, n - 1)
+            if k <= good:
+                break
+            if line_cost(cost, points[at, 0], points[at, 1], points[k, 0], points[k, 1]) <= 1.001 * (
+                so_far[k] - so_far[at]
+            ):
+                good = k
+                stride *= 2
+            else:
+                bad = k
+                break
+        while bad - good > 1:
+            k = (good + bad) // 2
+            if k > n - 1:
+                break
+            if line_cost(cost, points[at, 0], points[at, 1], points[k, 0], points[k, 1]) <= 1.001 * (
+                so_far[k] - so_far[at]
+            ):
+                good = k
+            else:
+                bad = k
+        at = good
+        kept[count] = at
+        count += 1
+    return kept[:count].copy()
+
+
+@kernel("int64(float32[:,::1], float64[:,::1], int64, float64)")
+def relax(cost, points, rounds, slack):  # type: ignore[no-untyped-def]
+    """Round the corners of ``points`` (N, 2) row, column in place; returns how often a point moved.
+
+    Each is drawn to the middle between its neighbours as long as neither piece of the way beside it becomes lethal, nor
+    the place dearer than it was by more than the share ``slack``. The ends stay.
+    """
+    n = len(points)
+    dearest = np.empty(n)
+    for k in range(n):
+        dearest[k] = cost[int(math.floor(points[k, 0] + 0.5)), int(math.floor(points[k, 1] + 0.5))] * (1.0 + slack)
+    moves = 0
+    for _ in range(rounds):
+        moved = 0
+        for k in range(1, n - 1):
+            r = 0.5 * (points[k - 1, 0] + points[k + 1, 0])
+            c = 0.5 * (points[k - 1, 1] + points[k + 1, 1])
+            if abs(r - points[k, 0]) + abs(c - points[k, 1]) < 2e-3:
+                continue
+            if cost[int(math.floor(r + 0.5)), int(math.floor(c + 0.5))] > dearest[k]:
+                continue
+            if (
+                line_cost(cost, points[k - 1, 0], points[k - 1, 1], r, c) == math.inf
+                or line_cost(cost, r, c, points[k + 1, 0], points[k + 1, 1]) == math.inf
+            ):
+                continue
+            points[k, 0], points[k, 1] = r, c
+            moved += 1
+        moves += moved
+        if not moved:
+            break
+    return moves
+
+
+@kernel("int64(float32[:,::1], float64[:,::1], int64, int64)")
+def first_lethal(cost, points, first, last):  # type: ignore[no-untyped-def]
+    """Index of the first of ``points`` (N, 2) row, column from ``first`` on to which the way is lethal; -1: none.
+
+    Out of what is lethal at ``first`` the way may lead.
+    """
+    free = False
+    for k in range(first, last + 1):
+        i, j = int(math.floor(points[k, 0] + 0.5)), int(math.floor(points[k, 1] + 0.5))
+        inside = 0 <= i < cost.shape[0] and 0 <= j < cost.shape[1]
+        here = inside and cost[i, j] < math.inf
+        if free and not here:
+            return k
+        if free and line_cost(cost, points[k - 1, 0], points[k - 1, 1], points[k, 0], points[k, 1]) == math.inf:
+            return k
+        free = free or here
+    return -1 if free else last
+
+
+@kernel("Tuple((int64[:,::1], int64))(uint8[:,::1], float32[:,::1], int64, int64, float64, uint8)")
+def escape(layers, cost, row, column, radius, through):  # type: ignore[no-untyped-def]
+    """Cells (N, 2) from (row, column) to the nearest that is not lethal within ``radius`` (cells), each touching the one
+    before; and how many. Obstacles' own cells (all those of ``through``, bits) are crossed only if the first is one."""
+    rows, columns = cost.shape
+    reach = int(radius) + 1
+    top, left = max(row - reach, 0), max(column - reach, 0)
+    height, width = min(row + reach + 1, rows) - top, min(column + reach + 1, columns) - left
+    size = height * width
+    far = np.full(size, np.inf)
+    came = np.full(size, -1, dtype=np.int64)
+    done = np.zeros(size, dtype=np.uint8)
+    heap_key = np.empty(8 * size + 1)
+    heap_cell = np.empty(8 * size + 1, dtype=np.int64)
+    start = (row - top) * width + column - left
+    inside = (int(layers[row, column]) & int(through)) != 0
+    far[start] = 0.0
+    heap_key[0], heap_cell[0] = 0.0, start
+    count, end = 1, -1
+    while count:
+        key, u = heap_key[0], heap_cell[0]
+        count -= 1
+        last_key, last_cell = heap_key[count], heap_cell[count]
+        k = 0
+        while 2 * k + 1 < count:
+            child = 2 * k + 1
+            if child + 1 < count and heap_key[child + 1] < heap_key[child]:
+                child += 1
+            if heap_key[child] >= last_key:
+                break
+            heap_key[k], heap_cell[k] = heap_key[child], heap_cell[child]
+            k = child
+        heap_key[k], heap_cell[k] = last_key, last_cell
+        if done[u]:
+            continue
+        done[u] = 1
+        i, j = u // width, u % width
+        if cost[top + i, left + j] < np.inf:
+            end = u
+            break
+        for di in range(-1, 2):
+            for dj in range(-1, 2):
+                a, b = i + di, j + dj
+                if a < 0 or b < 0 or a >= height or b >= width or (di == 0 and dj == 0):
+                    continue
+                v = a * width + b
+                wall = (int(layers[top + a, left + b]) & int(through)) != 0
+                if done[v] or (wall and not inside):
+                    continue
+                length = key + math.hypot(di, dj) * (4.0 if wall else 1.0)
+                if length < far[v] and math.hypot(top + a - row, left + b - column) <= radius:
+                    far[v], came[v] = length, u
+                    k = count
+                    count += 1
+                    while k and heap_key[(k - 1) // 2] > length:
+                        heap_key[k], heap_cell[k] = heap_key[(k - 1) // 2], heap_cell[(k - 1) // 2]
+                        k = (k - 1) // 2
+                    heap_key[k], heap_cell[k] = length, v
+    if end < 0:
+        return np.empty((0, 2), dtype=np.int64), 0
+    n, u = 1, end
+    while came[u] >= 0:
+        u = came[u]
+        n += 1
+    cells = np.empty((n, 2), dtype=np.int64)
+    u = end
+    for k in range(n - 1, -1, -1):
+        cells[k, 0], cells[k, 1] = top + u // width, left + u % width
+        u = came[u]
+    return cells, n
