@@ -81,7 +81,7 @@ class LoopJob:
 
     settings: SlamSettings
     keyframes: Mapping[int, Keyframe]
-    poses: Mapping[int, Pose2]
+    poses: dict[int, Pose2]
     edges: tuple[Edge, ...]
     submaps: tuple[Submap, ...]
     due: tuple[int, ...]
@@ -95,7 +95,7 @@ class LoopJob:
         for id in self.due:
             found += self._loops_of(id)
         memory = self.memory
-        newest = self.due[-1] if self.due else next(reversed(self.poses))
+        newest = next(reversed(self.poses))
         memory.unsettled += len(found)
         poses = None
         late = newest - memory.optimized_at > _AFTER_KEYFRAMES
@@ -105,7 +105,7 @@ class LoopJob:
             memory.wrong_m = 0.0
             memory.unsettled = 0
             memory.last_loop_m = self.keyframes[newest].travelled_m
-        return LoopOutcome(tuple(found), poses, next(reversed(self.poses)))
+        return LoopOutcome(tuple(found), poses, newest)
 
     def _corrected(self, found: list[Edge]) -> Mapping[int, Pose2]:
         poses = self.optimize(graph_arrays(self.poses, [*self.edges, *found]))

@@ -10,7 +10,8 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2, wrap_angle
+from app.geometry import Pose2
+from app.modules.perception.slam.local_map import STALE_M, LocalMap, local_map
 from app.modules.perception.slam.loop_closure import LoopJob, LoopMemory, LoopOutcome, Submap, pose_array
 from app.modules.perception.slam.matching import NOISE_M, Fit, fitted
 from app.modules.perception.slam.pose_graph import Optimize, optimized
@@ -68,25 +69,45 @@ class Slam:
     ) -> None:
         self.settings = settings or SlamSettings()
         self._optimize = optimize
-        self._keyframes: dict[int, Keyframe] = {}
-        self._poses: dict[int, Pose2] = {}
-        self._edges: list[Edge] = []
-        self._submaps: list[Submap] = []
+        self._frozen = frozen
+        kept = state or SlamState((), (), (), ())
+        self._keyframes = {keyframe.id: keyframe for keyframe in kept.keyframes}
+        self._poses = dict(zip(self._keyframes, kept.poses, strict=True))
+        self._edges = list(kept.edges)
+        self._submaps = [Submap(number, keyframes) for number, keyframes in enumerate(kept.submaps)]
+        self._submaps_made = len(self._submaps)
         self._active: list[_ActiveSubmap] = []
-        self._made = 0  # keyframes ever
+        self._made = max(self._keyframes, default=-1) + 1
         self._memory = LoopMemory()
         self._due: list[int] = []
         self._job_out = False
         self._version = 0
         self._moved = False
-        self._travelled_m = 0.0
-        self._X_MB = X_MB or Pose2()
+        self._travelled_m = max((keyframe.travelled_m for keyframe in kept.keyframes), default=0.0)
+        self._X_MB = Pose2()
         self._covariance = np.zeros((3, 3))
         self._X_OB: Pose2 | None = None
         self._keyframe = -1
         self._X_KB = Pose2()
         self._rested = 0
         self._last_fit: Fit | None = None
+        self._local: LocalMap | None = None
+        self._placed = False
+        self.place(X_MB or Pose2())
+
+    def place(self, X_MB: Pose2) -> None:
+        """The robot is about at ``X_MB``: it is looked for around there in the next scan."""
+        self._X_MB = X_MB
+        if not self._keyframes:
+            self._covariance = np.zeros((3, 3))
+            return
+        sigma_m, sigma_rad = _PLACED_SIGMAS
+        self._covariance = np.diag([sigma_m**2, sigma_m**2, sigma_rad**2])
+        self._placed = True
+        self._rested = _REST_SCANS
+        for submap in self._active:
+            self._finish(submap)
+        self._look_around()
 
     def add(
         self,
@@ -113,9 +134,14 @@ class Slam:
                 return self._told(stamp, X_OB, added=False)
             self._add_keyframe(stamp, scan, None)
             return self._told(stamp, X_OB, added=True)
+        if self._frozen and self._local is not None:
+            gone = self._local.X_MB.inverse() @ self._X_MB
+            if math.hypot(gone.x, gone.y) > STALE_M:
+                self._look_around()
         fit = self._follow(scan, step)
         off = self._poses[self._keyframe].inverse() @ self._X_MB
-        added = math.hypot(off.x, off.y) > self.settings.keyframe_m or abs(off.theta) > self.settings.keyframe_rad
+        far = math.hypot(off.x, off.y) > self.settings.keyframe_m or abs(off.theta) > self.settings.keyframe_rad
+        added = far and not self._frozen
         if added:
             self._add_keyframe(stamp, scan, fit)
         else:
@@ -165,6 +191,12 @@ class Slam:
         """Ids (N,) and poses (N, 3) x, y, theta on the map of all keyframes, in the order of ``keyframes``."""
         return np.array(list(self._poses), dtype=np.int64), pose_array(self._poses)
 
+    def state(self) -> SlamState:
+        """What must be kept to go on mapping from here."""
+        active = (tuple(submap.keyframes) for submap in self._active) if not self._frozen else ()
+        submaps = (*(submap.keyframes for submap in self._submaps), *active)
+        return SlamState(tuple(self._keyframes.values()), tuple(self._poses.values()), tuple(self._edges), submaps)
+
     @property
     def loops(self) -> int:
         """How many edges close loops."""
@@ -177,13 +209,16 @@ class Slam:
         settings = self.settings
         distance = math.hypot(step.x, step.y)
         sigma_m, sigma_rad = settings.odometry_sigmas(distance, step.theta)
+        if self._placed:
+            sigma_m, sigma_rad = math.hypot(sigma_m, _PLACED_SIGMAS[0]), math.hypot(sigma_rad, _PLACED_SIGMAS[1])
         self._predict(step, sigma_m, sigma_rad)
         submap = self._active[0]
         X_MS = self._poses[submap.keyframes[0]]
         prior = X_MS.inverse() @ self._X_MB
         fit = fitted(submap.grid, scan.points, prior, prior, (sigma_m, sigma_rad))
-        if fit.inliers < settings.rescue_below and len(scan.points) > _LEAST_POINTS:
+        if (fit.inliers < settings.rescue_below or self._placed) and len(scan.points) > _LEAST_POINTS:
             fit = self._rescued(submap, scan, prior, fit, (sigma_m, sigma_rad), step)
+        self._placed = self._placed and fit.inliers < settings.lost_below
         self._last_fit = fit
         if fit.inliers >= settings.lost_below:
             self._X_MB = X_MS @ fit.X_SB
@@ -203,8 +238,10 @@ class Slam:
         if submap.pyramid is None or submap.pyramid_of != len(submap.keyframes):
             submap.pyramid = Pyramid(submap.grid, _RESCUE_LEVELS)
             submap.pyramid_of = len(submap.keyframes)
-        window_m = 0.5 + math.hypot(step.x, step.y)
-        window_rad = 0.25 + abs(step.theta)
+        # What is not known since the scans fitted last is looked through, too.
+        window_m = 0.5 + math.hypot(step.x, step.y) + 2.0 * math.sqrt(self._covariance[:2, :2].trace())
+        window_rad = 0.25 + abs(step.theta) + 2.0 * math.sqrt(self._covariance[2, 2])
+        window_m, window_rad = min(window_m, _RESCUE_MOST[0]), min(window_rad, _RESCUE_MOST[1])
         found = sought(submap.pyramid, scan.points, prior, window_m, window_rad, _RESCUE_SCORE)
         if found is None:
             return fit
@@ -252,11 +289,21 @@ class Slam:
         if len(self._active) == 2:
             if len(self._active[0].keyframes) < full:
                 return
-            finished = self._active.pop(0)
-            self._submaps.append(Submap(len(self._submaps), tuple(finished.keyframes)))
+            self._finish(self._active.pop(0))
         grid = SurfelGrid()
         grid.insert(scan.points, Pose2())
         self._active.append(_ActiveSubmap(grid, [id]))
+
+    def _finish(self, submap: _ActiveSubmap) -> None:
+        self._submaps.append(Submap(self._submaps_made, tuple(submap.keyframes)))
+        self._submaps_made += 1
+
+    def _look_around(self) -> None:
+        """Follow on the map as it is around here; what is mapped next hangs on its nearest keyframe."""
+        self._local = local = local_map(self._keyframes, self._poses, self._X_MB)
+        self._active = [_ActiveSubmap(local.grid, [local.nearest])]
+        self._keyframe = local.nearest
+        self._X_KB = self._poses[local.nearest].inverse() @ self._X_MB
 
     def _job(self, due: tuple[int, ...], settle: bool) -> LoopJob:
         self._job_out = True

@@ -126,8 +126,8 @@ def _fit(
             arm_x = -s * points[k, 0] - c * points[k, 1]
             px = arm_y + x
             py = y - arm_x
-            i = int(math.floor(px / CELL_M)) - corner_i
-            j = int(math.floor(py / CELL_M)) - corner_j
+            i = math.floor(px / CELL_M) - corner_i
+            j = math.floor(py / CELL_M) - corner_j
             if i < MARGIN or j < MARGIN or i >= rows - MARGIN or j >= columns - MARGIN:
                 continue
             nx = c * points[k, 2] - s * points[k, 3]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,7 +66,7 @@ def optimized(graph: GraphArrays) -> NDArray[np.float64]:
     anchor = noise.Diagonal.Sigmas(np.array(_ANCHOR_SIGMAS))
     factors.add(gtsam.PriorFactorPose2(0, gtsam.Pose2(*graph.poses[0]), anchor))
     steps = np.round(np.log(graph.information) / np.log(_STEP)).astype(np.int64)
-    models: dict[tuple[int, int, int, bool], object] = {}
+    models: dict[tuple[int, int, int, bool], Any] = {}
     ends, measured, loops = graph.ends.tolist(), graph.measured.tolist(), graph.loops.tolist()
     for (a, b), X_ab, step, loop in zip(ends, measured, steps.tolist(), loops, strict=True):
         key = (*step, loop)
@@ -100,9 +101,11 @@ def without(edges: Iterable[Edge], removed: int) -> list[Edge]:
     spokes = sorted((_from(edge, removed) for edge in touching), key=lambda e: (e.loop, -e.information[0], -e.b))
     hub = spokes[0]
     X_hr = hub.X_ab.inverse()
-    for spoke in spokes[1:]:
-        if spoke.b != hub.b:
-            kept.append(Edge(hub.b, spoke.b, X_hr @ spoke.X_ab, _summed(hub, spoke), hub.loop or spoke.loop))
+    kept.extend(
+        Edge(hub.b, spoke.b, X_hr @ spoke.X_ab, _summed(hub, spoke), hub.loop or spoke.loop)
+        for spoke in spokes[1:]
+        if spoke.b != hub.b
+    )
     return kept
 
 

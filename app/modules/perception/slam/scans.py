@@ -47,7 +47,7 @@ def prepared(
     range_max_m: float,
     thinning_m: float,
 ) -> Scan:
-    """``ranges`` (N,) m of a sweep that took ``sweep_s`` from its first ray to its last, of a body moving with ``twist``.
+    """``ranges`` (N,) m of a sweep of ``sweep_s`` from its first ray to its last, the body moving with ``twist``.
 
     Points nearer to the last one than ``thinning_m`` or farther than ``range_max_m`` from the laser are left out.
     Raises ValueError where there are not as many ranges as beams.

@@ -126,9 +126,9 @@ def _branch_and_bound(
     for k in range(count):
         arm = max(arm, math.hypot(points[k, 0], points[k, 1]))
     step = CELL_M / min(arm, _ARM_M)
-    each_side = int(math.ceil(window_rad / step))
+    each_side = math.ceil(window_rad / step)
     angles = 2 * each_side + 1
-    reach = int(math.ceil(window / CELL_M))
+    reach = math.ceil(window / CELL_M)
     top = len(levels) - 1
     while top > 0 and (1 << top) > reach:
         top -= 1
@@ -143,8 +143,8 @@ def _branch_and_bound(
         c = math.cos(theta + (q - each_side) * step)
         s = math.sin(theta + (q - each_side) * step)
         for k in range(count):
-            cells_i[q, k] = int(math.floor((c * points[k, 0] - s * points[k, 1] + x) / CELL_M)) - corner_i
-            cells_j[q, k] = int(math.floor((s * points[k, 0] + c * points[k, 1] + y) / CELL_M)) - corner_j
+            cells_i[q, k] = math.floor((c * points[k, 0] - s * points[k, 1] + x) / CELL_M) - corner_i
+            cells_j[q, k] = math.floor((s * points[k, 0] + c * points[k, 1] + y) / CELL_M) - corner_j
         for di in range(-reach, reach + 1, stride):
             for dj in range(-reach, reach + 1, stride):
                 score = _score(levels[top], cells_i[q], cells_j[q], di, dj)

@@ -50,7 +50,7 @@ class SurfelGrid:
         rows, columns = self.surfels.shape[:2]
         if rows:
             had_low = np.array(self.corner)
-            had_high = had_low + (rows, columns)
+            had_high = had_low + np.array([rows, columns])
             if (low >= had_low).all() and (high <= had_high).all():
                 return
             # Only to the sides where it is too small, and there with room for what comes next.
@@ -122,8 +122,8 @@ def _insert(
     for k in range(len(points)):
         px = c * points[k, 0] - s * points[k, 1] + x
         py = s * points[k, 0] + c * points[k, 1] + y
-        i = int(math.floor(px / CELL_M)) - corner_i
-        j = int(math.floor(py / CELL_M)) - corner_j
+        i = math.floor(px / CELL_M) - corner_i
+        j = math.floor(py / CELL_M) - corner_j
         total = sums[i, j]
         if total[4] >= _FULL:
             for q in range(5):
