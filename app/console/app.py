@@ -19,6 +19,8 @@ from app.console.problems import install_problem_handlers
 from app.console.replays import Replays
 from app.console.rest.attention import attention_router
 from app.console.rest.desires import desires_router
+from app.console.rest.goal import goal_router
+from app.console.rest.maps import maps_router
 from app.console.rest.percepts import percepts_router
 from app.console.rest.playback import playback_router
 from app.console.rest.program import program_router, robot_router
@@ -80,6 +82,8 @@ def create_app(
         attention_router(system),
         robot_router(system, hub),
         percepts_router(hub.percepts, system.clock),
+        maps_router(system),
+        goal_router(system, hub),
         program_router(system, hub),
         recordings_router(system, replays, None if playback is None else playback.info.path),
         viewers_router(hub, view),

@@ -46,13 +46,14 @@ class Heard:
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """A drive command: ``linear`` and ``angular`` should be in [-1, 1]."""
+    """A drive command: ``linear`` and ``angular`` should be in [-1, 1]; ``override`` is held too, or not."""
 
     session: str
     sequence: int
     held: bool
     linear: float
     angular: float
+    override: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +100,7 @@ class Command:
     held: bool
     linear: float
     angular: float
+    override: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -224,7 +226,7 @@ def _drive(lease: Lease, now: float, drive: Drive) -> Step:
     if session == lease.driver and lease.moving and drive.sequence <= lease.sequence:
         # A repeated or an older command: the newest stands.
         return lease, ()
-    command = Command(lease.operators[session], True, drive.linear, drive.angular)
+    command = Command(lease.operators[session], True, drive.linear, drive.angular, drive.override)
     held = replace(
         lease,
         driver=session,

@@ -24,6 +24,7 @@ _TAGS = [
     {"name": "desires", "description": "What the robot shall want."},
     {"name": "attention", "description": "What it chose, from what, and what happened."},
     {"name": "robot", "description": "Its body: pose, guard, emergency stop."},
+    {"name": "maps", "description": "Where the robot has been, where it is, and where it shall go."},
     {"name": "program", "description": "Modules and channels."},
     {"name": "recordings", "description": "What the robot lived, kept on disk and lived again."},
     {"name": "playback", "description": "Where a recording is played: its transport."},

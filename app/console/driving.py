@@ -59,9 +59,9 @@ class Driving:
         self._lease, actions = control.step(self._lease, now, event)
         for action in actions:
             match action:
-                case control.Command(operator, held, linear, angular) if self._channel is not None:
+                case control.Command(operator, held, linear, angular, override) if self._channel is not None:
                     self._sequence += 1
-                    self._channel.publish(OperatorDrive(now, operator, self._sequence, held, linear, angular))
+                    self._channel.publish(OperatorDrive(now, operator, self._sequence, held, linear, angular, override))
                 case control.Tell(session, level, text):
                     self._notify(session, level, text)
         self._set_timer(now)

@@ -91,9 +91,16 @@ def odometry_json(odometry: Odometry | None) -> dict[str, float] | None:
 
 def exploited(exploitation: Exploitation | None, now: float, rate: float = 1.0) -> str | None:
     """The behavior that drives now; ``rate`` as for :func:`guard_json`."""
-    if exploitation is None or now - exploitation.stamp > EXPLOITATION_FRESH_S * rate:
-        return None
-    return exploitation.behavior
+    return exploitation.behavior if exploitation is not None and _is_fresh(exploitation, now, rate) else None
+
+
+def limited(exploitation: Exploitation | None, now: float, rate: float = 1.0) -> str:
+    """Why the collision monitor slowed or stopped whoever drives, "" where it did not; ``rate`` as before."""
+    return exploitation.limited if exploitation is not None and _is_fresh(exploitation, now, rate) else ""
+
+
+def _is_fresh(exploitation: Exploitation, now: float, rate: float) -> bool:
+    return now - exploitation.stamp <= EXPLOITATION_FRESH_S * rate
 
 
 def landmarks_json(message: Landmarks | None) -> list[dict[str, Any]]:

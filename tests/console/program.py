@@ -16,6 +16,7 @@ from app import paths
 from app.config import load_configuration
 from app.console.server import listen, serve, url_of
 from app.link import BaseLimits, LinkFailed, RobotDescription, StreamDescription
+from app.maps.library import MapLibrary
 from app.messages import Audio, Image, JointState, LaserScan, LinkStatus, Odometry, Twist
 from app.recording.library import RecordingLibrary
 from app.system import System
@@ -106,6 +107,13 @@ sound_sources: {type: SoundSources, external: true}
 loud_noises: {type: LoudNoise, decimable: false, external: true}
 imv: {type: Image, rate_hz: 10, external: true}
 panorama_jpeg: {type: EncodedImage, external: true, log: never}
+localization: {type: Localization, frame: map, decimable: false, external: true}
+map: {type: OccupancyGrid, latched: true, frame: map, decimable: false, external: true}
+zones: {type: Zones, latched: true, frame: map, decimable: false, external: true}
+navigation: {type: NavigationStatus, latched: true, decimable: false, external: true}
+path: {type: PlannedPath, latched: true, decimable: false, external: true}
+local_costmap: {type: OccupancyGrid, frame: odom, log: never, external: true}
+going_toward: {type: NavigationStatus, latched: true, decimable: false, external: true}
 """
 
 STRATEGIES = """\
@@ -118,6 +126,7 @@ strategies:
     filters: {Teleop.twist: 1}
     costs: {cpu: 5}
   - {name: listen, class: Listen, utility: 4, filters: {AudioStream.audio: 1}, costs: {cpu: 1}}
+  - {name: go, class: GoTo, utility: 4, filters: {Teleop.twist: 1}, costs: {cpu: 5}}
   - name: picture-fast
     class: Telepresence
     utility: 4
@@ -197,11 +206,35 @@ def write_program(folder: Path, *, recorder: bool = False) -> Path:
     return folder / "program.yaml"
 
 
+def _add_goto() -> None:
+    import app.system
+    from app.attention.desires import DesireClass
+    from app.modules import desire_classes as m
+
+    if any(c.name == "GoTo" for c in app.system.desire_classes()):
+        return
+    from pydantic import BaseModel, ConfigDict, Field
+
+    class GoToParameters(BaseModel):
+        model_config = ConfigDict(extra="forbid")
+        x: float = Field(ge=-1000, le=1000)
+        y: float = Field(ge=-1000, le=1000)
+        heading: float | None = None
+        tolerance_m: float = 0.25
+        tolerance_rad: float = 0.2
+        speed: float = Field(1.0, gt=0, le=1)
+
+    classes = (*m.desire_classes(), DesireClass(name="GoTo", title="Go", description="Go.", parameters=GoToParameters))
+    app.system.desire_classes = lambda: classes  # type: ignore[attr-defined]
+
+
 def build(folder: Path, *, recorder: bool = False) -> tuple[System, Body]:
     """The program, not running yet; outside the event loop, since it reads its files."""
     body = Body()
+    _add_goto()
     configuration = load_configuration(write_program(folder, recorder=recorder))
-    return System(configuration, link=body, recordings=RecordingLibrary(folder / "recordings")), body
+    recordings, maps = RecordingLibrary(folder / "recordings"), MapLibrary(folder / "maps")
+    return System(configuration, link=body, recordings=recordings, maps=maps), body
 
 
 @contextlib.asynccontextmanager

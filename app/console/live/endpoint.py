@@ -82,6 +82,8 @@ def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
         case protocol.ViewMessage():
             hub.show(viewer, protocol.CAMERA, message.camera)
             hub.show(viewer, protocol.PANORAMA, message.panorama)
+            hub.show(viewer, protocol.MAP, message.map)
+            hub.show(viewer, protocol.COSTMAP, message.costmap)
         case protocol.ListenMessage():
             hub.listen(viewer, message.on)
         case protocol.EStopMessage():

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from app.console import reports
-from app.console.live.protocol import CAMERA, PANORAMA, picture_frame, sound_frame
+from app.console.live.grid_feed import GridFeed
+from app.console.live.protocol import CAMERA, COSTMAP, MAP, PANORAMA, picture_frame, sound_frame
 from app.console.live.viewer import Viewer
 from app.console.presence import Presence, Spectators
 from app.console.taps import Tap
@@ -15,11 +17,25 @@ from app.messages import Audio, EncodedImage
 
 if TYPE_CHECKING:
     from app.replay.playback import Playback
+    from app.runtime.clock import Clock
     from app.runtime.graph import Graph
 
 #: The channel that each kind of picture comes from.
 PICTURES = {CAMERA: "camera_jpeg", PANORAMA: "panorama_jpeg"}
 SOUND_CHANNEL = "robot_audio"
+
+
+@dataclass(frozen=True, slots=True)
+class GridKind:
+    """A kind of picture that is made here, of the grids on ``channel``, at most once in ``period_s``; ``info`` is the
+    message that announces it."""
+
+    channel: str
+    info: str
+    period_s: float
+
+
+GRIDS = {MAP: GridKind("map", "map_info", 0.5), COSTMAP: GridKind("local_costmap", "costmap_info", 0.2)}
 #: So many frames of sound may come while the loop does something else.
 BURST = 16
 
@@ -36,19 +52,33 @@ def comes(graph: Graph, playback: Playback | None, channel: str) -> bool:
 class Feeds:
     """Takes what the ``viewers`` want, and gives it to those who do. ``listening`` is told whether anybody listens."""
 
-    def __init__(self, graph: Graph, viewers: Callable[[], Iterable[Viewer]], listening: Presence | Spectators) -> None:
+    def __init__(
+        self,
+        graph: Graph,
+        pace: Clock,
+        viewers: Callable[[], Iterable[Viewer]],
+        listening: Presence | Spectators,
+    ) -> None:
         self._graph = graph
         self._viewers = viewers
         self._listening = listening
         self._taps: dict[str, Tap[Any]] = {}
+        self._grids = {
+            kind: GridFeed(
+                graph.channel(grid.channel), kind, grid.info, grid.period_s, pace, partial(self._deliver, kind)
+            )
+            for kind, grid in GRIDS.items()
+            if grid.channel in graph.channels
+        }
         #: Of each kind of picture, and of sound, how many came so far.
         self._counts = dict.fromkeys((*PICTURES, SOUND_CHANNEL), 0)
 
     def update(self) -> None:
         """Whoever is there, or what they want, has changed."""
         for kind, channel in PICTURES.items():
-            wanted = any(kind in viewer.shows for viewer in self._viewers())
-            self._take(channel, wanted, partial(self._on_picture, kind), capacity=1)
+            self._take(channel, self._is_shown(kind), partial(self._on_picture, kind), capacity=1)
+        for kind, feed in self._grids.items():
+            feed.take(self._is_shown(kind))
         listened = any(viewer.listens for viewer in self._viewers())
         if listened != (SOUND_CHANNEL in self._taps):
             self._take(SOUND_CHANNEL, listened, self._on_sound, capacity=BURST)
@@ -59,13 +89,26 @@ class Feeds:
         for tap in self._taps.values():
             tap.close()
         self._taps.clear()
+        for feed in self._grids.values():
+            feed.take(False)
         self._listening.withdraw()
 
-    def show_standing(self, viewer: Viewer, kind: int) -> None:
-        """Give a viewer the last picture there was."""
-        image = reports.latest(self._graph, PICTURES[kind])
-        if image is not None:
+    def show_standing(self, viewer: Viewer, kind: int, *, of_camera: bool) -> None:
+        """Give a viewer the last picture there was, if it stays; one ``of_camera``, too."""
+        if kind in GRIDS:
+            feed = self._grids.get(kind)
+            if feed is not None and feed.standing is not None:
+                viewer.outbox.put_picture(kind, *feed.standing)
+        elif of_camera and (image := reports.latest(self._graph, PICTURES[kind])) is not None:
             viewer.outbox.put_picture(kind, picture_frame(kind, image, self._counts[kind]))
+
+    def forget(self) -> None:
+        """Time has jumped: no grid of before is to be shown."""
+        for feed in self._grids.values():
+            feed.forget()
+
+    def _is_shown(self, kind: int) -> bool:
+        return any(kind in viewer.shows for viewer in self._viewers())
 
     def _take(self, channel: str, wanted: bool, handler: Callable[[Any], None], *, capacity: int) -> None:
         if wanted and channel not in self._taps and channel in self._graph.channels:
@@ -76,10 +119,12 @@ class Feeds:
 
     def _on_picture(self, kind: int, image: EncodedImage) -> None:
         self._counts[kind] += 1
-        frame = picture_frame(kind, image, self._counts[kind])
+        self._deliver(kind, picture_frame(kind, image, self._counts[kind]))
+
+    def _deliver(self, kind: int, frame: bytes, info: str = "") -> None:
         for viewer in self._viewers():
             if kind in viewer.shows:
-                viewer.outbox.put_picture(kind, frame)
+                viewer.outbox.put_picture(kind, frame, info)
 
     def _on_sound(self, audio: Audio) -> None:
         self._counts[SOUND_CHANNEL] += 1

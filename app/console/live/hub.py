@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any, Literal
 from app.attention.serialize import desire_class_to_json, desire_to_json, event_to_json, intention_to_json
 from app.console import control, reports
 from app.console.driving import Driving
-from app.console.live.feeds import PICTURES, SOUND_CHANNEL, Feeds, comes
-from app.console.live.protocol import CAMERA, PANORAMA, PROTOCOL
+from app.console.live.feeds import GRIDS, PICTURES, SOUND_CHANNEL, Feeds, comes
+from app.console.live.protocol import CAMERA, COSTMAP, MAP, PANORAMA, PROTOCOL
 from app.console.live.sampler import Sampler
 from app.console.live.speech import Speech
 from app.console.live.viewer import Viewer
@@ -25,6 +25,7 @@ from app.console.playback import PERIOD_S, playback_json
 from app.console.presence import LISTEN, WATCH, Presence, Spectators
 from app.console.recordings import RecorderReport
 from app.console.taps import Tap
+from app.console.way import WayReport
 from app.console.wire import encode_text
 from app.messages import LinkStatus
 
@@ -46,10 +47,11 @@ class Hub:
         self._playback = playback
         self._viewers: dict[str, Viewer] = {}
         self._presence = self._attention(WATCH)
-        self._feeds = Feeds(system.graph, self._viewers.values, self._attention(LISTEN))
+        self._feeds = Feeds(system.graph, system.pace, self._viewers.values, self._attention(LISTEN))
         #: What the robot perceives of people.
         self.percepts = Percepts(system.graph)
-        self._sampler = Sampler(system, self, self.percepts)
+        self._way = WayReport(system)
+        self._sampler = Sampler(system, self, self.percepts, self._way)
         self._recorder = RecorderReport(system)
         self._stack = ExitStack()
         self._watching = ExitStack()
@@ -104,6 +106,7 @@ class Hub:
     def _on_jump(self, position: float) -> None:
         self.link_status = None
         self.percepts.forget()
+        self._feeds.forget()
         assert self._playback is not None
         self._sampler.begin_anew(position, self._playback.attention, self._playback.spoke)
         self._new_events.clear()
@@ -169,9 +172,8 @@ class Hub:
         self._feeds.update()
 
     def _show_standing_picture(self, viewer: Viewer, kind: int) -> None:
-        """Where time may stand, no picture may follow: whoever comes is given the last."""
-        if self._playback is not None:
-            self._feeds.show_standing(viewer, kind)
+        """A map may stay as it is, and where time may stand, no picture may follow: whoever comes is given the last."""
+        self._feeds.show_standing(viewer, kind, of_camera=self._playback is not None)
 
     def notify(self, session: str, level: Level, text: str) -> None:
         """Tell one viewer something."""
@@ -213,7 +215,7 @@ class Hub:
             keep(Tap(self._recorder.channel, "console.recorder", lambda _: self._on_recorder()).close)
             for source in (system.workspace, system.translator, system.supervisor):
                 keep(source.observe(lambda _: self._on_recorder()))
-        for channel in self.percepts.channels:
+        for channel in (*self.percepts.channels, *self._way.channels):
             # It is told of them anyway, but what nobody wants might rest.
             keep(Tap(system.graph.channel(channel), f"console.{channel}", lambda _: None).close)
         for channel, handler in self._sampler.channels().items():
@@ -291,6 +293,7 @@ class Hub:
             **{kind: build() for kind, build in self._builders().items()},
             "landmarks": encode_text({"type": "landmarks", "landmarks": landmarks}),
             "perceived": self._sampler.perceived_frame(),
+            **self._sampler.way_frames(),
             "load": self._sampler.load_frame(),
         }
 
@@ -308,6 +311,8 @@ class Hub:
                 "channels": {
                     "camera": self._comes(PICTURES[CAMERA]),
                     "panorama": self._comes(PICTURES[PANORAMA]),
+                    "map": self._comes(GRIDS[MAP].channel),
+                    "costmap": self._comes(GRIDS[COSTMAP].channel),
                 },
                 "audio": {"listen": self._comes(SOUND_CHANNEL), "speak": not self.speech.in_vain},
                 "playback": None if self._playback is None else playback_json(self._playback),

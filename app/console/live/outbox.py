@@ -46,8 +46,10 @@ class Outbox:
         self._newest: dict[str, Frame] = {}
         self._events: deque[str] = deque()
         #: By kind: the newest picture that waits; and those of which one is on the way to the page.
-        self._pictures: dict[int, bytes] = {}
+        self._pictures: dict[int, tuple[bytes, str]] = {}
         self._under_way: set[int] = set()
+        #: A picture whose info has just gone out.
+        self._announced: bytes | None = None
         self._sound: deque[bytes] = deque()
         self._overrun = False
         self._due = asyncio.Event()
@@ -83,11 +85,12 @@ class Outbox:
         self._newest.setdefault(_EVENTS, "")
         self._due.set()
 
-    def put_picture(self, kind: int, frame: bytes) -> None:
-        """Queue the newest picture of ``kind``; it goes out once the one before has been drawn."""
+    def put_picture(self, kind: int, frame: bytes, info: str = "") -> None:
+        """Queue the newest picture of ``kind``, and the text frame that announces it, if any; it goes out once the one
+        before has been drawn."""
         if kind in self._pictures:
             self._replaced += 1
-        self._pictures[kind] = frame
+        self._pictures[kind] = (frame, info)
         self._offer_picture(kind)
 
     def picture_drawn(self, kind: int) -> None:
@@ -121,10 +124,13 @@ class Outbox:
 
     async def take(self) -> Frame:
         """Wait for the next frame to send."""
-        while not self._urgent and not self._newest:
+        while not self._urgent and not self._newest and self._announced is None:
             self._due.clear()
             await self._due.wait()
         self._taken += 1
+        if self._announced is not None:
+            announced, self._announced = self._announced, None
+            return announced
         if self._urgent:
             return self._urgent.popleft()
         kind = next(iter(self._newest))
@@ -136,8 +142,14 @@ class Outbox:
         for picture in tuple(self._pictures):
             if kind == _picture(picture):
                 self._under_way.add(picture)
-                return self._pictures.pop(picture)
+                return self._take_picture(*self._pictures.pop(picture))
         return frame
+
+    def _take_picture(self, frame: bytes, info: str) -> Frame:
+        if not info:
+            return frame
+        self._announced = frame
+        return info
 
     def _take_sound(self) -> bytes:
         frame = self._sound.popleft()
@@ -148,7 +160,7 @@ class Outbox:
 
     def statistics(self) -> OutboxStatistics:
         """The counters now."""
-        waiting = len(self._urgent) + len(self._newest)
+        waiting = len(self._urgent) + len(self._newest) + (self._announced is not None)
         return OutboxStatistics(waiting, len(self._events), self._taken, self._replaced)
 
     def _take_events(self) -> str:

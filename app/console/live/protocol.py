@@ -17,6 +17,8 @@ PROTOCOL = 1
 #: Kinds of binary frames.
 CAMERA = 1
 PANORAMA = 2
+MAP = 3
+COSTMAP = 4
 SOUND = 16
 VOICE = 17
 
@@ -34,6 +36,7 @@ class DriveMessage(msgspec.Struct, tag="drive"):
     held: bool
     linear: float
     angular: float
+    override: bool = False
 
 
 class EStopMessage(msgspec.Struct, tag="e_stop"):
@@ -62,7 +65,7 @@ class PingMessage(msgspec.Struct, tag="ping"):
 class AckMessage(msgspec.Struct, tag="ack"):
     """The picture ``seq`` of its kind was drawn."""
 
-    kind: Literal[1, 2]
+    kind: Literal[1, 2, 3, 4]
     seq: int
 
 
@@ -71,6 +74,8 @@ class ViewMessage(msgspec.Struct, tag="view"):
 
     camera: bool | None = None
     panorama: bool | None = None
+    map: bool | None = None
+    costmap: bool | None = None
 
 
 class ListenMessage(msgspec.Struct, tag="listen"):
@@ -101,8 +106,12 @@ def decode(text: str | bytes) -> FromPage:
 
 def picture_frame(kind: int, image: EncodedImage, sequence: int) -> bytes:
     """A picture with its 24-byte header."""
-    header = _PICTURE_HEADER.pack(kind, sequence & 0xFFFFFFFF, image.stamp, image.width, image.height)
-    return header + image.jpeg
+    return picture_header(kind, sequence, image.stamp, image.width, image.height) + image.jpeg
+
+
+def picture_header(kind: int, sequence: int, stamp: float, width: int, height: int) -> bytes:
+    """The 24 bytes before every picture; ``width`` and ``height`` in pixels, at most 65,535."""
+    return _PICTURE_HEADER.pack(kind, sequence & 0xFFFFFFFF, stamp, width, height)
 
 
 def sound_frame(audio: Audio, sequence: int) -> bytes:

@@ -1,9 +1,9 @@
-"""What the stream tells at fixed rates: status and lanes at 20 Hz, what is perceived at up to 10 Hz, load at 1 Hz,
-landmarks as they change; and what the lanes were, for who comes later."""
+"""What the stream tells at fixed rates: status and lanes at 20 Hz, what is perceived, where the robot is and where it
+goes at up to 10 Hz, load at 1 Hz, landmarks as they change; and what the lanes were, for who comes later."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 from app.console import reports
@@ -13,6 +13,7 @@ from app.console.live.recorded_lanes import Spoke, recorded_lanes
 from app.console.perceived import perceived_json
 from app.console.percepts import Percepts
 from app.console.playback import rate
+from app.console.way import WayReport
 from app.console.wire import encode_text
 from app.messages import Exploitation, Landmarks, LinkStatus, Odometry
 
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
     from app.system import System
 
 PERIOD_S = 0.05
-#: What is perceived is looked at every so many periods.
-PERCEIVED_BEATS = 2
+#: What is told at up to 10 Hz is looked at every so many periods.
+SLOW_BEATS = 2
 #: So much of a recording's attention is looked back on after a jump (s).
 RECORDED_S = 60.0
 
@@ -48,11 +49,13 @@ class Audience(Protocol):
 class Sampler:
     """Samples the program: :meth:`run` while somebody watches, :meth:`remember` always."""
 
-    def __init__(self, system: System, audience: Audience, percepts: Percepts) -> None:
+    def __init__(self, system: System, audience: Audience, percepts: Percepts, way: WayReport) -> None:
         self._system = system
         self._audience = audience
         self._percepts = percepts
-        self._perceived: dict[str, Any] = {}
+        self._way = way
+        #: By type, what was told last on change.
+        self._told: dict[str, dict[str, Any]] = {}
         self._lanes = LaneSampler(system.graph, system.classes, system.table.strategies)
         self._history = lane_history.LaneHistory(system.classes)
         self._modules = reports.ModuleReport(system)
@@ -110,7 +113,7 @@ class Sampler:
         self._exploitation = None
         self._odometry = None
         # Whoever watches has forgotten it: the same is news again.
-        self._perceived = {}
+        self._told = {}
 
     def _sample(self, now: float) -> None:
         self._sequence += 1
@@ -119,18 +122,30 @@ class Sampler:
             return
         lanes = {"type": "lanes", "seq": self._sequence, "stamp": now, "rows": self._rows(now)}
         self._audience.broadcast("lanes", encode_text(lanes))
-        if self._sequence % PERCEIVED_BEATS == 0:
-            self._tell_perceived(now)
+        if self._sequence % SLOW_BEATS == 0:
+            for kind, frame in self._news(now):
+                self._audience.broadcast(kind, frame)
         if self._system.load.latest.stamp != self._load_stamp:
             self._load_stamp = self._system.load.latest.stamp
             self._modules.sample()
             self._audience.broadcast("load", self.load_frame())
 
-    def _tell_perceived(self, now: float) -> None:
-        perceived = perceived_json(self._percepts.at(now))
-        if perceived | {"stamp": 0} != self._perceived:
-            self._perceived = perceived | {"stamp": 0}
-            self._audience.broadcast("perceived", encode_text({"type": "perceived", **perceived}))
+    def _news(self, now: float) -> Iterator[tuple[str, str]]:
+        """The frames of what has changed, by type; that of a place each time that it was found."""
+        for kind, told in {"perceived": perceived_json(self._percepts.at(now)), **self._way_now()}.items():
+            compared = told if kind == "localization" else told | {"stamp": 0}
+            if compared != self._told.get(kind):
+                self._told[kind] = compared
+                yield kind, encode_text({"type": kind, **told})
+
+    def _way_now(self) -> dict[str, dict[str, Any]]:
+        way = self._way
+        told = {"localization": way.localization(), "navigation": way.navigation(), "zones": way.zones()}
+        return {kind: value for kind, value in told.items() if value is not None}
+
+    def way_frames(self) -> dict[str, str]:
+        """Where the robot is and where it goes, now, as far as it is known: frames by type."""
+        return {kind: encode_text({"type": kind, **told}) for kind, told in self._way_now().items()}
 
     def perceived_frame(self) -> str:
         """What is perceived now."""
@@ -147,6 +162,7 @@ class Sampler:
             "world_rate": 1.0 if status is None else round(status.world_rate, 4),
             "odometry": reports.odometry_json(self._odometry),
             "exploited": reports.exploited(self._exploitation, now, rate(self._system.clock)),
+            "limited": reports.limited(self._exploitation, now, rate(self._system.clock)),
             "sources": reports.sources_json(self._system.graph, self._system.freshness.read(now)),
         }
 

@@ -20,6 +20,7 @@ from app.console.rest.models import (
     ResourceModel,
     StrategyList,
 )
+from app.console.rest.routing import router as api_router
 
 if TYPE_CHECKING:
     from app.system import System
@@ -30,7 +31,7 @@ KINDS = get_args(EventKind)
 
 def attention_router(system: System) -> APIRouter:
     """Routes of ``/intention``, ``/strategies``, ``/resources`` and ``/timeline``."""
-    router = APIRouter(tags=["attention"])
+    router = api_router("attention")
 
     @router.get(
         "/intention", response_model=IntentionModel, summary="What was chosen, and why", responses=problems(409)
@@ -72,8 +73,12 @@ def attention_router(system: System) -> APIRouter:
 
     @router.get("/timeline", response_model=EventList, summary="What happened", responses=problems(422))
     async def get_timeline(
-        since: Annotated[float | None, Query(description="Robot's clock (s); events from then on.")] = None,
-        until: Annotated[float | None, Query(description="Robot's clock (s); events before then.")] = None,
+        since: Annotated[
+            float | None, Query(allow_inf_nan=False, description="Robot's clock (s); events from then on.")
+        ] = None,
+        until: Annotated[
+            float | None, Query(allow_inf_nan=False, description="Robot's clock (s); events before then.")
+        ] = None,
         kinds: Annotated[
             str | None, Query(description=f"Comma-separated: {', '.join(KINDS)}.", examples=["desire,intention"])
         ] = None,

@@ -23,6 +23,7 @@ from app.console.rest.models import (
     DesireModel,
     NewDesire,
 )
+from app.console.rest.routing import router as api_router
 
 if TYPE_CHECKING:
     from app.system import System
@@ -40,7 +41,7 @@ def source_of(request: Request) -> Source:
 
 def desires_router(system: System) -> APIRouter:
     """Routes of ``/desires`` and ``/desire-classes``."""
-    router = APIRouter(tags=["desires"])
+    router = api_router("desires")
     workspace = system.workspace
     store = IdempotencyStore(system.pace.now)
 

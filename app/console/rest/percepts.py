@@ -10,6 +10,7 @@ from app.console.perceived import perceived_json
 from app.console.percepts import Percepts
 from app.console.rest.answers import Json
 from app.console.rest.models import Answer, Stamp
+from app.console.rest.routing import router as api_router
 from app.runtime.clock import Clock
 
 
@@ -82,7 +83,7 @@ class PerceptsModel(Answer):
 
 def percepts_router(percepts: Percepts, clock: Clock) -> APIRouter:
     """Routes of ``/percepts``."""
-    router = APIRouter(tags=["robot"])
+    router = api_router("robot")
 
     @router.get("/percepts", response_model=PerceptsModel, summary="Faces, sounds, loud noises, codes")
     async def get_percepts() -> Response:

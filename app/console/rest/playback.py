@@ -12,6 +12,7 @@ from app.console.playback import playback_json
 from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
 from app.console.rest.playback_models import PlaybackChange, PlaybackModel
+from app.console.rest.routing import router as api_router
 from app.recording.log import LogError
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 def playback_router(playback: Playback | None) -> APIRouter:
     """Routes of ``/playback``; they refuse where a robot lives (None)."""
-    router = APIRouter(tags=["playback"])
+    router = api_router("playback")
 
     def played() -> Playback:
         if playback is None:

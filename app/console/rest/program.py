@@ -24,6 +24,7 @@ from app.console.rest.program_models import (
     ModuleModel,
     RobotModel,
 )
+from app.console.rest.routing import router as api_router
 
 if TYPE_CHECKING:
     from app.messages import LinkStatus
@@ -38,7 +39,7 @@ CONFIRM_WITHIN_S = 0.5
 
 def robot_router(system: System, hub: Hub) -> APIRouter:
     """Routes of ``/robot``."""
-    router = APIRouter(tags=["robot"])
+    router = api_router("robot")
 
     @router.get("/robot", response_model=RobotModel, summary="Where the robot is and how it does")
     async def get_robot() -> Response:
@@ -105,7 +106,7 @@ def _refuse_recording(hub: Hub) -> None:
 
 def program_router(system: System, hub: Hub) -> APIRouter:
     """Routes of ``/modules``, ``/channels`` and ``/health``."""
-    router = APIRouter(tags=["program"])
+    router = api_router("program")
 
     @router.get("/modules", response_model=ModuleList, summary="Modules, their load and counters")
     async def list_modules() -> Response:

@@ -27,6 +27,7 @@ from app.console.rest.recording_models import (
     SaveRequest,
     Withdrawn,
 )
+from app.console.rest.routing import router as api_router
 from app.recording.catalog import Catalog, Recording
 from app.recording.control import RecorderUnavailable
 from app.recording.log import LogError
@@ -40,7 +41,7 @@ Name = Annotated[str, Path(description="The recording's name.", examples=["tour"
 
 def recordings_router(system: System, replays: Replays, played: FilePath | None = None) -> APIRouter:
     """Routes of ``/recordings``; ``played`` is the file of the recording that this console is a replay of."""
-    router = APIRouter(tags=["recordings"])
+    router = api_router("recordings")
     catalog = Catalog(system.recordings)
     report = RecorderReport(system)
     store = IdempotencyStore(system.clock.now)

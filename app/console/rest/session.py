@@ -8,12 +8,13 @@ from fastapi.responses import Response
 from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
 from app.console.rest.program_models import LoginRequest, SessionModel
+from app.console.rest.routing import router as api_router
 from app.console.security import COOKIE, Door, unauthorized
 
 
 def session_router(door: Door) -> APIRouter:
     """Routes of ``/session``."""
-    router = APIRouter(tags=["session"])
+    router = api_router("session")
     needed = door.cookie is not None
 
     @router.get("/session", response_model=SessionModel, summary="May I?", responses=problems(401))

@@ -8,12 +8,13 @@ from fastapi.responses import Response
 from app.console.live.hub import Hub
 from app.console.rest.answers import Json
 from app.console.rest.program_models import ViewerList
+from app.console.rest.routing import router as api_router
 from app.console.view.view import View
 
 
 def viewers_router(hub: Hub, view: View) -> APIRouter:
     """Routes of ``/viewers``."""
-    router = APIRouter(tags=["session"])
+    router = api_router("session")
 
     @router.get("/viewers", response_model=ViewerList, summary="Who watches, and how well they are served")
     async def list_viewers() -> Response:

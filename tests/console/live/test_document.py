@@ -18,6 +18,7 @@ from app.runtime.supervisor import Status
 from app.system import System
 from tests.console.live_client import page, voice
 from tests.console.percepts import faces, sound_sources
+from tests.console.places import grid, localization, path, status, zones
 from tests.console.program import Body, build
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "live-stream.md"
@@ -66,9 +67,13 @@ async def test_every_type_and_field_from_the_robot_is_described(
     system.graph.channel("faces").publish(faces(system.clock.now()))
     system.graph.channel("sound_sources").publish(sound_sources(system.clock.now()))
     system.graph.channel("loud_noises").publish(LoudNoise(system.clock.now(), 30.0, -12.0))
+    told = {"localization": localization, "zones": zones, "path": path, "navigation": status, "map": grid}
+    for channel, message in {**told, "local_costmap": grid}.items():
+        system.graph.channel(channel).publish(message(system.clock.now()))
     frames: dict[str, dict[str, Any]] = {}
     async with page(url) as ann:
         await ann.send("ping", t=1, rtt_ms=None)
+        await ann.send("view", map=True, costmap=True)
         await ann.connection.send("{")
         system.timeline.add("module", "Nobody", "said")
         await ann.drive(0.1)
@@ -81,6 +86,8 @@ async def test_every_type_and_field_from_the_robot_is_described(
     assert frames["perceived"]["faces"]
     assert frames["perceived"]["sounds"]
     assert frames["perceived"]["noises"]
+    assert frames["navigation"]["path"]
+    assert frames["zones"]["zones"]
     for kind, frame in frames.items():
         told = set(re.findall(r"\w+", rows[kind]))
         assert set(names(frame)) - {"type"} <= told, kind

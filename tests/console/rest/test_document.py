@@ -11,6 +11,7 @@ import pytest
 from fastapi import FastAPI
 
 from app.system import System
+from tests.console.places import Keeper
 from tests.console.program import Body, build
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "rest.md"
@@ -30,7 +31,8 @@ def built(tmp_path: Path) -> tuple[System, Body]:
     return build(tmp_path, recorder=True)
 
 
-async def test_every_example_works(url: str, script: str, app: FastAPI, tmp_path: Path) -> None:
+async def test_every_example_works(url: str, script: str, app: FastAPI, system: System, tmp_path: Path) -> None:
+    system.map.attach(Keeper(system.maps))
     assert script.count("curl") >= 30
     # What a replay does is tested elsewhere.
     app.state.replays.command = ("sh", "-c", "echo 'HBBA is up: http://127.0.0.1:4711  (...)'; exec sleep 60")

@@ -1,0 +1,91 @@
+"""The goal that people give the robot: one desire of class GoTo."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fastapi import APIRouter, Request
+from fastapi.responses import Response
+
+from app.attention.desires import Desire
+from app.attention.serialize import desire_to_json
+from app.console.live.hub import Hub
+from app.console.problems import Problem
+from app.console.rest.answers import Json, problems
+from app.console.rest.desires import source_of
+from app.console.rest.map_models import GoalModel, GoalRequest
+from app.console.rest.models import DesireModel
+from app.console.rest.routing import router as api_router
+from app.console.way import GO_TO, WayReport
+from app.geometry import wrap_angle
+
+if TYPE_CHECKING:
+    from app.system import System
+
+#: As much as anything can be desired, since whoever points somewhere wants it now; of equals the newest is heard.
+INTENSITY = 8.0
+#: Whatever goes there will do; attention gives the best it can afford.
+UTILITY = 1.0
+#: Goals of these came over the console, and give way to the next.
+_ASKED_HERE = frozenset({"operator", "rest"})
+RECORDING = "This is a recording: there is no robot to send anywhere."
+
+
+def goal_router(system: System, hub: Hub) -> APIRouter:
+    """Routes of ``/goal``."""
+    router = api_router("maps")
+    workspace, way = system.workspace, WayReport(system)
+
+    def asked_here() -> list[Desire]:
+        return [d for d in workspace.desires() if d.cls == GO_TO and d.source.kind in _ASKED_HERE]
+
+    @router.get("/goal", response_model=GoalModel, summary="Where the robot is going")
+    async def get_goal() -> Response:
+        """What is desired, and what the behavior that goes there is about."""
+        desire = way.desire()
+        return Json({"desire": None if desire is None else desire_to_json(desire), "navigation": way.navigation()})
+
+    @router.put(
+        "/goal", response_model=DesireModel, summary="Send the robot somewhere", responses=problems(400, 409, 422)
+    )
+    async def put_goal(goal: GoalRequest, request: Request) -> Response:
+        """Creates a desire of class GoTo, or changes the one that was created so before: there is one goal of people at
+        a time, and a second takes the first one's place. Attention weighs it as any other; how the robot does is in
+        `navigation` of GET /goal and of the live stream. The same goal again changes nothing."""
+        if hub.driving.recording:
+            raise Problem(409, "a-recording", RECORDING)
+        if GO_TO not in system.classes or not any(strategy.cls == GO_TO for strategy in system.table.strategies):
+            raise Problem(
+                409, "cannot-go", "This program goes nowhere by itself: it has no strategy for the class GoTo."
+            )
+        params = {"x": goal.x, "y": goal.y}
+        if goal.heading is not None:
+            params["heading"] = wrap_angle(goal.heading)
+        if goal.speed is not None:
+            params["speed"] = goal.speed
+        source = source_of(request)
+        with workspace.transaction():
+            standing = asked_here()
+            heard = workspace.strongest().get(GO_TO)
+            # Only the newest of equally intense desires is heard: one that would not be gives way to a new one.
+            kept = next((d for d in standing if heard is not None and d.id == heard.id and d.source == source), None)
+            for desire in standing:
+                if desire is not kept:
+                    workspace.remove(desire.id)
+            if kept is None:
+                desire = workspace.add(GO_TO, intensity=INTENSITY, utility=UTILITY, params=params, source=source)
+            else:
+                desire = workspace.change(
+                    kept.id, intensity=INTENSITY, utility=UTILITY, security=False, params=params, ttl=None
+                )
+        return Json(desire_to_json(desire))
+
+    @router.delete("/goal", status_code=204, summary="Cancel the goal")
+    async def delete_goal() -> Response:
+        """Withdraws every desire of class GoTo that came over the console. May be repeated."""
+        with workspace.transaction():
+            for desire in asked_here():
+                workspace.remove(desire.id)
+        return Response(status_code=204)
+
+    return router

@@ -1,0 +1,266 @@
+"""Maps: those that are kept, the one in use, the robot's place on it and its zones."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+
+import numpy as np
+from fastapi import APIRouter, Path
+from fastapi.responses import Response
+from pydantic import ValidationError
+
+from app.console.problems import Problem
+from app.console.rest.answers import Json, problems
+from app.console.rest.map_models import (
+    CurrentMap,
+    LoadRequest,
+    MapList,
+    MapModel,
+    PoseRequest,
+    RenameRequest,
+    ZonesModel,
+)
+from app.console.rest.routing import router as api_router
+from app.console.way import WayReport, zones_json
+from app.errors import ConfigError
+from app.geometry import Pose2
+from app.maps.control import MapKeeper, MapUnavailable
+from app.maps.library import MapFacts, MapNameTaken, UnknownMap
+from app.maps.zones import checked
+from app.messages import Zone, read_only
+
+if TYPE_CHECKING:
+    from app.system import System
+
+T = TypeVar("T")
+Name = Annotated[str, Path(description="The map's name.", examples=["ground-floor"])]
+PNG = "image/png"
+
+
+def maps_router(system: System) -> APIRouter:
+    """Routes of ``/maps`` and ``/map``."""
+    router = api_router("maps")
+    library, way = system.maps, WayReport(system)
+
+    @router.get("/maps", response_model=MapList, summary="Every map that is kept", responses=problems(409))
+    async def list_maps() -> Response:
+        """By name; and the one in use, which may have no name yet."""
+        facts = await _on_disk(library.listing)
+        maps = [_map_json(fact, current()["name"]) for fact in facts]
+        return Json({"folder": str(library.folder), "current": current(), "maps": maps})
+
+    @router.get("/map", response_model=CurrentMap, summary="The map in use")
+    async def get_map() -> Response:
+        return Json(current())
+
+    @router.put("/maps/{name}", response_model=MapModel, summary="Keep the map in use", responses=problems(409, 422))
+    async def save_map(name: Name) -> Response:
+        """Under this name, which it has from then on; an older map of this name is replaced. Needs no body."""
+        await _existing(name, none_is_fine=True)
+        async with _keeper() as keeper:
+            await keeper.save(name)
+        return Json(_map_json(await _on_disk(library.facts, name), name))
+
+    @router.post(
+        "/maps/{name}/load",
+        response_model=CurrentMap,
+        summary="Take a map into use",
+        responses=problems(400, 404, 409, 422),
+    )
+    async def load_map(name: Name, load: LoadRequest | None = None) -> Response:
+        """In place of the one in use, which is lost if it was not saved. Needs no body: the robot then looks for itself
+        on the map, and the map stays as it is."""
+        load = load or LoadRequest()
+        await _existing(name)
+        async with _keeper() as keeper:
+            await keeper.load(name, None if load.pose is None else _pose(load.pose), load.extend)
+        return Json(current())
+
+    @router.patch(
+        "/maps/{name}", response_model=MapModel, summary="Rename a map", responses=problems(400, 404, 409, 422)
+    )
+    async def rename_map(name: Name, change: RenameRequest) -> Response:
+        """A name that another map has is refused. The map in use is saved under its new name as it is now."""
+        await _existing(name)
+        to = change.name
+        if to != name and await _existing(to, field="name", none_is_fine=True):
+            raise _taken(f"there is a map called {to} already; delete it first, or choose another name")
+        if to != name and current()["name"] == name:
+            async with _keeper() as keeper:
+                await keeper.save(to)
+            await _on_disk(library.delete, name)
+        else:
+            await _on_disk(library.rename, name, to)
+        return Json(_map_json(await _on_disk(library.facts, to), current()["name"]))
+
+    @router.delete("/maps/{name}", status_code=204, summary="Delete a map", responses=problems(404, 409, 422))
+    async def delete_map(name: Name) -> Response:
+        """For good, with its zones. The map in use is refused."""
+        await _existing(name)
+        if current()["name"] == name:
+            raise Problem(
+                409, "map-in-use", f"{name} is the map in use: load another or begin an empty one before deleting it."
+            )
+        await _on_disk(library.delete, name)
+        return Response(status_code=204)
+
+    @router.get(
+        "/maps/{name}/picture",
+        response_class=Response,
+        summary="A map's picture",
+        responses={
+            200: {"content": {PNG: {}}, "description": "PNG: free white, occupied black, unknown grey."},
+            **problems(404, 409, 422),
+        },
+    )
+    async def get_picture(name: Name) -> Response:
+        """One pixel a cell; its top row has the greatest y."""
+        await _existing(name)
+        return Response(await _on_disk(library.picture, name), media_type=PNG)
+
+    @router.post("/map/begin", response_model=CurrentMap, summary="Begin an empty map", responses=problems(409))
+    async def begin_map() -> Response:
+        """Without a name, the robot at its origin. The one in use is lost if it was not saved. Needs no body."""
+        async with _keeper() as keeper:
+            await keeper.begin()
+        return Json(current())
+
+    @router.put(
+        "/map/pose",
+        response_model=CurrentMap,
+        summary="Say where the robot is",
+        responses=problems(400, 409, 422),
+    )
+    async def put_pose(pose: PoseRequest) -> Response:
+        """On the map in use, within 1 m and 0.5 rad; from there its pose is refined by what the laser sees."""
+        async with _keeper() as keeper:
+            await keeper.place(_pose(pose))
+        return Json(current())
+
+    @router.post(
+        "/map/search", response_model=CurrentMap, summary="Have the robot look for itself", responses=problems(409)
+    )
+    async def search() -> Response:
+        """It is somewhere on the map in use, and finds out where. Needs no body."""
+        async with _keeper() as keeper:
+            await keeper.search()
+        return Json(current())
+
+    @router.get("/map/zones", response_model=ZonesModel, summary="Zones of the map in use")
+    async def get_zones() -> Response:
+        return Json(way.zones() or {"zones": []})
+
+    @router.put(
+        "/map/zones",
+        response_model=ZonesModel,
+        summary="Draw the zones of the map in use",
+        responses=problems(400, 409, 422),
+    )
+    async def put_zones(zones: ZonesModel) -> Response:
+        """All of them: what is not named is gone. They are kept with the map at once if it has a name."""
+        marked = _zones(zones)
+        async with _keeper() as keeper:
+            await keeper.mark(marked)
+        return Json({"zones": zones_json(marked)})
+
+    def current() -> dict[str, Any]:
+        localization = way.localization()
+        known = localization is not None and system.map.available
+        return {
+            "available": system.map.available,
+            "name": system.map.keeper.name if system.map.available else "",
+            "state": localization["state"] if localization is not None and known else None,
+            "stamp": localization["stamp"] if localization is not None and known else None,
+        }
+
+    @asynccontextmanager
+    async def _keeper() -> AsyncIterator[MapKeeper]:
+        """Whoever keeps the map; its refusals, and the disk's, become problems."""
+        try:
+            yield system.map.keeper
+        except (UnknownMap, MapNameTaken, MapUnavailable, ConfigError, OSError) as refusal:
+            raise _problem(refusal) from None
+
+    async def _existing(name: str, *, field: str = "path.name", none_is_fine: bool = False) -> bool:
+        """Whether there is a map of this name; refused if not, unless ``none_is_fine``, and for a name that cannot
+        be."""
+        try:
+            await asyncio.to_thread(library.existing, name)
+        except UnknownMap as refusal:
+            if none_is_fine:
+                return False
+            raise _problem(refusal) from None
+        except ValueError as refusal:
+            raise Problem(422, "invalid-name", f"{refusal}.", errors=[(field, str(refusal))]) from None
+        return True
+
+    return router
+
+
+async def _on_disk(function: Callable[..., T], *args: Any) -> T:
+    """``function(*args)`` of the library, in a thread. Raises Problem."""
+    try:
+        return await asyncio.to_thread(function, *args)
+    except (MapUnavailable, ConfigError, OSError) as refusal:
+        raise _problem(refusal) from None
+
+
+def _problem(refusal: Exception) -> Problem:
+    match refusal:
+        case UnknownMap():
+            return Problem(404, "no-such-map", f"{refusal}.")
+        case MapNameTaken():
+            return _taken(str(refusal))
+        case OSError():
+            where = f"{refusal.filename}: " if refusal.filename else ""
+            return Problem(409, "disk-refuses", f"The disk refuses: {where}{refusal.strerror or refusal}.")
+        case ConfigError():
+            return Problem(409, "unreadable-map", f"The map's files are damaged: {refusal}")
+    return Problem(409, "map-unavailable", f"{refusal}.")
+
+
+def _taken(words: str) -> Problem:
+    return Problem(409, "map-exists", f"{words}.", errors=[("name", words)])
+
+
+def _pose(pose: PoseRequest) -> Pose2:
+    return Pose2(pose.x, pose.y, pose.theta)
+
+
+def _zones(zones: ZonesModel) -> tuple[Zone, ...]:
+    """The messages. Raises Problem for a zone without area and for a name that two have."""
+    names = [zone.name for zone in zones.zones]
+    for number, name in enumerate(names):
+        if name in names[:number]:
+            message = f"another zone is called {name!r} too; each needs a name of its own"
+            raise _invalid_zones([(f"zones.{number}.name", message)])
+    messages = tuple(
+        Zone(zone.name, zone.kind, read_only(np.array(zone.polygon, np.float64)), zone.speed) for zone in zones.zones
+    )
+    for number, zone in enumerate(messages):
+        try:
+            checked([zone])
+        except ValidationError as refusal:
+            raise _invalid_zones([(f"zones.{number}.{e['loc'][0]}", e["msg"]) for e in refusal.errors()]) from None
+    return messages
+
+
+def _invalid_zones(errors: list[tuple[str, str]]) -> Problem:
+    return Problem(422, "invalid-request", "; ".join(f"{field}: {message}" for field, message in errors), errors=errors)
+
+
+def _map_json(facts: MapFacts, in_use: str) -> dict[str, Any]:
+    return {
+        "name": facts.name,
+        "in_use": facts.name == in_use,
+        "saved": round(facts.saved, 3),
+        "size_m": [round(metres, 3) for metres in facts.size_m],
+        "resolution_m": facts.resolution_m,
+        "known_m2": round(facts.known_m2, 2),
+        "extendable": facts.graph,
+        "zones": facts.zones,
+        "problem": facts.problem or None,
+    }

@@ -1,0 +1,168 @@
+"""Where the robot is on the map and where it goes, as REST and the live stream tell it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.attention.desires import Desire
+from app.console import reports
+from app.geometry import Pose2
+from app.messages import Localization, NavigationStatus, PlannedPath, Zone, Zones
+
+if TYPE_CHECKING:
+    from app.system import System
+
+#: The desire class that sends the robot somewhere.
+GO_TO = "GoTo"
+#: Where those who go somewhere say what they are about. The path is the first one's.
+STATUSES = ("navigation", "going_toward")
+PATH = "path"
+LOCALIZATION = "localization"
+ZONES = "zones"
+#: A path has at most so many points when it is told.
+MOST_POINTS = 200
+_HEADING_STEP = 0.01
+#: In these states a behavior is on its way.
+UNDER_WAY = frozenset({"planning", "following", "recovering", "waiting"})
+
+
+def localization_json(message: Localization) -> dict[str, Any]:
+    """Where the robot is on the map."""
+    variances = np.clip(np.diagonal(message.covariance), 0.0, None)
+    return {
+        "stamp": message.stamp,
+        "state": message.state,
+        "map": message.map,
+        **_pose_json(message.X_MB),
+        "sigma": [_rounded(float(sigma)) for sigma in np.sqrt(variances)],
+        "X_MO": _pose_json(message.X_MO),
+        "overlap": _rounded(message.overlap),
+    }
+
+
+def zones_json(zones: Iterable[Zone]) -> list[dict[str, Any]]:
+    """Every zone."""
+    return [
+        {
+            "name": zone.name,
+            "kind": zone.kind,
+            "polygon": [[round(float(x), 4), round(float(y), 4)] for x, y in zone.polygon],
+            "speed": zone.speed,
+        }
+        for zone in zones
+    ]
+
+
+def navigation_json(status: NavigationStatus | None, path: list[list[float]], desire: Desire | None) -> dict[str, Any]:
+    """What the behavior that goes somewhere is about; None: none has said anything yet."""
+    if status is None:
+        status = NavigationStatus(0.0, "", "idle", "")
+    return {
+        "stamp": status.stamp,
+        "behavior": status.behavior,
+        "state": status.state,
+        "reason": status.reason,
+        "goal": None if status.goal is None else _pose_json(status.goal),
+        "target": None if status.target is None else _pose_json(status.target),
+        "remaining_m": None if status.remaining_m is None else _rounded(status.remaining_m, 2),
+        "recoveries": status.recoveries,
+        "desire": None if desire is None else desire.id,
+        "path": path,
+    }
+
+
+def at_work(statuses: Iterable[NavigationStatus]) -> NavigationStatus | None:
+    """Of several behaviors, the one that is under way; of those, or where none is, the one that spoke last."""
+    return max(statuses, key=lambda status: (status.state in UNDER_WAY, status.stamp), default=None)
+
+
+def thinned_path(points: NDArray[np.float64], most: int = MOST_POINTS) -> NDArray[np.float64]:
+    """At most ``most`` (at least 2) of ``points`` (N, 2), both ends among them: those where it turns, then evenly."""
+    if len(points) > 2:
+        steps = np.diff(points, axis=0)
+        headings = np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))
+        # Between two that are kept, the heading stays within one step: a wide bend is no straight line.
+        turns = np.diff(np.floor(headings / _HEADING_STEP)) != 0
+        points = points[np.concatenate([[True], turns, [True]])]
+    if len(points) > most:
+        points = points[np.linspace(0, len(points) - 1, most).round().astype(np.intp)]
+    return points
+
+
+class WayReport:
+    """What was said last of place and way. Tells only what this program has channels for."""
+
+    def __init__(self, system: System) -> None:
+        self._system = system
+        #: The channels it tells of; what nobody wants may rest.
+        self.channels = tuple(name for name in (LOCALIZATION, ZONES, PATH, *STATUSES) if name in system.graph.channels)
+        self._told: tuple[Any, ...] = ()
+        self._points: list[list[float]] = []
+
+    @property
+    def goes(self) -> bool:
+        """Whether there is anybody who could go somewhere."""
+        return any(name in self.channels for name in STATUSES)
+
+    def localization(self) -> dict[str, Any] | None:
+        """As in docs/live-stream.md; None before the first."""
+        message: Localization | None = reports.latest(self._system.graph, LOCALIZATION)
+        return None if message is None else localization_json(message)
+
+    def zones(self) -> dict[str, Any] | None:
+        """As in docs/live-stream.md; None in a program without."""
+        if ZONES not in self.channels:
+            return None
+        message: Zones | None = reports.latest(self._system.graph, ZONES)
+        return {"zones": [] if message is None else zones_json(message.zones)}
+
+    def navigation(self) -> dict[str, Any] | None:
+        """As in docs/live-stream.md; None in a program where nobody goes anywhere."""
+        if not self.goes:
+            return None
+        graph = self._system.graph
+        statuses = [latest for name in STATUSES if (latest := reports.latest(graph, name)) is not None]
+        status = at_work(statuses)
+        planner: NavigationStatus | None = reports.latest(graph, STATUSES[0])
+        path = self._path() if status is planner and status is not None and status.state in UNDER_WAY else []
+        return navigation_json(status, path, self.desire())
+
+    def desire(self) -> Desire | None:
+        """The strongest desire to go somewhere."""
+        desire = self._system.workspace.strongest().get(GO_TO)
+        return desire if desire is not None and desire.utility > 0 else None
+
+    def _path(self) -> list[list[float]]:
+        path: PlannedPath | None = reports.latest(self._system.graph, PATH)
+        localization: Localization | None = reports.latest(self._system.graph, LOCALIZATION)
+        X_MP: Pose2 | None = Pose2()
+        if path is not None and path.frame == "odom":
+            X_MP = None if localization is None else localization.X_MO
+        if (path, X_MP) != self._told:
+            # A path stays for seconds, and is asked for ten times in each.
+            self._told = (path, X_MP)
+            self._points = [] if path is None or X_MP is None else _points_json(path, X_MP)
+        return self._points
+
+
+def _points_json(path: PlannedPath, X_MP: Pose2) -> list[list[float]]:
+    if len(path.poses) == 0:
+        return []
+    points = thinned_path(path.poses[:, :2])
+    c, s = math.cos(X_MP.theta), math.sin(X_MP.theta)
+    on_map = points @ np.array([[c, s], [-s, c]]) + (X_MP.x, X_MP.y)
+    return [[round(float(x), 3), round(float(y), 3)] for x, y in on_map]
+
+
+def _pose_json(pose: Pose2) -> dict[str, float | None]:
+    return {"x": _rounded(pose.x), "y": _rounded(pose.y), "theta": _rounded(pose.theta, 5)}
+
+
+def _rounded(value: float, digits: int = 4) -> float | None:
+    """Null for what is not known."""
+    return round(value, digits) if math.isfinite(value) else None

@@ -1,0 +1,111 @@
+"""The goal over REST: one of people's at a time, a desire like any other."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import httpx
+import pytest
+
+from app.attention.desires import Source
+from app.console.rest import map_models, models
+from app.system import System
+from tests.console.places import path, status
+from tests.console.rest.test_routes import is_problem
+
+ANN = {"X-HBBA-Operator": "Ann"}
+
+
+def goals(system: System) -> list[tuple[str, float]]:
+    """Who wants to go where."""
+    return [(d.source.name, d.params["x"]) for d in system.workspace.desires() if d.cls == "GoTo"]
+
+
+async def test_a_goal_is_a_desire_and_a_second_one_replaces_it(client: httpx.AsyncClient, system: System) -> None:
+    answer = await client.put("/goal", json={"x": 2, "y": 1.5, "heading": 4.0, "speed": 0.5}, headers=ANN)
+    assert answer.status_code == 200, answer.text
+    desire = models.DesireModel.model_validate(answer.json())
+    assert (desire.cls, desire.intensity, desire.utility) == ("GoTo", 8, 1)
+    assert (desire.source.kind, desire.source.name) == ("operator", "Ann")
+    assert desire.params["heading"] == pytest.approx(4.0 - math.tau)
+    assert (desire.params["x"], desire.params["y"], desire.params["speed"]) == (2, 1.5, 0.5)
+    await system.translator.settled()
+    assert system.translator.current is not None
+    assert "go" in system.translator.current.selection.strategies
+
+    second = (await client.put("/goal", json={"x": 0, "y": 0, "heading": 0}, headers=ANN)).json()
+    assert second["id"] == desire.id
+    assert second["params"]["speed"] != 0.5
+    assert goals(system) == [("Ann", 0)]
+
+
+async def test_the_same_goal_again_changes_nothing(client: httpx.AsyncClient, system: System) -> None:
+    first = (await client.put("/goal", json={"x": 2, "y": 1}, headers=ANN)).json()
+    before = system.workspace.statistics()
+    assert (await client.put("/goal", json={"x": 2, "y": 1}, headers=ANN)).json() == first
+    assert system.workspace.statistics() == before
+
+
+async def test_another_persons_goal_gives_way_and_the_robots_own_is_outdone(
+    client: httpx.AsyncClient, system: System
+) -> None:
+    await client.put("/goal", json={"x": 1, "y": 0}, headers=ANN)
+    await client.put("/goal", json={"x": 2, "y": 0}, headers={"X-HBBA-Operator": "Bob"})
+    assert goals(system) == [("Bob", 2)]
+    own = Source("motivation", "Patrol")
+    system.workspace.add("GoTo", intensity=8, utility=1, source=own, params={"x": 9, "y": 9})
+    # As intense, and newer: a change in place would not be heard.
+    await client.put("/goal", json={"x": 3, "y": 0}, headers={"X-HBBA-Operator": "Bob"})
+    assert goals(system) == [("Patrol", 9), ("Bob", 3)]
+    assert system.workspace.strongest()["GoTo"].source.name == "Bob"
+    for _ in range(2):
+        assert (await client.delete("/goal")).status_code == 204
+    assert goals(system) == [("Patrol", 9)]
+
+
+async def test_what_became_of_it_is_told(client: httpx.AsyncClient, system: System) -> None:
+    told = map_models.GoalModel.model_validate((await client.get("/goal")).json())
+    assert told.desire is None
+    assert told.navigation is not None
+    assert told.navigation.state == "idle"
+    desire = (await client.put("/goal", json={"x": 3, "y": 1})).json()
+    system.graph.channel("path").publish(path(system.clock.now()))
+    system.graph.channel("navigation").publish(status(system.clock.now()))
+    told = map_models.GoalModel.model_validate((await client.get("/goal")).json())
+    assert told.desire is not None
+    assert told.navigation is not None
+    assert told.desire.id == told.navigation.desire == desire["id"]
+    assert told.navigation.goal == map_models.PlaceModel(x=3.0, y=1.0, theta=None)
+    assert told.navigation.path == [(0.0, 0.0), (0.2, 0.0)]
+
+
+BAD_GOALS = [
+    ('{"x": NaN, "y": 0}', "x"),
+    ('{"x": 0, "y": Infinity}', "y"),
+    ('{"x": 1000.5, "y": 0}', "x"),
+    ('{"x": 0, "y": 0, "heading": -Infinity}', "heading"),
+    ('{"x": 0, "y": 0, "speed": 0}', "speed"),
+    ('{"x": 0, "y": 0, "speed": 2}', "speed"),
+    ('{"x": "0", "y": 0}', "x"),
+    ('{"y": 0}', "x"),
+    ('{"x": 0, "y": 0, "start": true}', "start"),
+]
+
+
+async def test_a_goal_that_cannot_be_is_refused_by_name(client: httpx.AsyncClient, system: System) -> None:
+    await client.put("/goal", json={"x": 1, "y": 1})
+    for body, field in BAD_GOALS:
+        refused = await client.put("/goal", content=body, headers={"Content-Type": "application/json"})
+        document = is_problem(refused, 422, "invalid-request")
+        assert document["errors"][0]["field"] == field
+    assert goals(system) == [("rest", 1)]
+
+
+async def test_a_program_that_goes_nowhere_says_so(
+    client: httpx.AsyncClient, system: System, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept: Any = tuple(strategy for strategy in system.table.strategies if strategy.cls != "GoTo")
+    monkeypatch.setattr(type(system.table), "strategies", kept, raising=False)
+    document = is_problem(await client.put("/goal", json={"x": 1, "y": 1}), 409, "cannot-go")
+    assert "GoTo" in document["detail"]
