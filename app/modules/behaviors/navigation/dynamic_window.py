@@ -1,12 +1,14 @@
 """The Dynamic Window Approach (Fox, Burgard and Thrun, 1997; thesis 4.2).
 
-Of the velocities that the body can reach within one period, each is driven ahead in thought as a curve; those from which
-it could not stop before an obstacle are refused, and of the others the one is taken that costs the least::
+Of the velocities that the body can reach within one period, each is driven ahead in thought as a curve; those from
+which it could not stop before an obstacle are refused, and of the others the one is taken that costs the least::
 
     cost = a · distance from the path + b · distance to the local goal + c / clearance + d · (v_max − v)
 
 The local goal is the way's point ``ahead_m`` ahead.
 """
+
+# mypy: allow-untyped-calls
 
 from __future__ import annotations
 

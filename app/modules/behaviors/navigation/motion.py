@@ -20,10 +20,10 @@ Limits = tuple[float, float, float, float, float, float]
 class Body:
     """What a controller knows of the body.
 
-    ``outline`` (P, 2) float64, m in ``base_link``: points on its edge and in it, no further than ``spacing`` apart along
-    the edge. ``radii``: of the largest circle about ``base_link`` within it, and of the smallest around it. ``limits``:
-    least and greatest linear velocity (m/s), greatest angular (rad/s), linear and angular acceleration (m/s^2, rad/s^2),
-    linear braking (m/s^2). ``front_m``: how far its edge reaches ahead.
+    ``outline`` (P, 2) float64, m in ``base_link``: points on its edge and in it, no further than ``spacing`` apart
+    along the edge. ``radii``: of the largest circle about ``base_link`` within it, and of the smallest around it.
+    ``limits``: least and greatest linear velocity (m/s), greatest angular (rad/s), linear and angular acceleration
+    (m/s^2, rad/s^2), linear braking (m/s^2). ``front_m``: how far its edge reaches ahead.
     """
 
     outline: NDArray[np.float64]
@@ -35,8 +35,8 @@ class Body:
     def of(
         cls, footprint: Sequence[tuple[float, float]], limits: BaseLimits, *, padding_m: float = 0.0, back: float = 0.0
     ) -> Body:
-        """A body of this ``footprint`` (corners, convex, counter-clockwise, around the origin), widened by ``padding_m``
-        on all sides; ``back`` is the share of its greatest speed that it may drive backward.
+        """A body of this ``footprint`` (corners, convex, counter-clockwise, around the origin), widened by
+        ``padding_m`` on all sides; ``back`` is the share of its greatest speed that it may drive backward.
 
         Raises ValueError where the footprint has under three corners or does not hold the origin.
         """
@@ -52,10 +52,7 @@ class Body:
         # Each corner is where its two sides, moved outwards, meet.
         before = np.roll(np.arange(len(corners)), 1)
         corners = np.stack(
-            [
-                np.linalg.solve(normals[[i, j]], reach[[i, j]])
-                for i, j in zip(range(len(corners)), before, strict=True)
-            ]
+            [np.linalg.solve(normals[[i, j]], reach[[i, j]]) for i, j in zip(range(len(corners)), before, strict=True)]
         )
         outline = np.concatenate([_edge(share * corners, 0.04) for share in (1.0, 0.85)])
         return cls(
@@ -74,8 +71,9 @@ class Body:
 
     def limited(self, share: float) -> Body:
         """The same body driven at ``share`` (in ]0, 1]) of its speeds."""
-        low, high, turn, *accelerations = self.limits
-        return replace(self, limits=(low * share, high * share, turn * share, *accelerations))
+        low, high, turn, linear_mps2, angular_radps2, braking = self.limits
+        limits = (low * share, high * share, turn * share, linear_mps2, angular_radps2, braking)
+        return replace(self, limits=limits)
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,8 +103,8 @@ class Motion:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Field:
-    """Distances (H, W) float32 (m) to the nearest obstacle at cells' middles, as ``rollouts`` reads them; ``origin`` (m)
-    is the lower left corner of cell [0, 0]."""
+    """Distances (H, W) float32 (m) to the nearest obstacle at cells' middles, as ``rollouts`` reads them; ``origin``
+    (m) is the lower left corner of cell [0, 0]."""
 
     distances: NDArray[np.float32]
     origin: tuple[float, float]

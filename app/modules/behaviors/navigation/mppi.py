@@ -1,13 +1,15 @@
 """Model predictive path integral control (Williams et al., 2017), begun from pursuits of the path.
 
-Each cycle: (1) *proposals*: what was planned last time, moved on by the time that passed, and pure pursuits of the way
-with several looks ahead and shares of its speed, driven ahead in thought as closed loops; the cheapest is kept. (2) It is
-varied some hundred times with smooth noise, and the mean weighted by exp(−cost / λ) is taken. (3) The first command is
-given only if the body can still stop after it; else the speed is lowered on the same curve until it can.
+Each cycle: (1) *proposals*: what was planned last time, moved on by the time that passed, and pure pursuits of the
+way with several looks ahead and shares of its speed, driven ahead in thought as closed loops; the cheapest is kept.
+(2) It is varied some hundred times with smooth noise, and the mean weighted by exp(−cost / λ) is taken. (3) The first
+command is given only if the body can still stop after it; else the speed is lowered on the same curve until it can.
 
 Costs are in seconds: progress along the way at full speed counts its time, and what is risked (nearness, speed where it
 is narrow, offset from the way) is weighed against it. The noise is drawn once: equal inputs give equal commands.
 """
+
+# mypy: allow-untyped-calls
 
 from __future__ import annotations
 
@@ -84,9 +86,7 @@ class Mppi:
             bank = _noise(s.rollouts)[self._cycle % _BANKS]
             self._cycle += 1
             sigma = (s.sigma[0] * body.limits[1], s.sigma[1] * min(body.limits[2], 2.0))
-            least = rollouts.improve(
-                *scene, way.points, way.spacing, best, bank, sigma, *costing, s.temperature
-            )
+            least = rollouts.improve(*scene, way.points, way.spacing, best, bank, sigma, *costing, s.temperature)
         self._plan = best
         return self._safe(rollouts, scene, body, best, least, motion, way, period_s)
 

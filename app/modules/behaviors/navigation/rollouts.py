@@ -1,13 +1,16 @@
 """Compiled kernels that drive the body ahead in thought: what the controllers of this room are made of.
 
-*field* (H, W) float32: at each cell's middle the distance (m) to the nearest obstacle; *frame*: x and y of its lower left
-corner (m) and 1 / resolution. Places beyond its edge read as the nearest cell inside. Poses and paths are in the
-field's own coordinates. *outline* (P, 2) float64: points of the body's edge and of its inside (m in ``base_link``), close
-to each other; *radii*: of the largest circle about ``base_link`` that the body covers, and of the smallest that covers
-the body. *limits*: least and greatest linear velocity (m/s), greatest turn (rad/s), linear and angular acceleration
-(m/s^2, rad/s^2), linear braking (m/s^2). *state*: x, y, theta, linear and angular velocity. *path* (N, 5) float64, evenly
-``spacing`` m apart: x, y, heading, length so far (m), greatest speed there (m/s). Clearances are those of the body's edge.
+*field* (H, W) float32: at each cell's middle the distance (m) to the nearest obstacle; *frame*: x and y of its lower
+left corner (m) and 1 / resolution. Places beyond its edge read as the nearest cell inside. Poses and paths are in the
+field's own coordinates. *outline* (P, 2) float64: points of the body's edge and of its inside (m in ``base_link``),
+close to each other; *radii*: of the largest circle about ``base_link`` that the body covers, and of the smallest that
+covers the body. *limits*: least and greatest linear velocity (m/s), greatest turn (rad/s), linear and angular
+acceleration (m/s^2, rad/s^2), linear braking (m/s^2). *state*: x, y, theta, linear and angular velocity. *path* (N,
+5) float64, evenly ``spacing`` m apart: x, y, heading, length so far (m), greatest speed there (m/s). Clearances are
+those of the body's edge.
 """
+
+# mypy: allow-untyped-defs, allow-untyped-calls
 
 from __future__ import annotations
 
@@ -26,7 +29,7 @@ _STATE = "UniTuple(float64, 5)"
 
 
 @kernel("float64(float32[:,::1], UniTuple(float64, 3), float64, float64)")
-def distance_at(field, frame, x, y):  # type: ignore[no-untyped-def]
+def distance_at(field, frame, x, y):
     """Distance (m) from (x, y) to the nearest obstacle, bilinear between the middles of cells."""
     rows, columns = field.shape
     u = min(max((x - frame[0]) * frame[2] - 0.5, 0.0), columns - 1.001)
@@ -39,7 +42,7 @@ def distance_at(field, frame, x, y):  # type: ignore[no-untyped-def]
 
 
 @kernel(f"float64({_FIELD}, float64[:,::1], UniTuple(float64, 2), float64, float64, float64)")
-def clearance_at(field, frame, outline, radii, x, y, theta):  # type: ignore[no-untyped-def]
+def clearance_at(field, frame, outline, radii, x, y, theta):
     """Distance (m) from the body's edge to the nearest obstacle; under zero where one reaches deep into it.
 
     Exact to about a cell near obstacles; further off than the body is large, a distance that is surely free.
@@ -58,13 +61,13 @@ def clearance_at(field, frame, outline, radii, x, y, theta):  # type: ignore[no-
 
 
 @kernel("float64(float64, float64, float64)")
-def ramp(value, target, step):  # type: ignore[no-untyped-def]
+def ramp(value, target, step):
     """``value`` moved towards ``target`` by at most ``step``."""
     return value + min(max(target - value, -step), step)
 
 
 @kernel(f"{_STATE}({_STATE}, float64, float64, UniTuple(float64, 6), float64)")
-def driven(state, linear, angular, limits, time_s):  # type: ignore[no-untyped-def]
+def driven(state, linear, angular, limits, time_s):
     """The state after ``time_s`` of commanding (linear, angular) to a body that its accelerations limit."""
     x, y, theta, v, w = state
     braking = abs(linear) < abs(v) or linear * v < 0.0
@@ -72,11 +75,17 @@ def driven(state, linear, angular, limits, time_s):  # type: ignore[no-untyped-d
     w1 = ramp(w, angular, limits[4] * time_s)
     mean_v, mean_w = 0.5 * (v + v1), 0.5 * (w + w1)
     middle = theta + 0.5 * mean_w * time_s
-    return (x + mean_v * math.cos(middle) * time_s, y + mean_v * math.sin(middle) * time_s, theta + mean_w * time_s, v1, w1)
+    return (
+        x + mean_v * math.cos(middle) * time_s,
+        y + mean_v * math.sin(middle) * time_s,
+        theta + mean_w * time_s,
+        v1,
+        w1,
+    )
 
 
 @kernel(f"boolean({_FIELD}, {_BODY}, {_STATE}, float64, float64, float64, float64)")
-def can_stop(field, frame, outline, radii, limits, state, linear, angular, hold_s, margin):  # type: ignore[no-untyped-def]
+def can_stop(field, frame, outline, radii, limits, state, linear, angular, hold_s, margin):
     """Whether commanding (linear, angular) for ``hold_s`` and braking after it never comes nearer than ``margin`` (m).
 
     Where the body is nearer already, it may go where it gets no nearer still.
@@ -101,7 +110,7 @@ def can_stop(field, frame, outline, radii, limits, state, linear, angular, hold_
 
 
 @kernel("int64(float64[:,::1], int64, int64, float64, float64)")
-def nearest_on(path, first, last, x, y):  # type: ignore[no-untyped-def]
+def nearest_on(path, first, last, x, y):
     """Index in [first, last] of the path's point nearest to (x, y)."""
     first, last = max(first, 0), min(last, len(path) - 1)
     best, least = first, 1e18
@@ -116,8 +125,11 @@ def nearest_on(path, first, last, x, y):  # type: ignore[no-untyped-def]
     f"UniTuple(float64, 4)({_FIELD}, {_BODY}, {_STATE}, float64[:,::1], UniTuple(int64, 2), UniTuple(float64, 4), "
     "float64, float64, float64, float64, boolean)"
 )
-def dynamic_window(field, frame, outline, radii, limits, state, path, samples, weights, period_s, horizon_s, margin, sight_m, strict):  # type: ignore[no-untyped-def]  # fmt: skip
-    """Of ``samples`` (linear, angular) velocities reachable within ``period_s``, the best: linear, angular, cost, clearance.
+def dynamic_window(
+    field, frame, outline, radii, limits, state, path, samples, weights, period_s, horizon_s, margin, sight_m, strict
+):
+    """Of ``samples`` (linear, angular) velocities reachable within ``period_s``, the best: linear, angular, cost,
+    clearance.
 
     Each is driven for ``horizon_s``. It is refused if the body could not stop before an obstacle (``strict``: if the
     rollout touches one at all); the cost is infinite where all are. ``weights``: of the end's distance to the path (m),
@@ -164,13 +176,15 @@ def dynamic_window(field, frame, outline, radii, limits, state, path, samples, w
 
 
 @kernel(
-    f"float64({_FIELD}, {_BODY}, {_STATE}, float64[:,::1], float64, float64[:,::1], float64, float64, UniTuple(float64, 9))"
+    f"float64({_FIELD}, {_BODY}, {_STATE}, float64[:,::1], float64, float64[:,::1], float64, float64, "
+    "UniTuple(float64, 9))"
 )
-def cost_of(field, frame, outline, radii, limits, state, path, spacing, controls, time_s, margin, weights):  # type: ignore[no-untyped-def]
+def cost_of(field, frame, outline, radii, limits, state, path, spacing, controls, time_s, margin, weights):
     """What driving ``controls`` (T, 2), each for ``time_s``, costs: seconds lost, and what is risked, in seconds.
 
-    ``weights``: of the offset from the path (1/m^2), of nearness, its reach (m), speed (m/s) allowed at no clearance and
-    its growth with it (1/s), of excess speed, of heading away from the path, of turning accelerations, of going back.
+    ``weights``: of the offset from the path (1/m^2), of nearness, its reach (m), speed (m/s) allowed at no clearance
+    and its growth with it (1/s), of excess speed, of heading away from the path, of turning accelerations, of going
+    back.
     """
     w_path, w_near, reach, v_near, v_grow, w_fast, w_heading, w_smooth, w_back = weights
     cost, last = 0.0, len(path) - 1
@@ -206,7 +220,7 @@ def cost_of(field, frame, outline, radii, limits, state, path, spacing, controls
 
 
 @kernel(f"void(UniTuple(float64, 6), {_STATE}, float64[:,::1], float64, float64, float64, float64[:,::1], float64)")
-def pursue(limits, state, path, spacing, ahead_m, share, controls, time_s):  # type: ignore[no-untyped-def]
+def pursue(limits, state, path, spacing, ahead_m, share, controls, time_s):
     """Write into ``controls`` (T, 2) what steers for the path's point ``ahead_m`` ahead, at ``share`` of its speeds."""
     last = len(path) - 1
     at = nearest_on(path, 0, last, state[0], state[1])
@@ -236,11 +250,28 @@ def pursue(limits, state, path, spacing, ahead_m, share, controls, time_s):  # t
     f"float64({_FIELD}, {_BODY}, {_STATE}, float64[:,::1], float64, float64[:,::1], float64[:,:,::1], "
     "UniTuple(float64, 2), float64, float64, UniTuple(float64, 9), float64)"
 )
-def improve(field, frame, outline, radii, limits, state, path, spacing, controls, noise, sigma, time_s, margin, weights, temperature):  # type: ignore[no-untyped-def]  # fmt: skip
+def improve(
+    field,
+    frame,
+    outline,
+    radii,
+    limits,
+    state,
+    path,
+    spacing,
+    controls,
+    noise,
+    sigma,
+    time_s,
+    margin,
+    weights,
+    temperature,
+):
     """Better ``controls`` (T, 2) in place by one step of MPPI (Williams et al., 2017); returns what they cost then.
 
-    ``noise`` (K, knots, 2) float64, standard normal: drawn linearly between knots, scaled by ``sigma`` (m/s, rad/s). The
-    mean of all, weighted by exp(-cost / ``temperature``), is taken if it costs less than the best of them, which else is.
+    ``noise`` (K, knots, 2) float64, standard normal: drawn linearly between knots, scaled by ``sigma`` (m/s, rad/s).
+    The mean of all, weighted by exp(-cost / ``temperature``), is taken if it costs less than the best of them, which
+    else is.
     """
     steps, knots = len(controls), noise.shape[1]
     count = len(noise)

@@ -1,4 +1,4 @@
-"""The planned path as controllers follow it: evenly spaced, from beside the body on, with the speed allowed at each point."""
+"""The planned path as controllers follow it: evenly spaced, from beside the body on, with the speed allowed there."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ SpeedAt = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 class Track:
     """One planned path on the map, and how far along it the body is.
 
-    ``path`` (N, 2 or 3) float64: x, y (m) of its corners. ``speed_mps`` is the greatest speed on it; ``speed_at`` a lower
-    one at each place (zones). Toward its end the speed falls so that ``braking_mps2`` stops the body there.
+    ``path`` (N, 2 or 3) float64: x, y (m) of its corners. ``speed_mps`` is the greatest speed on it, ``speed_at`` a
+    lower one at each place (zones). Toward its end the speed falls so that ``braking_mps2`` stops the body there.
     """
 
     def __init__(
@@ -61,7 +61,7 @@ class Track:
         return self.length_m - float(self.lengths[self._at]), float(off.min())
 
     def ahead(self, X_FM: Pose2, length_m: float, *, stop: bool = True) -> Way:
-        """The way of ``length_m`` from the body on, in the frame F; slower toward the path's end, if it is to ``stop``."""
+        """The way of ``length_m`` from the body on, in frame F; slower toward the path's end, if it is to ``stop``."""
         count = max(2, int(length_m / SPACING_M) + 1)
         low = min(self._at, len(self.points) - 2)
         points = self.points[low : low + count]
@@ -83,7 +83,7 @@ class Track:
 
 
 def resampled(points: NDArray[np.float64], spacing_m: float) -> NDArray[np.float64]:
-    """The polyline ``points`` (N, 2) at every ``spacing_m`` of its length; at least two points, both ends among them."""
+    """The polyline ``points`` (N, 2) at every ``spacing_m`` of its length; two points at least, both ends included."""
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     lengths = np.concatenate(([0.0], np.cumsum(steps)))
     keep = np.concatenate(([True], steps > 1e-9))

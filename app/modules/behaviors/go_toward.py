@@ -1,0 +1,182 @@
+"""GoToward: heads straight for a place, around what the laser sees just now: a rudimentary GoTo (thesis 4.5).
+
+    ┌─────────────────────────────────────────────────────────────────────────────────────┐
+    │ GoToward  in   scans         LaserScan, 40 Hz / φ                                    │
+    │           in   odometry      Odometry, 100 Hz, X_OB in odom; never filtered          │
+    │           in   localization  Localization, with each scan that SLAM takes            │
+    │           in   zones         Zones of the map, when one changes                      │
+    │           out  twist         Twist, each period while there is a goal                │
+    │           out  status        NavigationStatus, when it changes, or every 0.5 s       │
+    └─────────────────────────────────────────────────────────────────────────────────────┘
+
+No map, no plan, no memory, no depth: every ``period_s`` the Dynamic Window Approach follows the straight line from here
+to the goal in a field made of the newest scan alone. It costs little and gets round what stands in the open; out of a
+dead end it does not find, nor does it see what is lower than the laser. Where it does not get on it stands and says so.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from pydantic import Field as Setting
+
+from app.geometry import Pose2
+from app.messages import LaserScan, Localization, NavigationStatus, Odometry, Twist, Zones
+from app.modules.behaviors.navigation.desired import goal_of
+from app.modules.behaviors.navigation.dynamic_window import DynamicWindow, DynamicWindowSettings
+from app.modules.behaviors.navigation.follower import Follower, Goal, Step
+from app.modules.behaviors.navigation.goals import Plan
+from app.modules.behaviors.navigation.health import unfit
+from app.modules.behaviors.navigation.motion import Body, Motion
+from app.modules.behaviors.navigation.pose_watch import PoseWatch
+from app.modules.behaviors.navigation.recovery import RecoverySettings
+from app.modules.behaviors.navigation.scan_field import points_of, scan_field
+from app.modules.behaviors.navigation.telling import Teller
+from app.modules.behaviors.navigation.way import SpeedAt
+from app.modules.behaviors.navigation.zones import speed_share
+from app.modules.body import robot_link
+from app.runtime.errors import ModuleFailed
+from app.runtime.module import Module, ModuleContext, Settings
+
+#: The straight line is drawn anew so often, s.
+_AIM_S = 1.0
+#: Fewer samples than where the whole computer is spent on it.
+_CHEAP = DynamicWindowSettings(samples=(7, 13), horizon_s=1.5)
+
+
+class GoTowardSettings(Settings):
+    """Settings of GoToward."""
+
+    period_s: float = Setting(0.1, gt=0, le=0.2, description="one control cycle")
+    fresh_s: float = Setting(0.3, gt=0, le=1, description="an older scan is not driven by")
+
+
+class GoToward(Module):
+    """Heads straight for a place on the map."""
+
+    title = "Go toward"
+    Settings = GoTowardSettings
+    settings: GoTowardSettings
+
+    _follower: Follower
+
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.scans = self.input("scans", LaserScan)
+        self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
+        self.localization = self.input("localization", Localization)
+        self.zones = self.input("zones", Zones)
+        self.twist = self.output("twist", Twist)
+        self.status = self.output("status", NavigationStatus)
+        self.on(self.scans, self._see)
+        self.on(self.odometry, self._feel)
+        self.on(self.localization, self._localize)
+        self.on(self.zones, self._take_zones)
+        self.every(self.settings.period_s, self._cycle)
+        self._poses = PoseWatch()
+        self._teller = Teller(self.status.publish, self.log)
+        self._scan: LaserScan | None = None
+        self._seen: tuple[float, np.ndarray[Any, np.dtype[np.float64]]] | None = None
+        self._zones = Zones(0.0, ())
+        self._goal: Goal | None = None
+        self._aimed_at = -math.inf
+
+    async def start(self) -> None:
+        """Learn what the body is. Raises ModuleFailed for one that does not drive."""
+        description = robot_link(self).description
+        try:
+            body = Body.of(description.footprint, description.limits)
+        except ValueError as error:
+            raise ModuleFailed(f"{self.name} cannot drive {description.name}: {error}") from None
+        # It has no way to recover by: it stands and says so.
+        self._follower = Follower(body, DynamicWindow(_CHEAP), recovery=RecoverySettings(stuck_s=math.inf))
+
+    def configure(self, parameters: Mapping[str, Any]) -> None:
+        """Take the goal from the desire; without ``x`` and ``y`` nobody wants to go anywhere."""
+        self._goal = goal_of(parameters, self._goal)
+
+    def last_word(self, port: str) -> Twist | None:
+        """A stop, when attention takes the wheel away."""
+        return Twist(self.clock.now(), 0.0, 0.0) if port == "twist" else None
+
+    async def _see(self, scan: LaserScan) -> None:
+        self._scan = scan
+
+    async def _feel(self, odometry: Odometry) -> None:
+        self._poses.feel(odometry)
+
+    async def _localize(self, localization: Localization) -> None:
+        self._poses.localize(localization)
+
+    async def _take_zones(self, zones: Zones) -> None:
+        self._zones = zones
+
+    async def _cycle(self) -> None:
+        now, goal = self.clock.now(), self._goal
+        if goal is None and self._teller.idle:
+            self._teller.tell(NavigationStatus(now, self.name, "idle", "no goal"))
+            return
+        # Places of one scan stay where they were in odom: localization that moves does not move them.
+        scan = self._scan
+        if scan is not None and (X_OB := self._poses.at(scan.stamp)) is not None:
+            self._scan, self._seen = None, (scan.stamp, points_of(scan, X_OB))
+        motion, X_MO = self._poses.motion(now), self._poses.X_MO
+        problem = self._poses.problem(now) or unfit(
+            now, None if self._seen is None else self._seen[0], None, self.settings.fresh_s
+        )
+        if goal is None or problem or motion is None or X_MO is None or self._seen is None:
+            self._follower.go(goal, now)
+            step = Step(0.0, 0.0, "waiting" if goal is not None else "idle", problem if goal is not None else "no goal")
+        else:
+            step = await self.compute(self._decide, now, goal, motion, X_MO, self._seen[1], self._zones)
+        if self._goal is not goal:
+            return
+        self.twist.publish(Twist(now, step.linear_mps, step.angular_radps))
+        follower = self._follower
+        self._teller.tell(
+            NavigationStatus(
+                now, self.name, step.state, step.reason, None if goal is None else goal.pose, follower.target,
+                follower.remaining_m, follower.progress_stamp,
+            )
+        )  # fmt: skip
+
+    def _decide(
+        self,
+        now: float,
+        goal: Goal,
+        motion: Motion,
+        X_MO: Pose2,
+        seen: np.ndarray[Any, np.dtype[np.float64]],
+        zones: Zones,
+    ) -> Step:
+        """One cycle, in the module's thread; everything on the map."""
+        follower = self._follower
+        X_MB = X_MO @ motion.pose
+        if goal is not follower.goal or now - self._aimed_at >= _AIM_S:
+            follower.go(goal, now)
+            follower.take(_straight(X_MB, goal.pose), now, self._speeds(goal, zones))
+            self._aimed_at = now
+        c, s = math.cos(X_MO.theta), math.sin(X_MO.theta)
+        points = seen @ np.array([[c, s], [-s, c]]) + np.array([X_MO.x, X_MO.y])
+        field = scan_field(points, zones.zones, X_MB)
+        step = follower.step(now, replace(motion, pose=X_MB), Pose2(), field, self.settings.period_s)
+        if step.replan and step.state == "following":
+            return replace(step, state="waiting", reason="something is in the way, and it knows no way around")
+        return step
+
+    def _speeds(self, goal: Goal, zones: Zones) -> SpeedAt | None:
+        if not zones.zones:
+            return None
+        speed_mps = goal.speed * robot_link(self).description.limits.linear_mps
+        return lambda points: np.array([speed_mps * speed_share(zones.zones, x, y)[0] for x, y in points])
+
+
+def _straight(X_MB: Pose2, goal: Pose2) -> Plan:
+    heading = math.atan2(goal.y - X_MB.y, goal.x - X_MB.x)
+    length = math.hypot(goal.y - X_MB.y, goal.x - X_MB.x)
+    poses = np.array([[X_MB.x, X_MB.y, heading], [goal.x, goal.y, heading]])
+    return Plan("way", "", poses, goal, length)

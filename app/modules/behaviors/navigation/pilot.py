@@ -1,0 +1,154 @@
+"""One control cycle on values: senses in, a decision out. Keeps the costmap and the follower; used by one thread."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from app.geometry import Pose2
+from app.link import RobotDescription
+from app.messages import Image, LaserScan
+from app.modules.behaviors.navigation.costmap import CostmapSettings, LocalCostmap, Surroundings
+from app.modules.behaviors.navigation.dynamic_window import PUBLISHED, DynamicWindow
+from app.modules.behaviors.navigation.follower import Follower, FollowerSettings, Goal, Step
+from app.modules.behaviors.navigation.footprint import Footprint
+from app.modules.behaviors.navigation.goals import Plan
+from app.modules.behaviors.navigation.health import DepthWatch, unfit, watch_depth
+from app.modules.behaviors.navigation.motion import Body, Controller, Field, Motion
+from app.modules.behaviors.navigation.mppi import Mppi, MppiSettings
+from app.modules.behaviors.navigation.recovery import RecoverySettings
+from app.modules.behaviors.navigation.way import SpeedAt
+
+#: What strategies may choose from.
+CONTROLLERS = ("mppi", "pursuit", "dwa", "dwa_published")
+#: The published baseline pads a smaller body than the true one to 0.62 x 0.53 m: this much around the true one.
+_PUBLISHED_PADDING_M = 0.05
+
+
+def controller_named(name: str, mppi: MppiSettings | None = None) -> Controller:
+    """The controller ``name`` of :data:`CONTROLLERS`. Raises ValueError naming them for another."""
+    match name:
+        case "mppi":
+            return Mppi(mppi)
+        case "pursuit":
+            return Mppi(MppiSettings(rollouts=0))
+        case "dwa":
+            return DynamicWindow()
+        case "dwa_published":
+            return DynamicWindow(PUBLISHED)
+    raise ValueError(f"there is no controller {name!r}; there are {', '.join(CONTROLLERS)}")
+
+
+@dataclass(frozen=True, slots=True)
+class PilotSettings:
+    """What the pilot's parts are set to, and for how long a scan or a picture counts (s)."""
+
+    costmap: CostmapSettings = field(default_factory=CostmapSettings)
+    follower: FollowerSettings = field(default_factory=FollowerSettings)
+    recovery: RecoverySettings = field(default_factory=RecoverySettings)
+    fresh_s: float = 0.3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Senses:
+    """What one cycle is given. ``scan`` and ``image`` are new ones, each with the body's pose at its stamp (of a scan,
+    also at its last ray), or None. ``motion`` is the body now; ``X_MO`` where localization says ``odom`` is, None with
+    ``problem`` saying why it must not be driven by. ``plan`` is a new one to take, ``speed_at`` what zones allow on it.
+    """
+
+    now: float
+    motion: Motion
+    X_MO: Pose2 | None
+    problem: str
+    goal: Goal | None
+    scan: tuple[LaserScan, Pose2, Pose2] | None = None
+    image: tuple[Image, Pose2] | None = None
+    plan: Plan | None = None
+    speed_at: SpeedAt | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Told:
+    """What one cycle decided, and what there is to tell of it."""
+
+    step: Step
+    target: Pose2 | None
+    remaining_m: float | None
+    progress_stamp: float | None
+    recoveries: int
+    opened_up: bool
+    around: Surroundings | None
+
+
+class Pilot:
+    """Drives one body by one controller; ``depth``: it has a depth camera that must see."""
+
+    def __init__(
+        self, description: RobotDescription, controller: str, settings: PilotSettings | None = None, *, depth: bool
+    ) -> None:
+        """Raises ValueError for a body that does not move, or an unknown controller."""
+        self._settings = settings or PilotSettings()
+        self.footprint = Footprint.of(description)
+        padding = _PUBLISHED_PADDING_M if controller == "dwa_published" else 0.0
+        self.body = Body.of(description.footprint, description.limits, padding_m=padding)
+        self._follower = Follower(
+            self.body, controller_named(controller), self._settings.follower, self._settings.recovery
+        )
+        self._costmap = LocalCostmap(self.footprint, description.height_m, self._settings.costmap)
+        self._scan_stamp: float | None = None
+        self._scan: LaserScan | None = None
+        self._depth = DepthWatch() if depth else None
+        self._sent = (0.0, 0.0)
+
+    def steer_with(self, controller: str) -> None:
+        """Go on with another controller. Raises ValueError for an unknown one."""
+        self._follower.steer_with(controller_named(controller))
+
+    def cycle(self, senses: Senses, period_s: float) -> Told:
+        """Look, decide, and tell; a few milliseconds."""
+        if senses.scan is not None:
+            scan, begin, end = senses.scan
+            self._costmap.add_scan(scan, begin, end)
+            self._scan, self._scan_stamp = scan, scan.stamp
+        if senses.image is not None and self._depth is not None:
+            image, X_OB = senses.image
+            self._depth = watch_depth(self._depth, image, self._scan)
+            if not self._depth.problem:
+                self._costmap.add_depth(image, X_OB)
+        follower = self._follower
+        follower.go(senses.goal, senses.now)
+        if senses.plan is not None:
+            follower.take(senses.plan, senses.now, senses.speed_at)
+        problem = senses.problem or unfit(senses.now, self._scan_stamp, self._depth, self._settings.fresh_s)
+        around = self._costmap.around(senses.motion.pose, senses.now)
+        seen = Field(around.distance, around.origin, around.resolution_m)
+        X_MO = senses.X_MO or Pose2()
+        step = follower.step(senses.now, senses.motion, X_MO, seen, period_s, unfit=problem)
+        if step.clear:
+            self._costmap.clear()
+        step = self._within_reach(step, senses.motion, period_s)
+        return Told(
+            step, follower.target, follower.remaining_m, follower.progress_stamp, follower.recovery.count,
+            follower.opened_up, around,
+        )  # fmt: skip
+
+    def _within_reach(self, step: Step, motion: Motion, period_s: float) -> Step:
+        """``step`` with velocities that the body can have a period from now; a stop is a stop at once."""
+        sent, self._sent = self._sent, (0.0, 0.0)
+        if step.linear_mps == 0.0 and step.angular_radps == 0.0:
+            return step
+        _, high, turn, linear_mps2, angular_radps2, braking = self.body.limits
+        # What was sent counts, where the body follows it at all: what was measured is a moment old.
+        v = _from(sent[0], motion.linear_mps, 2.0 * linear_mps2 * period_s)
+        w = _from(sent[1], motion.angular_radps, 2.0 * angular_radps2 * period_s)
+        linear = _between(step.linear_mps, v - braking * period_s, v + linear_mps2 * period_s)
+        angular = _between(step.angular_radps, w - angular_radps2 * period_s, w + angular_radps2 * period_s)
+        self._sent = (_between(linear, -high, high), _between(angular, -turn, turn))
+        return Step(*self._sent, step.state, step.reason, step.clear, step.replan)
+
+
+def _from(sent: float, measured: float, apart: float) -> float:
+    return sent if abs(sent - measured) <= apart else measured
+
+
+def _between(value: float, low: float, high: float) -> float:
+    return min(max(value, low), high)

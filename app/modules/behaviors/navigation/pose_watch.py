@@ -1,0 +1,78 @@
+"""Where the body is, by odometry and localization, and whether that may be driven by."""
+
+from __future__ import annotations
+
+from app.geometry import Pose2
+from app.messages import Localization, Odometry
+from app.modules.behaviors.navigation.motion import Motion
+from app.pose_buffer import PoseBuffer
+
+#: Odometry older than that is none, s.
+_ODOMETRY_S = 0.3
+#: A localization may be so old (s), and so many of its own periods on top, as it is given at the rate attention grants.
+_LOCALIZATION_S = 1.0
+_PERIODS = 1.5
+_LONGEST_S = 5.0
+
+
+class PoseWatch:
+    """Keeps the newest poses; see :meth:`problem` for what they are worth."""
+
+    def __init__(self) -> None:
+        self._buffer = PoseBuffer(span_s=5.0, tolerance_s=0.015)
+        self._odometry: Odometry | None = None
+        self.localization: Localization | None = None
+        self._period_s = 0.0
+
+    def feel(self, odometry: Odometry) -> None:
+        """Take odometry."""
+        self._buffer.add(odometry.stamp, odometry.X_OB)
+        self._odometry = odometry
+
+    def localize(self, localization: Localization) -> None:
+        """Take what localization says."""
+        before = self.localization
+        if before is not None:
+            self._period_s = min(max(localization.stamp - before.stamp, 0.0), _LONGEST_S)
+        self.localization = localization
+
+    def at(self, stamp: float) -> Pose2 | None:
+        """``X_OB`` at ``stamp``; None where odometry has not come that far."""
+        return self._buffer.at(stamp)
+
+    @property
+    def X_MO(self) -> Pose2 | None:
+        """Where ``odom`` is on the map, as of the newest localization."""
+        return None if self.localization is None else self.localization.X_MO
+
+    def motion(self, now: float) -> Motion | None:
+        """The body now, carried on from the newest odometry by its twist; None before the first."""
+        newest = self._odometry
+        if newest is None:
+            return None
+        motion = Motion(newest.X_OB, newest.linear_mps, newest.angular_radps)
+        return motion.after(min(max(now - newest.stamp, 0.0), 0.1))
+
+    def X_MB(self, now: float) -> Pose2 | None:
+        """The body on the map now; None without odometry or localization."""
+        motion, X_MO = self.motion(now), self.X_MO
+        return None if motion is None or X_MO is None else X_MO @ motion.pose
+
+    def problem(self, now: float) -> str:
+        """Why the poses must not be driven by, in words for people; "" if they may."""
+        if self._odometry is None or now - self._odometry.stamp > _ODOMETRY_S:
+            return "there is no odometry: the wheels' encoders give nothing"
+        where = self.localization
+        if where is None:
+            return "it does not know where it is: nothing localizes it yet"
+        match where.state:
+            case "mapping" | "tracking":
+                pass
+            case "searching":
+                return "it looks for itself on the map: drive it a little, or say where it is"
+            case _:
+                return "it is lost: what the laser sees does not fit the map; drive it a little, or say where it is"
+        age_s = now - where.stamp
+        if age_s > min(_LOCALIZATION_S + _PERIODS * self._period_s, _LONGEST_S):
+            return f"it was last localized {age_s:.1f} s ago"
+        return ""

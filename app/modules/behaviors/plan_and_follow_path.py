@@ -1,0 +1,344 @@
+"""PlanAndFollowPath: goes to a place on the map, around what stands in the way (thesis 4.2).
+
+    ┌─────────────────────────────────────────────────────────────────────────────────────────────┐
+    │ PlanAndFollowPath  in   scans         LaserScan, 40 Hz / φ                                   │
+    │                    in   images        Image with depth, 15 Hz / φ; not wired: no such camera │
+    │                    in   odometry      Odometry, 100 Hz, X_OB in odom; never filtered         │
+    │                    in   localization  Localization, with each scan that SLAM takes           │
+    │                    in   map           OccupancyGrid of the map, when it changes              │
+    │                    in   zones         Zones of the map, when one changes                     │
+    │                    out  twist         Twist, each period while there is a goal               │
+    │                    out  path          PlannedPath (map), when another way is taken           │
+    │                    out  status        NavigationStatus, when it changes, or every 0.5 s      │
+    │                    out  costmap       OccupancyGrid (odom), at most 5 Hz, if anybody listens  │
+    └─────────────────────────────────────────────────────────────────────────────────────────────┘
+
+Every ``period_s`` (10 Hz as in the thesis), in the module's thread: the newest scan and picture enter the costmap, and
+the controller chooses velocities along the way (``navigation/follower.py``). Ways are planned in a thread of their own
+(``navigation/wayfinder.py``): once a second, and at once where something is in the way or localization jumped.
+
+It does not drive, and says so, without a pose it can trust, with a scan or picture older than ``fresh_s``, or with
+depth pictures that are dead. The goal is the parameters of the desire GoTo; which controller follows is one of the
+strategy: ``mppi``, ``pursuit``, ``dwa`` or ``dwa_published`` (the baseline of the BARN challenge).
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from pydantic import Field
+
+from app.geometry import Pose2
+from app.messages import (
+    Image,
+    LaserScan,
+    Localization,
+    NavigationStatus,
+    OccupancyGrid,
+    Odometry,
+    PlannedPath,
+    Twist,
+    Zones,
+    read_only,
+)
+from app.modules.behaviors.navigation.costmap import CostmapSettings
+from app.modules.behaviors.navigation.desired import goal_of
+from app.modules.behaviors.navigation.follower import Goal
+from app.modules.behaviors.navigation.goals import Plan
+from app.modules.behaviors.navigation.inflation import CostSettings
+from app.modules.behaviors.navigation.pilot import CONTROLLERS, Pilot, PilotSettings, Senses, Told
+from app.modules.behaviors.navigation.pose_watch import PoseWatch
+from app.modules.behaviors.navigation.recovery import RecoverySettings
+from app.modules.behaviors.navigation.telling import Teller
+from app.modules.behaviors.navigation.wayfinder import Answer, Request, Wayfinder
+from app.modules.body import robot_link
+from app.runtime.errors import ModuleFailed
+from app.runtime.module import Module, ModuleContext, Settings
+from app.runtime.worker import ModuleWorker
+
+#: Between two costmaps published, s.
+_COSTMAP_S = 0.2
+#: Localization that moved the robot further than that (m, rad) calls for another way at once.
+_JUMP = (0.15, 0.1)
+
+
+class PlanAndFollowPathSettings(Settings):
+    """Settings of PlanAndFollowPath; what a body's speed asks for is set here, its sizes and limits come from it."""
+
+    period_s: float = Field(0.1, gt=0, le=0.2, description="one control cycle")
+    controller: str = Field(
+        "mppi", pattern=f"^({'|'.join(CONTROLLERS)})$", description="while no strategy says another"
+    )
+    fresh_s: float = Field(0.3, gt=0, le=1, description="an older scan or picture is not driven by")
+    replan_s: float = Field(1.0, gt=0, le=10, description="a better way is looked for this often")
+    blocked_replan_s: float = Field(0.3, gt=0, le=10, description="... and this often where something is in the way")
+    costmap_m: float = Field(4.0, ge=2, le=20, description="side of the costmap around the robot")
+    costmap_resolution_m: float = Field(0.025, ge=0.01, le=0.1)
+    unknown: str = Field("costly", pattern="^(free|costly|blocked)$", description="ways through unknown space")
+    closeness: float = Field(
+        6.0, ge=0, description="what a metre of way beside an obstacle costs more than in the open"
+    )
+    reach_m: float = Field(0.75, gt=0, le=3, description="further off than that an obstacle costs nothing")
+    stuck_s: float = Field(2.0, gt=0, description="standing that long on the way calls for a recovery")
+    wait_s: float = Field(2.0, ge=0, description="the first recovery: waiting for the way to clear")
+    rounds: int = Field(2, ge=1, description="of all recoveries, before people are asked")
+
+
+class PlanAndFollowPath(Module):
+    """Plans ways to goals on the map and follows them."""
+
+    title = "Plan and follow path"
+    Settings = PlanAndFollowPathSettings
+    settings: PlanAndFollowPathSettings
+
+    _pilot: Pilot
+    _wayfinder: Wayfinder
+
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.scans = self.input("scans", LaserScan, capacity=4)
+        self.images = self.input("images", Image)
+        self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
+        self.localization = self.input("localization", Localization)
+        self.map = self.input("map", OccupancyGrid)
+        self.zones = self.input("zones", Zones)
+        self.twist = self.output("twist", Twist)
+        self.path = self.output("path", PlannedPath)
+        self.status = self.output("status", NavigationStatus)
+        self.costmap = self.output("costmap", OccupancyGrid)
+        self.on(self.scans, self._see)
+        self.on(self.images, self._look)
+        self.on(self.odometry, self._feel)
+        self.on(self.localization, self._localize)
+        self.on(self.map, self._take_map)
+        self.on(self.zones, self._take_zones)
+        self.every(self.settings.period_s, self._cycle)
+        self._poses = PoseWatch()
+        self._scan: LaserScan | None = None
+        self._image: Image | None = None
+        self._grid: OccupancyGrid | None = None
+        self._zones = Zones(0.0, ())
+        self._goal: Goal | None = None
+        self._controller = self.settings.controller
+        self._steering_with = self._controller
+        self._planner = ModuleWorker(f"{self.name} planning")
+        self._planning: asyncio.Task[Answer] | None = None
+        self._planned_at = -math.inf
+        self._planned_from: Localization | None = None
+        self._planned_for: Goal | None = None
+        self._answer: Answer | None = None
+        self._plan: Plan | None = None
+        self._wanted_plan = ""
+        self._teller = Teller(self.status.publish, self.log)
+        self._costmap_at = -math.inf
+        self._costmap_version = 0
+
+    async def start(self) -> None:
+        """Learn what the body is. Raises ModuleFailed for one that does not drive."""
+        description = robot_link(self).description
+        s = self.settings
+        settings = PilotSettings(
+            costmap=CostmapSettings(
+                size_m=s.costmap_m, memory_m=max(8.0, 1.5 * s.costmap_m), resolution_m=s.costmap_resolution_m
+            ),
+            recovery=RecoverySettings(stuck_s=s.stuck_s, wait_s=s.wait_s, rounds=s.rounds),
+            fresh_s=s.fresh_s,
+        )
+        try:
+            self._pilot = await self.compute(
+                lambda: Pilot(description, self._controller, settings, depth=self.images.connected)
+            )
+        except ValueError as error:
+            raise ModuleFailed(f"{self.name} cannot drive {description.name}: {error}") from None
+        costs = CostSettings(unknown=s.unknown, closeness=s.closeness, reach_m=s.reach_m)
+        self._wayfinder = Wayfinder(self._pilot.footprint, costs)
+
+    async def stop(self) -> None:
+        """Let the planner's thread end."""
+        if self._planning is not None:
+            self._planning.cancel()
+        self._planner.shutdown()
+
+    def configure(self, parameters: Mapping[str, Any]) -> None:
+        """Take the desire's goal, and the strategy's ``controller``; without ``x`` and ``y`` nobody wants to go
+        anywhere."""
+        self._controller = str(parameters.get("controller", self.settings.controller))
+        self._goal = goal_of(parameters, self._goal)
+
+    def last_word(self, port: str) -> Twist | None:
+        """A stop, when attention takes the wheel away."""
+        return Twist(self.clock.now(), 0.0, 0.0) if port == "twist" else None
+
+    # --- what comes in ---
+
+    async def _see(self, scan: LaserScan) -> None:
+        self._scan = scan
+
+    async def _look(self, image: Image) -> None:
+        self._image = image
+
+    async def _feel(self, odometry: Odometry) -> None:
+        self._poses.feel(odometry)
+
+    async def _localize(self, localization: Localization) -> None:
+        self._poses.localize(localization)
+
+    async def _take_map(self, grid: OccupancyGrid) -> None:
+        self._grid = grid
+
+    async def _take_zones(self, zones: Zones) -> None:
+        self._zones = zones
+        self._wanted_plan = self._wanted_plan or "zones changed"
+
+    # --- a cycle ---
+
+    async def _cycle(self) -> None:
+        now, goal = self.clock.now(), self._goal
+        if goal is None and self._teller.idle:
+            self._teller.tell(NavigationStatus(now, self.name, "idle", "no goal"))
+            return
+        problem = self._poses.problem(now)
+        if not problem and self._grid is None:
+            problem = "there is no map yet"
+        motion = self._poses.motion(now)
+        if motion is None:
+            self._publish_stop(now, goal, problem)
+            return
+        answer, self._answer = self._answer, None
+        if answer is not None and self._planned_for is not goal:
+            answer = None
+        senses = Senses(
+            now, motion, self._poses.X_MO, problem, goal, self._scan_with_poses(), self._image_with_pose(),
+            answer.plan if answer is not None and answer.changed else None,
+            None if answer is None else _speeds(answer, self._pilot.body.limits[1] * (goal.speed if goal else 1.0)),
+        )  # fmt: skip
+        if self._controller != self._steering_with:
+            self._steering_with = self._controller
+            await self.compute(self._pilot.steer_with, self._controller)
+        told = await self.compute(self._pilot.cycle, senses, self.settings.period_s)
+        if self._goal is not goal:
+            # Another desire came while this was decided: what was decided is not for it.
+            told_goal = None
+        else:
+            told_goal = goal
+        self._publish(now, told, told_goal, answer)
+        if goal is not None and not problem and told.step.state != "arrived":
+            self._plan_if_wanted(now, goal, told)
+
+    def _scan_with_poses(self) -> tuple[LaserScan, Pose2, Pose2] | None:
+        scan = self._scan
+        if scan is None:
+            return None
+        begin, end = self._poses.at(scan.stamp), self._poses.at(scan.stamp + scan.duration_s)
+        if begin is None or end is None:
+            return None
+        self._scan = None
+        return scan, begin, end
+
+    def _image_with_pose(self) -> tuple[Image, Pose2] | None:
+        image = self._image
+        X_OB = None if image is None else self._poses.at(image.stamp)
+        if image is None or X_OB is None:
+            return None
+        self._image = None
+        return image, X_OB
+
+    def _publish(self, now: float, told: Told, goal: Goal | None, answer: Answer | None) -> None:
+        if goal is None:
+            self.twist.publish(Twist(now, 0.0, 0.0))
+        else:
+            self.twist.publish(Twist(now, told.step.linear_mps, told.step.angular_radps))
+        if answer is not None and answer.changed:
+            self._plan = answer.plan
+            self._publish_path(now, answer.plan.poses)
+        self._teller.tell(
+            NavigationStatus(
+                now, self.name, told.step.state if goal is not None else "idle", told.step.reason,
+                None if goal is None else goal.pose, None if goal is None else told.target,
+                None if goal is None else told.remaining_m, None if goal is None else told.progress_stamp,
+                told.recoveries,
+            )
+        )  # fmt: skip
+        if goal is None:
+            self._forget_way(now)
+        if told.around is not None and self.costmap.wanted and now - self._costmap_at >= _COSTMAP_S - 1e-6:
+            self._costmap_at = now
+            self._costmap_version += 1
+            self.costmap.publish(told.around.to_message(self._costmap_version))
+
+    def _publish_stop(self, now: float, goal: Goal | None, problem: str) -> None:
+        self.twist.publish(Twist(now, 0.0, 0.0))
+        state = "idle" if goal is None else "waiting"
+        self._teller.tell(NavigationStatus(now, self.name, state, problem, None if goal is None else goal.pose))
+
+    def _forget_way(self, now: float) -> None:
+        if self._plan is not None:
+            self._plan = None
+            self._publish_path(now, np.empty((0, 3)))
+
+    def _publish_path(self, now: float, poses: Any) -> None:
+        self.path.publish(PlannedPath(now, "map", read_only(np.array(poses, dtype=np.float64).reshape(-1, 3))))
+
+    # --- planning, in a thread of its own ---
+
+    def _plan_if_wanted(self, now: float, goal: Goal, told: Told) -> None:
+        if self._planning is not None:
+            return
+        if self._planned_for is not goal:
+            self._plan = None
+        why = self._why_plan(now, goal, told)
+        if why is None:
+            return
+        localization, grid = self._poses.localization, self._grid
+        X_MB = self._poses.X_MB(now)
+        if localization is None or grid is None or X_MB is None:
+            return
+        request = Request(
+            grid, self._zones.zones, localization.X_MO, X_MB, goal.pose, told.around, told.opened_up, self._plan, why
+        )
+        self._planned_at, self._planned_from, self._planned_for = now, localization, goal
+        self._wanted_plan = ""
+        self._planning = asyncio.create_task(self._find(request), name=f"{self.name} plans")
+        self._planning.add_done_callback(self._planned)
+
+    def _why_plan(self, now: float, goal: Goal, told: Told) -> str | None:
+        """Why a way is looked for now: "" for a better one alone; None if it is not the time."""
+        since = now - self._planned_at
+        if self._planned_for is not goal:
+            return "another goal"
+        before, newest = self._planned_from, self._poses.localization
+        if before is not None and newest is not None and _jumped(before.X_MO, newest.X_MO):
+            return "localization corrected itself"
+        wanted = told.step.replan or self._wanted_plan
+        if wanted and since >= self.settings.blocked_replan_s:
+            # What blocks the controller may not block the way: another is taken only if it is better or the old is not.
+            return "" if self._plan is not None and len(self._plan.poses) and told.step.state == "following" else wanted
+        return "" if since >= self.settings.replan_s else None
+
+    async def _find(self, request: Request) -> Answer:
+        loop = asyncio.get_running_loop()
+        with self._context.activity.one():
+            return await loop.run_in_executor(self._planner, self._context.meter.call, self._wayfinder.find, request)
+
+    def _planned(self, task: asyncio.Task[Answer]) -> None:
+        self._planning = None
+        if task.cancelled():
+            return
+        error = task.exception()
+        if isinstance(error, Exception):
+            self.fail(error)
+        elif error is None:
+            self._answer = task.result()
+
+
+def _jumped(before: Pose2, now: Pose2) -> bool:
+    moved = before.inverse() @ now
+    return math.hypot(moved.x, moved.y) > _JUMP[0] or abs(moved.theta) > _JUMP[1]
+
+
+def _speeds(answer: Answer, speed_mps: float) -> Any:
+    return lambda points: speed_mps * answer.speed_share(points)
