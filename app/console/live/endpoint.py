@@ -72,7 +72,8 @@ def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
         return
     match message:
         case protocol.DriveMessage():
-            driving.handle(control.Drive(session, message.seq, message.held, message.linear, message.angular))
+            drive = control.Drive(session, message.seq, message.held, message.linear, message.angular, message.override)
+            driving.handle(drive)
         case protocol.PingMessage():
             viewer.rtt_ms = message.rtt_ms
             driving.handle(control.Heard(session))

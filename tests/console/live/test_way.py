@@ -1,0 +1,273 @@
+"""Place, way, zones and maps over real sockets."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import struct
+import threading
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from app.console import grids
+from app.console.live import grid_feed
+from app.console.way import MOST_POINTS, at_work, thinned_path
+from app.messages import Exploitation, OccupancyGrid, OperatorDrive, Twist
+from app.system import System
+from tests.console.live_client import Page, page
+from tests.console.places import grid, localization, path, status, zone, zones
+
+HEADER = struct.Struct("<B3xIdHH4x")
+
+
+async def pictured(ann: Page, kind: str) -> tuple[dict[str, Any], NDArray[np.uint8]]:
+    """The next grid: its message and, as the very next frame, its picture."""
+    info = await ann.until(kind)
+    frame = await ann.receive()
+    assert isinstance(frame, bytes)
+    number, seq, stamp, width, height = HEADER.unpack_from(frame)
+    assert number == {"map_info": 3, "costmap_info": 4}[kind]
+    assert (seq, stamp, width, height) == (info["seq"], info["stamp"], info["width"], info["height"])
+    pixels = cv2.imdecode(np.frombuffer(frame, np.uint8, offset=24), cv2.IMREAD_UNCHANGED)
+    assert pixels.dtype == np.uint8
+    assert pixels.shape == (height, width)
+    return info, pixels
+
+
+async def answered(ann: Page) -> list[dict[str, Any] | bytes]:
+    """What comes until everything sent so far has been dealt with."""
+    await ann.send("ping", t=1)
+    frames = []
+    while True:
+        frame = await ann.receive()
+        if isinstance(frame, dict) and frame["type"] == "pong":
+            return frames
+        frames.append(frame)
+
+
+async def test_a_map_is_cut_to_what_is_known_and_told_before_its_picture(url: str, system: System) -> None:
+    channel = system.graph.channel("map")
+    channel.publish(grid(5.0, version=7))
+    async with page(url) as ann:
+        await ann.send("view", map=True)
+        info, pixels = await pictured(ann, "map_info")
+        assert {name: info[name] for name in ("stamp", "frame", "version", "resolution_m")} == {
+            "stamp": 5.0,
+            "frame": "map",
+            "version": 7,
+            "resolution_m": 0.05,
+        }
+        # Of cells [10:30, 5:35] of a grid at (-1, -2).
+        assert info["origin"] == [-0.75, -1.5]
+        assert pixels.shape == (20, 30)
+        # The one of the least x and y is at the lower left.
+        assert pixels[19, 0] == 100
+        assert pixels[0, 0] == pixels[19, 1] == 0
+
+
+async def test_nobody_who_has_not_asked_is_sent_a_map(url: str, system: System) -> None:
+    channel, costmap = system.graph.channel("map"), system.graph.channel("local_costmap")
+    async with page(url) as ann, page(url, "Bob") as bob:
+        assert not channel.wanted
+        await ann.send("view", map=True)
+        await answered(ann)
+        assert channel.wanted
+        assert not costmap.wanted
+        channel.publish(grid(1.0))
+        await pictured(ann, "map_info")
+        assert not [frame for frame in await answered(bob) if isinstance(frame, bytes)]
+        # Whoever comes later is given the one there is.
+        await bob.send("view", map=True, costmap=True)
+        assert (await pictured(bob, "map_info"))[0]["seq"] == 1
+        costmap.publish(grid(2.0, frame="odom"))
+        assert (await pictured(bob, "costmap_info"))[0]["frame"] == "odom"
+        await ann.send("view", map=False)
+        await bob.send("view", map=False)
+        await answered(ann)
+        await answered(bob)
+        assert not channel.wanted
+
+
+async def test_the_next_map_waits_for_the_page_and_is_the_newest(url: str, system: System) -> None:
+    channel = system.graph.channel("map")
+    async with page(url) as ann, page(url, "Bob") as bob:
+        for viewer in (ann, bob):
+            await viewer.send("view", map=True)
+            await answered(viewer)
+        channel.publish(grid(1.0, version=1, corner=10))
+        await pictured(ann, "map_info")
+        await pictured(bob, "map_info")
+        for version in (2, 3):
+            channel.publish(grid(float(version), version=version, corner=10 * version))
+            # Bob, who draws at once, paces nobody.
+            await bob.send("ack", kind=3, seq=version)
+            assert (await pictured(bob, "map_info"))[0]["version"] == version
+        assert not [frame for frame in await answered(ann) if isinstance(frame, bytes)]
+        await ann.send("ack", kind=3, seq=1)
+        info, pixels = await pictured(ann, "map_info")
+        assert (info["version"], pixels[-1, 0]) == (3, 30)
+
+
+async def test_a_map_that_looks_the_same_is_not_sent_again(url: str, system: System) -> None:
+    channel = system.graph.channel("map")
+    async with page(url) as ann:
+        await ann.send("view", map=True)
+        channel.publish(grid(1.0))
+        await pictured(ann, "map_info")
+        await ann.send("ack", kind=3, seq=1)
+        channel.publish(grid(2.0))
+        await answered(ann)
+        channel.publish(grid(3.0, version=2, corner=50))
+        assert (await pictured(ann, "map_info"))[0]["stamp"] == 3.0
+
+
+async def test_the_loop_goes_on_while_a_large_map_is_encoded(
+    url: str, system: System, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Encoding, held up here, holds up nothing else; of the maps that come meanwhile the newest is encoded next."""
+    begun, go_on = asyncio.Event(), threading.Event()
+    loop, encoded = asyncio.get_running_loop(), []
+
+    def slowly(whole: OccupancyGrid) -> OccupancyGrid:
+        assert threading.current_thread() is not threading.main_thread()
+        encoded.append(whole.version)
+        loop.call_soon_threadsafe(begun.set)
+        assert go_on.wait(10)
+        return grids.known_part(whole)
+
+    monkeypatch.setattr(grid_feed, "known_part", slowly)
+    channel = system.graph.channel("map")
+    async with page(url) as ann:
+        await ann.send("view", map=True)
+        await answered(ann)
+        channel.publish(grid(1.0, size=1000, version=1))
+        await begun.wait()
+        for version in range(2, 6):
+            channel.publish(grid(float(version), size=1000, version=version, corner=version))
+            await answered(ann)
+        go_on.set()
+        assert (await pictured(ann, "map_info"))[0]["version"] == 1
+        await ann.send("ack", kind=3, seq=1)
+        assert (await pictured(ann, "map_info"))[0]["version"] == 5
+    assert encoded == [1, 5]
+
+
+async def test_place_zones_and_way_are_told_as_they_change(url: str, system: System) -> None:
+    graph, now = system.graph, system.clock.now
+    async with page(url) as ann:
+        assert (await ann.until("navigation"))["state"] == "idle"
+        assert (await ann.until("zones"))["zones"] == []
+        graph.channel("localization").publish(localization(12.5))
+        told = await ann.until("localization")
+        assert told == {
+            "type": "localization",
+            "stamp": 12.5,
+            "state": "mapping",
+            "map": "lab",
+            "x": 3.0,
+            "y": 0.5,
+            "theta": 0.0,
+            "sigma": [0.03, 0.04, 0.01],
+            "X_MO": {"x": 1.0, "y": 0.5, "theta": 0.0},
+            "overlap": 0.875,
+        }
+        graph.channel("zones").publish(zones(now(), zone(), zone("door", "slow", 0.3)))
+        marked = await ann.until("zones", lambda m: m["zones"])
+        assert [(z["name"], z["kind"], z["speed"]) for z in marked["zones"]] == [
+            ("stairs", "keep_out", 1.0),
+            ("door", "slow", 0.3),
+        ]
+        graph.channel("path").publish(path(now(), 3))
+        graph.channel("navigation").publish(status(now()))
+        way = await ann.until("navigation", lambda m: m["state"] == "following")
+        assert way["goal"] == {"x": 3.0, "y": 1.0, "theta": None}
+        assert (way["behavior"], way["remaining_m"], way["recoveries"], way["desire"]) == (
+            "PlanAndFollowPath",
+            2.34,
+            1,
+            None,
+        )
+        assert way["path"] == [[0.0, 0.0], [0.2, 0.0]]
+        # A path in odom is told on the map.
+        graph.channel("path").publish(path(now(), 2, frame="odom"))
+        assert (await ann.until("navigation", lambda m: m["path"] != way["path"]))["path"] == [[1.0, 0.5], [1.1, 0.5]]
+        graph.channel("navigation").publish(status(now(), "arrived"))
+        assert (await ann.until("navigation", lambda m: m["state"] == "arrived"))["path"] == []
+    async with page(url, "Bob") as bob:
+        kinds = set()
+        while not {"localization", "navigation", "zones"} <= kinds:
+            frame = await bob.receive()
+            kinds |= {frame["type"]} if isinstance(frame, dict) else set()
+
+
+async def test_why_the_monitor_slowed_whoever_drives_is_told(url: str, system: System) -> None:
+    async with page(url) as ann:
+        assert (await ann.until("status"))["limited"] == ""
+        now = system.clock.now()
+        system.graph.channel("exploitation").publish(
+            Exploitation(now, "Teleop", Twist(now, 0.1, 0.0), "0.4 m to what stands ahead")
+        )
+        await ann.until("status", lambda s: s["limited"] == "0.4 m to what stands ahead")
+        # What was said a while ago says nothing about now.
+        await ann.until("status", lambda s: s["limited"] == "")
+
+
+async def test_the_override_is_held_with_the_drive(url: str, system: System) -> None:
+    commands: list[OperatorDrive] = []
+    system.graph.channel("operator_drive").observe(commands.append)
+    async with page(url) as ann:
+        for seq, override in enumerate((False, True)):
+            await ann.send("drive", seq=seq, held=True, linear=0.5, angular=0.0, override=override)
+        await ann.send("drive", seq=2, held=False, linear=0.0, angular=0.0)
+        await answered(ann)
+    assert [(command.held, command.override) for command in commands[:3]] == [
+        (True, False),
+        (True, True),
+        (False, False),
+    ]
+
+
+def test_of_two_behaviors_the_one_under_way_is_told() -> None:
+    driving, done = status(1.0, "recovering"), status(2.0, "idle", "GoToward")
+    assert at_work([done, driving]) is driving
+    assert at_work([done, status(1.0, "arrived")]) is done
+    assert at_work([]) is None
+
+
+@given(
+    st.lists(st.floats(-0.5, 0.5), min_size=1, max_size=600),
+    st.sampled_from([0.05, 0.1]),
+)
+def test_a_thinned_path_goes_the_same_way(turns: list[float], step_m: float) -> None:
+    """Both ends stay; every point left out is near the line that is drawn instead."""
+    headings = np.cumsum(turns)
+    steps = step_m * np.stack([np.cos(headings), np.sin(headings)], axis=1)
+    points = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
+    thin = thinned_path(points)
+    assert len(thin) <= MOST_POINTS
+    np.testing.assert_array_equal(thin[[0, -1]], points[[0, -1]])
+    lines = np.diff(thin, axis=0)
+    lengths = np.maximum(np.linalg.norm(lines, axis=1), 1e-9)
+    along = np.einsum("psk,sk->ps", points[:, None] - thin[:-1], lines) / lengths**2
+    nearest = thin[:-1] + np.clip(along, 0, 1)[..., None] * lines
+    furthest = np.linalg.norm(points[:, None] - nearest, axis=2).min(axis=1).max()
+    assert furthest <= step_m * max(2.0, len(points) / MOST_POINTS)
+
+
+def test_a_wide_bend_is_no_straight_line() -> None:
+    angles = np.linspace(0, math.pi / 2, 2000)
+    thin = thinned_path(50.0 * np.stack([np.sin(angles), 1 - np.cos(angles)], axis=1))
+    assert 100 < len(thin) <= MOST_POINTS
+
+
+def test_an_empty_grid_is_one_unknown_cell() -> None:
+    nothing = OccupancyGrid(1.0, "map", np.full((9, 9), -1, np.int8), 0.05, (3.0, 4.0), 0)
+    part = grids.known_part(nothing)
+    assert part.cells.tolist() == [[-1]]
+    assert part.origin == (3.0, 4.0)
