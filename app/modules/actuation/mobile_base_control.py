@@ -1,31 +1,43 @@
-"""MobileBaseControl: which behavior drives the base, within its limits (thesis 4.2).
+"""MobileBaseControl: which behavior drives the base, within its limits and those of its surroundings (thesis 4.2).
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────┐
     │ MobileBaseControl  in   one per behavior  Twist (m/s, rad/s in base_link); never filtered│
+    │                    in   scans             LaserScan, each one; never filtered            │
+    │                    in   odometry          Odometry; never filtered                       │
+    │                    in   operator          OperatorDrive: the override; never filtered    │
     │                    out  exploitation      Exploitation, 10 Hz and when the driver changes│
     │                    out  status            LinkStatus, 20 Hz, as the guard reports        │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
-At 10 Hz and with each command that arrives: the highest priority among the behaviors with a fresh command drives; its
-twist is clamped to the body's speeds and approached with the body's accelerations, then given to the robot link. When
-nobody commands, zero is sent a few times, then nothing. ``exploitation`` tells attention whose command was let through.
+At 10 Hz, with each command and with each scan that arrives: the highest priority among the behaviors with a fresh
+command drives; its twist is clamped to the body's speeds, limited by the collision monitor, and approached with the
+body's accelerations, then given to the robot link. When nobody commands, zero is sent a few times, then nothing.
+``exploitation`` tells attention whose command was let through, and people why it was limited.
+
+On a body with a laser the collision monitor (``collision_monitor.py``) judges every command, whoever drives: without a
+fresh scan nobody drives. The operator alone may override it, at a crawl, while both dead-man and override are held.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
-from typing import Self
+from typing import Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from app.link import RobotLink
-from app.messages import Exploitation, LinkStatus, Twist
+from app.link import BaseLimits, RobotLink
+from app.messages import Exploitation, LaserScan, LinkStatus, Message, Odometry, OperatorDrive, Twist
 from app.modules.actuation.arbitration import Contender, approach, arbitrate, clamped
+from app.modules.actuation.collision_monitor import CollisionMonitor, Rules
+from app.modules.actuation.lookout import Lookout
 from app.modules.body import attach, robot_link
-from app.runtime.module import Module, ModuleContext, Settings
+from app.runtime.errors import ModuleFailed
+from app.runtime.module import Input, Module, ModuleContext, Settings
+
+M = TypeVar("M", bound=Message)
 
 #: So many zeros are sent after the last command, in case one is lost on the way to the motors.
 PARTING_ZEROS = 3
@@ -41,18 +53,43 @@ class ContenderSettings(BaseModel):
     priority: int = Field(description="the highest priority among those with a fresh command drives")
 
 
+class MonitorSettings(BaseModel):
+    """How careful the collision monitor is."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    margin_m: float = Field(0.05, ge=0, le=0.5, description="kept clear around the body's footprint")
+    contact_s: float = Field(1.0, ge=0.1, le=5, description="the least time to contact, at the speed driven")
+    reaction_s: float = Field(0.15, ge=0, le=1, description="from a ray of the laser to wheels that obey")
+    stale_s: float = Field(0.3, gt=0, le=1, description="without a younger scan nothing drives")
+    crawl_mps: float = Field(0.1, gt=0, le=0.2, description="allowed where the laser does not see, and by override")
+    crawl_radps: float = Field(0.3, gt=0, le=0.5, description="allowed likewise")
+    evidence: int = Field(2, ge=1, le=10, description="so many points make a thing; one alone may be noise")
+
+    def rules(self) -> Rules:
+        """As the monitor takes them."""
+        return Rules(**self.model_dump())
+
+
+_OWN_INPUTS = frozenset({"scans", "odometry", "operator"})
+
+
 class MobileBaseControlSettings(Settings):
     """Settings of MobileBaseControl."""
 
     behaviors: tuple[ContenderSettings, ...] = (ContenderSettings(input="teleop", behavior="Teleop", priority=1),)
     max_age_s: float = Field(0.25, gt=0, le=1, description="an older command is out")
     period_s: float = Field(0.1, gt=0, le=0.15, description="arbitration at least this often")
+    by_hand: str = Field("Teleop", description="the behavior that the operator drives by, who alone may override")
+    monitor: MonitorSettings = Field(MonitorSettings(), description="the collision monitor, for bodies with a laser")
 
     @model_validator(mode="after")
     def _distinct(self) -> Self:
         ports = [behavior.input for behavior in self.behaviors]
         if len(set(ports)) < len(ports):
             raise ValueError(f"each behavior needs an input of its own, not {', '.join(ports)}")
+        if taken := _OWN_INPUTS.intersection(ports):
+            raise ValueError(f"the input {' and '.join(sorted(taken))} brings no behavior's twists: name it otherwise")
         return self
 
 
@@ -74,7 +111,14 @@ class MobileBaseControl(Module):
         for contender in self._contenders:
             port = self.input(contender.port, Twist, always_open=True)
             self.on(port, partial(self._take, contender.port))
+        self._scans = self.input("scans", LaserScan, always_open=True)
+        self.on(self._scans, self._look)
+        # Read when a command is judged, not as they come.
+        self._odometry = self.input("odometry", Odometry, capacity=128, always_open=True)
+        self._operator = self.input("operator", OperatorDrive, capacity=8, always_open=True)
         self.every(self.settings.period_s, self._beat)
+        self._lookout: Lookout | None = None
+        self._limited = ""
         self._commands: dict[str, Twist] = {}
         self._sent = Twist(0.0, 0.0, 0.0)
         self._driver: str | None = None
@@ -82,9 +126,10 @@ class MobileBaseControl(Module):
         self._release: Callable[[], None] | None = None
 
     async def start(self) -> None:
-        """Take hold of the body. Raises ModuleFailed for a body without status."""
+        """Take hold of the body. Raises ModuleFailed for a body without status, or whose footprint is none."""
         self._release = attach(self, "status", LinkStatus, self.status.publish)
         self._link = robot_link(self)
+        self._lookout = self._post_lookout()
 
     async def stop(self) -> None:
         """Leave the wheels commanded to zero."""
@@ -92,21 +137,57 @@ class MobileBaseControl(Module):
             self._release()
             self._link.command(Twist(self.clock.now(), 0.0, 0.0))
 
+    def _post_lookout(self) -> Lookout | None:
+        body = self._link.description
+        sees = any(stream.message_type is LaserScan for stream in body.streams.values())
+        if not self._scans.connected or not sees or not body.footprint:
+            why = "has no laser" if not sees else "has no footprint" if self._scans.connected else "has no input scans"
+            who = self.name if sees and body.footprint else body.name
+            self.log.info("%s %s: nothing keeps it from driving into things", who, why)
+            return None
+        try:
+            monitor = CollisionMonitor(body.footprint, body.limits, self.settings.monitor.rules())
+        except ValueError as problem:
+            raise ModuleFailed(f"{body.name}: {problem}") from None
+        return Lookout(monitor, body.limits, self.settings.max_age_s)
+
     async def _take(self, port: str, command: Twist) -> None:
         self._commands[port] = command
-        before = self._driver
+        self._drive_and_tell()
+
+    async def _look(self, scan: LaserScan) -> None:
+        if self._lookout is None:
+            return
+        self._lookout.scanned(scan)
+        if self._driver is not None:
+            # What stands in the way now is not for the next beat to find.
+            self._drive_and_tell()
+
+    def _drive_and_tell(self) -> None:
+        before = self._driver, bool(self._limited)
         self._drive()
-        if self._driver != before:
+        if (self._driver, bool(self._limited)) != before:
             self._report()
 
     async def _beat(self) -> None:
         self._drive()
         self._report()
 
+    def _gather(self) -> None:
+        lookout = self._lookout
+        for odometry in _waiting(self._odometry):
+            if lookout is not None:
+                lookout.moved(odometry)
+        for drive in _waiting(self._operator):
+            if lookout is not None:
+                lookout.commanded(drive)
+
     def _drive(self) -> None:
+        self._gather()
         now = self.clock.now()
         limits = self._link.description.limits
         choice = arbitrate(now, self._commands, self._contenders, self.settings.max_age_s)
+        self._limited = ""
         if choice is None:
             self._driver = None
             # The stamp stays that of the last command: the first one after a rest gets a whole period to speed up.
@@ -117,10 +198,22 @@ class MobileBaseControl(Module):
         else:
             self._driver, wanted = choice
             target = clamped(Twist(now, wanted.linear_mps, wanted.angular_radps), limits)
-            self._sent = approach(self._sent, target, limits, self.settings.period_s)
+            self._sent, self._limited = self._within_sight(self._driver, target, limits)
             self._zeros_left = PARTING_ZEROS
         self._link.command(replace(self._sent, stamp=now))
 
+    def _within_sight(self, driver: str, target: Twist, limits: BaseLimits) -> tuple[Twist, str]:
+        if self._lookout is None:
+            return approach(self._sent, target, limits, self.settings.period_s), ""
+        by_hand = driver == self.settings.by_hand
+        return self._lookout.limit(self._sent, target, self.settings.period_s, by_hand=by_hand)
+
     def _report(self) -> None:
         now = self.clock.now()
-        self.exploitation.publish(Exploitation(now, self._driver, replace(self._sent, stamp=now)))
+        self.exploitation.publish(Exploitation(now, self._driver, replace(self._sent, stamp=now), self._limited))
+
+
+def _waiting(port: Input[M]) -> Iterator[M]:
+    """What waits at ``port``, oldest first; nothing at one that is not wired."""
+    while port.connected and port.subscription.waiting:
+        yield port.subscription.receive_nowait()

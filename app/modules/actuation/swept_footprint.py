@@ -1,0 +1,193 @@
+"""When a body that keeps its velocity touches what a laser sees: exact, for a convex footprint on a circular arc.
+
+Seen from the body, every point of the world moves on a circle around the centre of rotation (on a straight line when
+the body does not turn). The footprint is the intersection of half planes; on such a circle each half plane excludes one
+arc, so a point is inside where no such arc holds it. That is computed for all points at once.
+
+Nothing is stepped along the way, so nothing thin can be stepped over. Judging circular arcs by how far they go without
+contact is R. Simmons's *curvature-velocity method* (ICRA 1996).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Points = NDArray[np.complex128]
+"""Points of a plane as complex numbers: x + iy, m in ``base_link``."""
+
+#: An arc that turns less than this (rad) in the time looked ahead is straight: it strays under 1 mm on 1 m.
+STRAIGHT_RAD = 1e-3
+_TOUCH_RAD = 1e-9
+_ALWAYS_RAD = 4.0  # more than any bearing: a half plane that is never entered
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Polygon:
+    """A convex polygon as half planes: a point p is inside where ``normals @ p <= offsets``.
+
+    ``normals`` (M,) outward unit vectors, counter-clockwise, ``bearings`` (M,) their angles, ``offsets`` (M,) m;
+    ``inner`` and ``outer`` are the radii (m) of discs around the origin inside it and around it.
+    """
+
+    normals: Points
+    bearings: Floats
+    offsets: Floats
+    inner: float
+    outer: float
+
+    @staticmethod
+    def of(corners: Sequence[tuple[float, float]], margin_m: float = 0.0) -> Polygon:
+        """The polygon of ``corners`` (m, convex, counter-clockwise, the origin inside), every edge moved out by
+        ``margin_m``.
+
+        Raises ValueError for corners that are not so.
+        """
+        points = np.array([complex(x, y) for x, y in corners])
+        edges = np.roll(points, -1) - points
+        if len(points) < 3 or not np.all(np.abs(edges) > 0):
+            raise ValueError("a footprint has at least 3 corners, none of them twice")
+        normals = -1j * edges / np.abs(edges)
+        offsets = (normals.conj() * points).real
+        beyond = (normals[:, None].conj() * points).real - offsets[:, None]
+        if np.any(beyond > 1e-6) or np.any(offsets <= 0):
+            raise ValueError("a footprint's corners go counter-clockwise around base_link, and it is convex")
+        offsets = offsets + margin_m
+        following, further = np.roll(normals, -1), np.roll(offsets, -1)
+        cross = (normals.conj() * following).imag
+        turned = cross > 1e-9  # else two edges in one line, which have no corner between them
+        moved = 1j * (further * normals - offsets * following)[turned] / cross[turned]
+        return Polygon(normals, np.angle(normals), offsets, float(offsets.min()), float(np.abs(moved).max()))
+
+    def edgewise(self, points: Points) -> Floats:
+        """How far (m) each of ``points`` (N,) lies beyond each edge, (N, M); negative on the inside."""
+        return np.asarray(
+            points.real[:, None] * self.normals.real + points.imag[:, None] * self.normals.imag - self.offsets
+        )
+
+    def beyond(self, points: Points) -> tuple[Floats, NDArray[np.intp]]:
+        """How far (m) each of ``points`` (N,) lies beyond the edge it is furthest beyond, and which edge that is.
+
+        Negative inside. Beside an edge it is the distance, off a corner a little less.
+        """
+        beyond = self.edgewise(points)
+        edge = beyond.argmax(axis=1)
+        return beyond[np.arange(len(points)), edge], edge
+
+
+def may_decide(
+    points: Points, tight: Polygon, grown: Polygon, linear: float, angular: float, horizon_s: float, evidence: int
+) -> NDArray[np.intp]:
+    """Which of ``points`` (N,) may be among the first ``evidence`` that stop the body: all that do are among them.
+
+    Judged by discs around and inside the footprints, of which the discs inside must surely be met: what comes later
+    than those needs no closer look.
+    """
+    if abs(angular) * horizon_s < STRAIGHT_RAD:
+        return _first_on_line(points, tight, grown, linear, horizon_s, evidence)
+    centre = linear / angular
+    distance = abs(centre)
+    around = points - 1j * centre
+    reach2 = around.real**2 + around.imag**2
+    low, high = max(distance - grown.outer, 0.0) ** 2, (distance + grown.outer) ** 2
+    near = np.flatnonzero(np.abs(reach2 - (low + high) / 2) <= (high - low) / 2)
+    if distance < 1e-6 or len(near) < 4 * evidence:
+        return near
+    around, reach2 = around[near], reach2[near]
+    # How far each has to go around the centre to where the base's origin is, and before that to the discs.
+    to_go = np.angle(around * (1j if centre > 0 else -1j))
+    to_go = to_go if angular > 0 else -to_go
+    span = 2 * distance * np.sqrt(reach2)
+    middle = reach2 + distance**2
+    arrives = _arc_enters(to_go, (middle - grown.outer**2) / span)
+    chosen = arrives <= abs(angular) * horizon_s
+    low, high = max(distance - tight.inner, 0.0) ** 2, (distance + tight.inner) ** 2
+    surely = np.flatnonzero(chosen & (np.abs(reach2 - (low + high) / 2) < (high - low) / 2))
+    if len(surely) >= evidence:
+        deep = _arc_enters(to_go[surely], (middle[surely] - grown.inner**2) / span[surely])
+        chosen &= arrives <= np.partition(deep, evidence - 1)[evidence - 1]
+    return near[chosen]
+
+
+def _arc_enters(to_go: Floats, cosine: Floats) -> Floats:
+    half = np.arccos(np.minimum(np.maximum(cosine, -1.0), 1.0))
+    angle = to_go - half
+    return np.where(angle >= 0, angle, np.where(to_go > -half, 0.0, angle + 2 * math.pi))
+
+
+def _first_on_line(
+    points: Points, tight: Polygon, grown: Polygon, linear: float, horizon_s: float, evidence: int
+) -> NDArray[np.intp]:
+    ahead = points.real if linear >= 0 else -points.real
+    far = abs(linear) * horizon_s + grown.outer
+    lane = (np.abs(points.imag) <= grown.outer) & (np.abs(ahead - (far - grown.outer) / 2) <= (far + grown.outer) / 2)
+    near = np.flatnonzero(lane)
+    if len(near) < 4 * evidence:
+        return near
+    ahead, aside2 = ahead[near], points.imag[near] ** 2
+    arrives = ahead - np.sqrt(grown.outer**2 - aside2)
+    surely = np.flatnonzero((aside2 < tight.inner**2) & (ahead > 0))
+    if len(surely) >= evidence:
+        deep = ahead[surely] - np.sqrt(grown.inner**2 - aside2[surely])
+        near = near[arrives <= max(0.0, float(np.partition(deep, evidence - 1)[evidence - 1]))]
+    return near
+
+
+def contact_times(points: Points, polygon: Polygon, linear: float, angular: float, horizon_s: float) -> Floats:
+    """When each of ``points`` (N,) is first inside ``polygon``, in seconds from now, (N,).
+
+    The body drives with ``linear`` (m/s) and ``angular`` (rad/s, left positive) all the while. 0 for points inside
+    already, inf for those not met within ``horizon_s``.
+    """
+    if abs(angular) * horizon_s < STRAIGHT_RAD:
+        return _straight(points, polygon, linear, horizon_s)
+    return _around(points, polygon, linear, angular, horizon_s)
+
+
+def _straight(points: Points, polygon: Polygon, linear: float, horizon_s: float) -> Floats:
+    beyond = polygon.edgewise(points)
+    if linear == 0.0:
+        return np.where(beyond.max(axis=1) < 0, 0.0, np.inf)
+    closing = linear * polygon.normals.real
+    entering, leaving = closing > 1e-12, closing < -1e-12
+    alongside = ~(entering | leaving)
+    enters = np.maximum((beyond[:, entering] / closing[entering]).max(axis=1), 0.0)
+    leaves = (beyond[:, leaving] / closing[leaving]).min(axis=1)
+    met = (enters < leaves) & (enters <= horizon_s)
+    if alongside.any():
+        met &= beyond[:, alongside].max(axis=1) < 0
+    return np.where(met, enters, np.inf)
+
+
+def _around(points: Points, polygon: Polygon, linear: float, angular: float, horizon_s: float) -> Floats:
+    centre = linear / angular
+    around = points - 1j * centre
+    reach = np.maximum(np.abs(around), 1e-9)
+    # Of a half plane, its line's distance from the centre; a point is beyond it within `half` of its normal's bearing.
+    cosine = (polygon.offsets - polygon.normals.imag * centre) / reach[:, None]
+    half = np.where(cosine > -1.0, np.arccos(np.minimum(np.maximum(cosine, -1.0), 1.0)), _ALWAYS_RAD)
+    left = np.angle(around)[:, None] - polygon.bearings
+    if angular < 0:
+        left = -left
+    left[left >= math.pi] -= 2 * math.pi
+    left[left < -math.pi] += 2 * math.pi
+    end = min(abs(angular) * horizon_s, 2 * math.pi)
+    gone = np.zeros(len(points))
+    todo = np.arange(len(points))
+    for _ in range(2 * len(polygon.offsets)):
+        leap = np.where(np.abs(left) < half - _TOUCH_RAD, left + half, 0.0).max(axis=1)
+        gone[todo] += leap
+        on = np.flatnonzero((leap > 0) & (gone[todo] <= end))
+        if not len(on):
+            break
+        todo, half = todo[on], half[on]
+        left = left[on] - leap[on, None]
+        left[left < -math.pi] += 2 * math.pi
+    else:
+        gone[todo] = np.inf
+    return np.where(gone <= end, gone / abs(angular), np.inf)

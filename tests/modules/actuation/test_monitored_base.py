@@ -1,0 +1,241 @@
+"""MobileBaseControl on a body with a laser: what it lets through, and when the operator may override it."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from app.geometry import Pose2
+from app.messages import Exploitation, LaserScan, LinkStatus, Odometry, OperatorDrive, Twist
+from app.robots.config import circle
+from app.runtime.clock import run_virtual
+from app.runtime.graph import WiringError
+
+from ..fakes import Bench, FakeLink, drain
+from .surroundings import scan, wall
+
+MODULE = "app.modules.actuation.mobile_base_control:MobileBaseControl"
+INPUTS = {
+    "teleop": Twist,
+    "path": Twist,
+    "scans": LaserScan,
+    "odometry": Odometry,
+    "operator": OperatorDrive,
+}
+OUTPUTS = {"exploitation": Exploitation, "status": LinkStatus}
+SETTINGS = {
+    "behaviors": [
+        {"input": "teleop", "behavior": "Teleop", "priority": 3},
+        {"input": "path", "behavior": "PlanAndFollowPath", "priority": 2},
+    ]
+}
+Surroundings = Callable[[float], LaserScan]
+
+
+def open_floor(stamp: float) -> LaserScan:
+    return scan(stamp)
+
+
+class Drive:
+    """The module with a laser at 40 Hz that sees ``surroundings``, and hands that hold a command."""
+
+    def __init__(self, *, laser: bool = True, footprint: bool = True) -> None:
+        link = FakeLink(without=() if laser else ("hokuyo",))
+        link.description = replace(link.description, footprint=circle(0.28) if footprint else ())
+        self.bench = Bench(MODULE, inputs=INPUTS, outputs=OUTPUTS, settings=SETTINGS, link=link)
+        self.surroundings: Surroundings | None = open_floor
+        self.override = False
+        self.sequence = 0
+        self.place = Pose2()
+
+    async def __aenter__(self) -> Drive:
+        await self.bench.__aenter__()
+        self.told = self.bench.listen("exploitation")
+        return self
+
+    async def __aexit__(self, *error: object) -> None:
+        await self.bench.__aexit__(*error)
+
+    async def go(self, seconds: float, linear: float, angular: float = 0.0, port: str = "teleop") -> None:
+        clock = self.bench.clock
+        for step in range(round(seconds / 0.025)):
+            if self.surroundings is not None:
+                self.bench.feed("scans", self.surroundings(clock.now()))
+            self.bench.feed("odometry", Odometry(clock.now(), self.place, 0.0, 0.0))
+            if step % 2 == 0:
+                self.sequence += 1
+                if port == "teleop":
+                    drive = OperatorDrive(clock.now(), "ada", self.sequence, True, 1.0, 0.0, self.override)
+                    self.bench.feed("operator", drive)
+                self.bench.feed(port, Twist(clock.now(), linear, angular))
+            await clock.sleep(0.025)
+
+    @property
+    def sent(self) -> Twist:
+        return self.bench.link.commands[-1][1]
+
+    @property
+    def limited(self) -> str:
+        return str(drain(self.told)[-1].limited)
+
+
+def test_in_the_open_it_drives_as_ever() -> None:
+    async def main() -> None:
+        async with Drive() as d:
+            await d.go(1.5, 0.4, 0.5)
+            assert (d.sent.linear_mps, d.sent.angular_radps) == pytest.approx((0.4, 0.5))
+            assert d.limited == ""
+
+    run_virtual(main())
+
+
+@pytest.mark.parametrize("port", ["teleop", "path"])
+def test_whoever_drives_is_slowed_and_stopped_before_a_wall(port: str) -> None:
+    async def main() -> None:
+        async with Drive() as d:
+            await d.go(1.5, 0.4, port=port)
+            d.surroundings = lambda stamp: wall(stamp, 0.6)
+            await d.go(0.2, 0.4, port=port)
+            assert 0.1 < d.sent.linear_mps < 0.35
+            assert d.limited.startswith("slowed: something 0.3 m ahead")
+            d.surroundings = lambda stamp: wall(stamp, 0.34)
+            await d.go(0.2, 0.4, port=port)
+            assert d.sent.linear_mps == 0.0
+            assert d.limited == "stopped: something 0.1 m ahead"
+            await d.go(0.5, -0.4, port=port)
+            assert d.sent.linear_mps == pytest.approx(-0.1), "away from it, where the laser does not see"
+
+    run_virtual(main())
+
+
+def test_a_stop_waits_for_no_beat_and_no_command() -> None:
+    async def main() -> None:
+        async with Drive() as d:
+            await d.go(1.5, 0.4)
+            d.bench.link.commands.clear()
+            seen_at = d.bench.clock.now()
+            d.bench.feed("scans", wall(seen_at, 0.34))
+            await d.bench.settle()
+            when, twist = d.bench.link.commands[0]
+            assert when == seen_at
+            assert twist.linear_mps == 0.0
+            assert drain(d.told)[-1].limited == "stopped: something 0.1 m ahead", "told with it"
+
+    run_virtual(main())
+
+
+def test_without_a_fresh_scan_nothing_drives() -> None:
+    async def main() -> None:
+        async with Drive() as d:
+            d.surroundings = None
+            await d.go(0.5, 0.4)
+            assert d.sent.linear_mps == 0.0
+            assert d.limited == "stopped: the laser has given no scan yet"
+            d.surroundings = open_floor
+            await d.go(1.5, 0.4)
+            assert d.sent.linear_mps == pytest.approx(0.4)
+            d.surroundings = None
+            d.bench.link.commands.clear()
+            last = d.bench.clock.now() - 0.025
+            await d.go(1.0, 0.4)
+            stopped = next(when for when, twist in d.bench.link.commands if twist.linear_mps == 0.0)
+            assert 0.3 <= stopped - last <= 0.35
+            assert "stopped: the laser has given no scan for" in d.limited
+            d.override = True
+            await d.go(0.5, 0.4)
+            assert d.sent.linear_mps == pytest.approx(0.1)
+            assert d.limited.startswith("override")
+
+    run_virtual(main())
+
+
+def test_the_override_crawls_only_while_it_is_held_and_only_by_hand() -> None:
+    async def main() -> None:
+        async with Drive() as d:
+            d.surroundings = lambda stamp: wall(stamp, 0.34)
+            await d.go(0.5, 0.4)
+            assert d.sent.linear_mps == 0.0
+            d.override = True
+            await d.go(0.5, 0.4)
+            assert d.sent.linear_mps == pytest.approx(0.1)
+            d.override = False
+            await d.go(0.05, 0.4)
+            assert d.sent.linear_mps == 0.0
+            # Hands hold the override, but it is another behavior that drives: its twists, the operator's hold.
+            d.bench.feed("operator", OperatorDrive(d.bench.clock.now(), "ada", d.sequence + 1, True, 1.0, 0.0, True))
+            await d.bench.clock.sleep(0.3)
+            for _ in range(10):
+                d.bench.feed("operator", OperatorDrive(d.bench.clock.now(), "ada", d.sequence + 1, True, 1, 0, True))
+                await d.go(0.05, 0.4, port="path")
+            assert d.sent.linear_mps == 0.0
+            assert d.limited.startswith("stopped")
+
+    run_virtual(main())
+
+
+@pytest.mark.parametrize(
+    "hold",
+    [
+        {"held": False, "override": True},
+        {"held": True, "override": False},
+        {"held": True, "override": True, "age_s": 0.3},
+    ],
+)
+def test_what_is_no_hold_overrides_nothing(hold: dict[str, Any]) -> None:
+    async def main() -> None:
+        async with Drive() as d:
+            d.surroundings = lambda stamp: wall(stamp, 0.34)
+            for number in range(10):
+                now = d.bench.clock.now()
+                d.bench.feed("scans", wall(now, 0.34))
+                stamp = now - hold.get("age_s", 0.0)
+                d.bench.feed("operator", OperatorDrive(stamp, "ada", number, hold["held"], 1, 0, hold["override"]))
+                d.bench.feed("teleop", Twist(now, 0.4, 0.0))
+                await d.bench.clock.sleep(0.025)
+                assert d.sent.linear_mps == 0.0
+
+    run_virtual(main())
+
+
+def test_an_old_scan_is_moved_by_odometry() -> None:
+    async def main() -> None:
+        async with Drive() as d:
+            d.surroundings = lambda stamp: wall(stamp, 1.0)
+            await d.go(1.5, 0.4)
+            assert d.sent.linear_mps == pytest.approx(0.4)
+            d.surroundings = None
+            d.place = Pose2(0.4)
+            await d.go(0.1, 0.4)
+            assert d.sent.linear_mps < 0.35
+
+    run_virtual(main())
+
+
+@pytest.mark.parametrize("without", ["laser", "footprint"])
+def test_a_body_without_laser_or_footprint_has_no_monitor_and_says_so_once(
+    without: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    async def main() -> None:
+        async with Drive(**{without: False}) as d:
+            await d.go(1.5, 0.4)
+            assert d.sent.linear_mps == pytest.approx(0.4)
+
+    with caplog.at_level(logging.INFO, "hbba"):
+        run_virtual(main())
+    assert [r.message for r in caplog.records if "driving into things" in r.message] == [
+        f"a test body has no {without}: nothing keeps it from driving into things"
+    ]
+
+
+def test_a_behavior_cannot_come_in_by_the_monitors_inputs() -> None:
+    with pytest.raises(WiringError, match="brings no behavior's twists"):
+        Bench(
+            MODULE,
+            inputs={"scans": Twist},
+            outputs=OUTPUTS,
+            settings={"behaviors": [{"input": "scans", "behavior": "A", "priority": 1}]},
+        )
