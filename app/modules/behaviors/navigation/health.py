@@ -1,10 +1,20 @@
-"""Whether the sensors may be driven by: fresh, and depth pictures that are alive (the thesis's silent Kinect failure)."""
+"""Whether the sensors may be driven by: fresh, and depth pictures alive (the thesis's silent failure of the Kinect)."""
 
 from __future__ import annotations
 
+import math
+import zlib
 from dataclasses import dataclass
 
+import numpy as np
+
+from app.geometry import CameraModel
 from app.messages import Image, LaserScan
+
+#: Every so many rows and columns are looked at.
+_STEP = 8
+#: A depth camera may be blind up to here (m along the floor).
+_BLIND_M = 0.7
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,9 +30,21 @@ class DepthWatch:
 def watch_depth(watch: DepthWatch, image: Image, scan: LaserScan | None = None) -> DepthWatch:
     """Look at one more picture: all zero, all the same, or the one before over again is not alive.
 
-    A wall so near that a depth camera is blind to it leaves zeros too: ``scan`` tells, if it shows one there.
+    A wall so near that a depth camera is blind to it leaves zeros too: ``scan``, if it shows one there, excuses them.
     """
-    raise NotImplementedError
+    if image.depth is None:
+        return DepthWatch(watch.good, "pictures come without depth", watch.digest)
+    pixels = np.ascontiguousarray(image.depth[::_STEP, ::_STEP])
+    digest = zlib.crc32(pixels.tobytes())
+    problem = ""
+    if not pixels.any():
+        if scan is None or not _stands_before_a_wall(image, scan):
+            problem = "depth pictures are all zero"
+    elif int(pixels.min()) == int(pixels.max()):
+        problem = "depth pictures show one and the same distance everywhere"
+    elif watch.good is not None and digest == watch.digest:
+        problem = "the same depth picture comes over and over"
+    return DepthWatch(watch.good if problem else image.stamp, problem, digest)
 
 
 def unfit(
@@ -31,5 +53,34 @@ def unfit(
     depth: DepthWatch | None,
     limit_s: float = 0.3,
 ) -> str:
-    """Why the robot must not be driven, in words; "" if it may. ``depth`` None: a body without such a camera."""
-    raise NotImplementedError
+    """Why the robot must not be driven, in words; "" if it may. ``depth`` None: a body without such a camera.
+
+    Sensors must not be older than ``limit_s``: the laser's newest scan, and the newest depth picture that was alive.
+    """
+    if scan_stamp is None:
+        return "no laser scan has come yet"
+    if now - scan_stamp > limit_s:
+        return f"the newest laser scan is {now - scan_stamp:.1f} s old, {limit_s:g} s is the limit"
+    if depth is None:
+        return ""
+    if depth.good is None:
+        return depth.problem or "no depth picture has come yet"
+    if now - depth.good > limit_s:
+        age = f"the newest good depth picture is {now - depth.good:.1f} s old, {limit_s:g} s is the limit"
+        return f"{depth.problem}: {age}" if depth.problem else age
+    return ""
+
+
+def _stands_before_a_wall(image: Image, scan: LaserScan) -> bool:
+    """Whether all that the laser sees in the camera's field of view is too near for the camera."""
+    if not isinstance(image.camera, CameraModel):
+        return False
+    half = math.atan(0.5 * image.camera.width / image.camera.fx)
+    ahead = image.X_BC.rotation[:, 2]
+    angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
+    ranges = np.where(np.isfinite(scan.ranges), scan.ranges, np.float32(1e3))
+    at = np.stack((ranges * np.cos(angles), ranges * np.sin(angles), np.zeros_like(ranges)), axis=-1)
+    rays = scan.X_BL.transform(at.astype(np.float64)) - image.X_BC.translation
+    off = np.arctan2(rays[:, 1], rays[:, 0]) - math.atan2(ahead[1], ahead[0])
+    seen = np.abs((off + math.pi) % (2.0 * math.pi) - math.pi) < 0.9 * half
+    return bool(seen.any() and (np.hypot(rays[seen, 0], rays[seen, 1]) < _BLIND_M).all())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,9 +32,28 @@ def remember(
     X_MO: Pose2,
     field: CostField,
     keep_s: float = 15.0,
+    on_map_m: float = 0.15,
 ) -> TemporaryObstacles:
-    """``known`` with what stands around the robot now and is not on the map (``field``: without temporary obstacles).
+    """``known`` with what stands around the robot now and is not on the map.
 
-    Inside the surroundings only what stands there now counts; outside, what was seen within ``keep_s`` before.
+    Inside the surroundings only what stands there now counts; outside, what was seen within ``keep_s`` before. On the
+    map is what is within ``on_map_m`` of an obstacle of ``field`` (temporary ones aside): so walls, whose place on the
+    map is never quite that which is measured, are not obstacles twice.
     """
-    raise NotImplementedError
+    old, stamps = known.points, known.stamps
+    if len(old):
+        places = _moved(old, X_MO.inverse()) - np.array(around.known_from)
+        keep = (stamps >= around.stamp - keep_s) & ~((places >= 0.0) & (places < around.known_m)).all(axis=1)
+        old, stamps = old[keep], stamps[keep]
+    field = field.known or field
+    cells, inside = field.frame.cells(_moved(around.obstacles, X_MO))
+    cells = np.unique(cells[inside], axis=0)
+    cells = cells[field.clearance[cells[:, 0], cells[:, 1]] > on_map_m]
+    frame = field.frame
+    new = (cells[:, ::-1] + 0.5) * frame.resolution_m + np.array([frame.x, frame.y])
+    return TemporaryObstacles(np.concatenate((old, new)), np.concatenate((stamps, np.full(len(new), around.stamp))))
+
+
+def _moved(points: NDArray[np.float64], pose: Pose2) -> NDArray[np.float64]:
+    c, s = math.cos(pose.theta), math.sin(pose.theta)
+    return points @ np.array([[c, s], [-s, c]]) + np.array([pose.x, pose.y])
