@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from app.commands import bench, calibrate, check, detect, doctor, experiment, log, replay, run, solve
+from app.commands import bench, calibrate, check, detect, doctor, experiment, log, replay, run, slam, solve
 
 #: What ``argparse`` gives for adding a command; its own type is private and generic.
 Subparsers = Any
@@ -34,5 +34,6 @@ COMMANDS: Mapping[str, Command] = {
     "calibrate": calibrate,
     "detect": detect,
     "experiment": experiment,
+    "slam": slam,
     "bench": bench,
 }

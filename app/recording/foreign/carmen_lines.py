@@ -108,7 +108,7 @@ def _old(kind: str, times: Times, body: Sequence[str]) -> Beams:
     if len(body) != 1 + count + 6:
         raise ValueError(f"{len(body) - 1} numbers follow instead of {count} ranges and 6 of poses")
     ranges = _array(body[1 : 1 + count])
-    angle_min, increment = _guessed(count)
+    angle_min, increment = lms_angles(count)
     laser, robot = _poses(body[1 + count :])
     return Beams(times, kind, ranges, None, angle_min, increment, None, robot, laser, None)
 
@@ -146,7 +146,7 @@ def _poses(words: Sequence[str]) -> tuple[Pose2, Pose2]:
     return Pose2(x, y, theta), Pose2(robot_x, robot_y, robot_theta)
 
 
-def _guessed(count: int) -> tuple[float, float]:
+def lms_angles(count: int) -> tuple[float, float]:
     """First angle and step (rad) of a sweep of ``count`` rays from right to left."""
     if known := _LMS.get(count):
         return math.radians(known[0]), math.radians(known[1])

@@ -74,6 +74,7 @@ class Slam:
         self._keyframes = {keyframe.id: keyframe for keyframe in kept.keyframes}
         self._poses = dict(zip(self._keyframes, kept.poses, strict=True))
         self._edges = list(kept.edges)
+        self._loops = sum(edge.loop for edge in kept.edges)
         self._submaps = [Submap(number, keyframes) for number, keyframes in enumerate(kept.submaps)]
         self._submaps_made = len(self._submaps)
         self._active: list[_ActiveSubmap] = []
@@ -163,6 +164,7 @@ class Slam:
         """Take over what a job found: quick."""
         self._job_out = False
         self._edges.extend(outcome.edges)
+        self._loops += len(outcome.edges)
         if outcome.poses is None:
             return
         shift = outcome.poses[outcome.last] @ self._poses[outcome.last].inverse()
@@ -199,8 +201,8 @@ class Slam:
 
     @property
     def loops(self) -> int:
-        """How many edges close loops."""
-        return sum(edge.loop for edge in self._edges)
+        """How many loops were closed."""
+        return self._loops
 
     # --- Following -------------------------------------------------------------------------------------------------
 

@@ -1,0 +1,76 @@
+"""What ``hbba slam --out`` writes: the map as ROS keeps it and as a picture, its pose graph, the trajectory."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from app.errors import ConfigError
+
+if TYPE_CHECKING:
+    from app.messages import OccupancyGrid
+    from app.modules.perception.slam.offline import MappedLog
+
+
+def write(folder: Path, log: MappedLog) -> list[str]:
+    """Write all files into ``folder``, which is there; returns their names. Raises ConfigError."""
+    from app.maps.map_server import pgm_bytes, yaml_text
+    from app.maps.picture import shown_png
+    from app.modules.perception.slam.storage import write_state
+
+    grid = drawn(log)
+    files = {
+        "map.yaml": yaml_text(grid, "map.pgm").encode(),
+        "map.pgm": pgm_bytes(grid),
+        "map.png": shown_png(grid),
+        "trajectory.tum": _tum(log).encode(),
+        "trajectory.csv": _csv(log).encode(),
+    }
+    try:
+        for name, content in files.items():
+            (folder / name).write_bytes(content)
+        write_state(folder / "graph.npz", log.slam.state())
+    except OSError as failure:
+        raise ConfigError(f"--out: {folder} cannot be written to: {failure.strerror or failure}") from None
+    return [str(folder / name) for name in (*files, "graph.npz")]
+
+
+def drawn(log: MappedLog) -> OccupancyGrid:
+    """The occupancy grid of all keyframes, no larger than what is known."""
+    from app.messages import OccupancyGrid, read_only
+    from app.modules.perception.slam.drawing import MapDrawing
+    from app.modules.perception.slam.occupancy import cropped
+
+    drawing = MapDrawing()
+    keyframes = log.slam.keyframes
+    poses = {id: log.slam.pose(id) for id in keyframes}
+    while drawing.update(keyframes, poses):
+        pass
+    counts = drawing.counts
+    counts.refresh()
+    rows, columns = cropped(counts.cells)
+    origin = (
+        counts.origin[0] + columns.start * counts.resolution_m,
+        counts.origin[1] + rows.start * counts.resolution_m,
+    )
+    cells = read_only(np.ascontiguousarray(counts.cells[rows, columns]))
+    return OccupancyGrid(float(log.stamps()[-1]), "map", cells, counts.resolution_m, origin, log.slam.version)
+
+
+def _tum(log: MappedLog) -> str:
+    """``stamp x y z qx qy qz qw`` of each scan."""
+    lines = ["# stamp x y z qx qy qz qw"]
+    for stamp, (x, y, theta) in zip(log.stamps(), log.poses(), strict=True):
+        lines.append(f"{stamp:.6f} {x:.5f} {y:.5f} 0 0 0 {math.sin(theta / 2):.7f} {math.cos(theta / 2):.7f}")
+    return "\n".join(lines) + "\n"
+
+
+def _csv(log: MappedLog) -> str:
+    lines = ["scan,stamp,x_m,y_m,theta_rad,sigma_x_m,sigma_y_m,sigma_theta_rad,inliers"]
+    for row, (x, y, theta) in zip(log.rows, log.poses(), strict=True):
+        sigmas = ",".join(f"{sigma:.5f}" for sigma in row.sigmas)
+        lines.append(f"{row.number},{row.stamp:.6f},{x:.5f},{y:.5f},{theta:.6f},{sigmas},{row.inliers:.3f}")
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,230 @@
+"""The sweeps of any log: ranges, geometry and odometry at each sweep's own time."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import zipfile
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from app.commands.arguments import find_log
+from app.errors import ConfigError
+from app.geometry import Pose2, Pose3
+from app.messages import LaserScan, Odometry
+from app.pose_buffer import PoseBuffer
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from app.modules.perception.slam.offline import Sweep
+    from app.modules.perception.slam.scans import Beams
+    from app.recording.log import Log
+
+#: Arrays without times are taken to be so far apart (s).
+ASSUMED_PERIOD_S = 0.2
+_RANGE_MIN_M = 0.05
+_RANGE_MAX_M = 80.0
+#: A greatest reading that so large a share of all have (at least) is the laser's word for "nothing".
+_CODE_SHARE = 1e-3
+#: A scan waits for odometry no longer than this (s).
+_WAIT_S = 2.0
+
+
+@dataclass(slots=True, eq=False)
+class SweepSource:
+    """``sweeps`` are read as they are asked for; ``seen`` keeps their ranges where a reference needs them."""
+
+    path: Path
+    count: int
+    sweeps: Iterator[Sweep]
+    notes: list[str] = field(default_factory=list)
+    #: Of each sweep so far: a key of its readings, by which the same sweep is known in another log.
+    keys: list[bytes] = field(default_factory=list)
+    timed: bool = True
+
+
+def sweep_key(ranges: NDArray[np.floating[Any]]) -> bytes:
+    """By which a sweep is known again in another file: its readings below 80 m, to a centimetre."""
+    near = np.where(np.asarray(ranges, dtype=np.float64) < _RANGE_MAX_M, ranges, 0.0)
+    return np.round(np.nan_to_num(near) * 100.0).astype(np.int32).tobytes()
+
+
+def open_sweeps(args: argparse.Namespace) -> SweepSource:
+    """The sweeps of ``args.log``. Raises ConfigError for what cannot be read."""
+    path = find_log(args.log)
+    if path.is_file() and zipfile.is_zipfile(path):
+        return _arrays(path, args)
+    for option in ("angle_min", "angle_step", "range_max", "laser_x"):
+        if getattr(args, option) is not None:
+            raise ConfigError(f"--{option.replace('_', '-')} is for .npz; {path} says it itself")
+    from app.recording.foreign.remap import load_remap
+    from app.recording.log import LogError
+    from app.recording.open import open_log
+
+    try:
+        log = open_log(path, None if args.remap is None else load_remap(args.remap))
+    except LogError as failure:
+        raise ConfigError(str(failure)) from None
+    channels = log.info.channels
+    scans = _channel(path, {n: c.message_type for n, c in channels.items()}, LaserScan, args.scans, "--scans", "scan")
+    odometry = _channel(
+        path, {n: c.message_type for n, c in channels.items()}, Odometry, args.odometry, "--odometry", "odometry"
+    )
+    source = SweepSource(path, channels[scans].count, iter(()), notes=list(log.info.notes))
+    source.sweeps = _of_log(source, log, scans, odometry)
+    return source
+
+
+def _channel(
+    path: Path, types: dict[str, type[Any]], wanted: type[Any], named: str | None, option: str, usual: str
+) -> str:
+    fitting = [name for name, kind in types.items() if kind is wanted]
+    if named is not None:
+        if named not in fitting:
+            raise ConfigError(f"{option}: {path} has no such channel {named!r}; it has {', '.join(fitting) or 'none'}")
+        return named
+    if usual in fitting:
+        return usual
+    if len(fitting) == 1:
+        return fitting[0]
+    if not fitting:
+        what = "laser scans" if wanted is LaserScan else "odometry"
+        raise ConfigError(f"{path}: has no {what}; mapping needs scans and odometry")
+    raise ConfigError(f"{path}: has several channels; choose with {option}: {', '.join(fitting)}")
+
+
+def _of_log(source: SweepSource, log: Log, scans: str, odometry: str) -> Iterator[Sweep]:
+    """Raises ConfigError where the log is damaged."""
+    from app.modules.perception.slam.offline import Sweep
+    from app.recording.log import LogError
+
+    poses = PoseBuffer(span_s=10.0)
+    twist = (0.0, 0.0)
+    newest = -math.inf
+    waiting: deque[LaserScan] = deque()
+    beams = _BeamsOf()
+    try:
+        for logged in log.messages(channels=(scans, odometry)):
+            message = logged.message
+            if isinstance(message, Odometry):
+                poses.add(message.stamp, message.X_OB)
+                twist = (message.linear_mps, message.angular_radps)
+                newest = max(newest, message.stamp)
+            else:
+                waiting.append(message)
+            while waiting and (waiting[0].stamp <= newest or logged.at - waiting[0].stamp > _WAIT_S):
+                scan = waiting.popleft()
+                if (X_OB := poses.at(scan.stamp)) is not None:
+                    source.keys.append(sweep_key(scan.ranges))
+                    yield Sweep(scan.stamp, scan.ranges, beams(scan), X_OB, twist, scan.duration_s)
+        for scan in waiting:
+            if (X_OB := poses.at(scan.stamp)) is not None:
+                source.keys.append(sweep_key(scan.ranges))
+                yield Sweep(scan.stamp, scan.ranges, beams(scan), X_OB, twist, scan.duration_s)
+    except LogError as failure:
+        raise ConfigError(str(failure)) from None
+    finally:
+        log.close()
+
+
+class _BeamsOf:
+    """The geometry of scans, made once for those alike."""
+
+    def __init__(self) -> None:
+        self._key: tuple[float, ...] = ()
+        self._beams: Beams | None = None
+
+    def __call__(self, scan: LaserScan) -> Beams:
+        from app.modules.perception.slam.scans import Beams
+
+        X_BL, sign = planar(scan.X_BL)
+        key = (len(scan.ranges), scan.angle_min, scan.angle_increment, scan.range_max, X_BL.x, X_BL.y, X_BL.theta, sign)
+        if self._beams is None or key != self._key:
+            angles = sign * (scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges), dtype=np.float64))
+            self._key, self._beams = key, Beams(angles, scan.range_min, scan.range_max, X_BL)
+        return self._beams
+
+
+def planar(X_BL: Pose3) -> tuple[Pose2, int]:
+    """A laser's pose in the plane, and which way it counts angles: −1 for one mounted upside down."""
+    x, y = float(X_BL.translation[0]), float(X_BL.translation[1])
+    theta = math.atan2(X_BL.rotation[1, 0], X_BL.rotation[0, 0])
+    return Pose2(x, y, theta), 1 if X_BL.rotation[2, 2] >= 0 else -1
+
+
+# --- Arrays ----------------------------------------------------------------------------------------------------------
+
+
+def _arrays(path: Path, args: argparse.Namespace) -> SweepSource:
+    ranges, poses, stamps = _loaded(path)
+    from app.modules.perception.slam.offline import Sweep
+    from app.modules.perception.slam.scans import Beams
+    from app.recording.foreign.carmen_lines import lms_angles
+
+    first, step = lms_angles(ranges.shape[1])
+    if args.angle_min is not None:
+        first = math.radians(args.angle_min)
+    if args.angle_step is not None:
+        step = math.radians(args.angle_step)
+    limit = args.range_max if args.range_max is not None else _limit(ranges)
+    beams = Beams(
+        first + step * np.arange(ranges.shape[1], dtype=np.float64), _RANGE_MIN_M, limit, Pose2(args.laser_x or 0.0)
+    )
+    timed = stamps is not None
+    times = np.arange(len(ranges)) * ASSUMED_PERIOD_S if stamps is None else stamps
+    last = math.degrees(beams.angles[-1])
+    notes = [f"{ranges.shape[1]} rays from {math.degrees(first):g}° to {last:g}°, up to {limit:g} m"]
+    if not timed:
+        notes.append(f"no times: {1 / ASSUMED_PERIOD_S:g} scans a second are assumed")
+    source = SweepSource(path, len(ranges), iter(()), notes, timed=timed)
+
+    def sweeps() -> Iterator[Sweep]:
+        for row, pose, stamp in zip(ranges, poses, times, strict=True):
+            source.keys.append(sweep_key(row))
+            yield Sweep(float(stamp), row, beams, Pose2(*(float(v) for v in pose)))
+
+    source.sweeps = sweeps()
+    return source
+
+
+def _loaded(path: Path) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any] | None]:
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            arrays = {name: archive[name] for name in archive.files}
+    except OSError as failure:
+        raise ConfigError(f"{path}: cannot be read: {failure.strerror or failure}") from None
+    except (ValueError, EOFError, zipfile.BadZipFile) as damage:
+        raise ConfigError(f"{path}: is damaged: {damage}") from None
+    missing = [name for name in ("ranges", "pose") if name not in arrays]
+    if missing:
+        raise ConfigError(
+            f"{path}: has no array {' and no array '.join(missing)}; it has {', '.join(arrays) or 'none'}"
+        )
+    ranges, poses = arrays["ranges"], arrays["pose"]
+    numbers = all(np.issubdtype(array.dtype, np.number) for array in (ranges, poses))
+    if not numbers or ranges.ndim != 2 or min(ranges.shape) < 1 or poses.shape != (len(ranges), 3):
+        raise ConfigError(
+            f"{path}: `ranges` must be (N, B) numbers and `pose` (N, 3), not {ranges.shape} and {poses.shape}"
+        )
+    if not np.isfinite(poses).all():
+        raise ConfigError(f"{path}: row {int(np.argmin(np.isfinite(poses).all(axis=1)))} of `pose` is no finite pose")
+    for name in ("stamp", "time", "timestamp"):
+        if name in arrays and arrays[name].shape == (len(ranges),):
+            return ranges, poses, arrays[name]
+    return ranges, poses, None
+
+
+def _limit(ranges: NDArray[Any]) -> float:
+    """From where on a reading says that nothing was seen: 80 m, or just below what too many readings have in common."""
+    finite = ranges[np.isfinite(ranges)]
+    if not finite.size:
+        return _RANGE_MAX_M
+    greatest = float(finite.max())
+    share = float((finite > greatest - 0.005).mean())
+    return min(_RANGE_MAX_M, greatest - 0.01) if share > _CODE_SHARE else _RANGE_MAX_M

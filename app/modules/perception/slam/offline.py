@@ -1,0 +1,125 @@
+"""A whole log mapped as fast as the computer can: every scan in its order, every loop looked for at once."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.geometry import Pose2
+from app.modules.perception.slam.loop_closure import LoopJob
+from app.modules.perception.slam.mapper import Slam
+from app.modules.perception.slam.relations import Poses
+from app.modules.perception.slam.scans import Beams
+from app.modules.perception.slam.settings import SlamSettings
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sweep:
+    """One sweep of a log: ``ranges`` (N,) m of ``beams``, from ``stamp`` (s) on; the body is at ``X_OB`` then."""
+
+    stamp: float
+    ranges: NDArray[np.floating]
+    beams: Beams
+    X_OB: Pose2
+    twist: tuple[float, float] = (0.0, 0.0)
+    sweep_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class _Row:
+    number: int
+    stamp: float
+    keyframe: int
+    X_KB: Pose2
+    inliers: float
+    matched: bool
+    sigmas: tuple[float, float, float]
+
+
+@dataclass(slots=True, eq=False)
+class MappedLog:
+    """What came of it. CPU times (s): ``scan_s`` of each scan taken, ``jobs_s`` of closing loops, ``cpu_s`` of all."""
+
+    slam: Slam
+    scans: int = 0
+    odometry: list[Pose2] = field(default_factory=list)
+    rows: list[_Row] = field(default_factory=list)
+    scan_s: list[float] = field(default_factory=list)
+    jobs_s: float = 0.0
+    cpu_s: float = 0.0
+
+    def numbers(self) -> NDArray[np.int64]:
+        """Which scans of the log were taken: (K,), from 0."""
+        return np.array([row.number for row in self.rows], dtype=np.int64)
+
+    def stamps(self) -> NDArray[np.float64]:
+        """(K,) s of the scans taken."""
+        return np.array([row.stamp for row in self.rows])
+
+    def poses(self) -> Poses:
+        """(K, 3) x, y, theta on the map of the scans taken, as the whole log says."""
+        found = [self.slam.pose(row.keyframe) @ row.X_KB for row in self.rows]
+        return np.array([(p.x, p.y, p.theta) for p in found]).reshape(-1, 3)
+
+    def odometry_poses(self) -> Poses:
+        """(N, 3) of all scans of the log, as odometry said."""
+        return np.array([(p.x, p.y, p.theta) for p in self.odometry]).reshape(-1, 3)
+
+    def sigmas(self) -> NDArray[np.float64]:
+        """(K, 3) standard deviations of x, y (m) and theta (rad) of the scans taken, as told at the time."""
+        return np.array([row.sigmas for row in self.rows]).reshape(-1, 3)
+
+    def unmatched(self) -> int:
+        """How many scans did not fit the map, so that odometry alone led on."""
+        return sum(not row.matched for row in self.rows)
+
+
+def mapped(
+    sweeps: Iterable[Sweep],
+    settings: SlamSettings | None = None,
+    *,
+    phi: int = 1,
+    tell: Callable[[int, str], None] = lambda scans, text: None,
+) -> MappedLog:
+    """Map ``sweeps``, of every ``phi`` of which the first is taken. ``tell`` is told how many scans are done."""
+    log = MappedLog(Slam(settings))
+    began = time.process_time()
+    for sweep in sweeps:
+        number = log.scans
+        log.scans += 1
+        log.odometry.append(sweep.X_OB)
+        if number % phi:
+            continue
+        before = time.thread_time()
+        match = log.slam.add(sweep.stamp, sweep.ranges, sweep.beams, sweep.X_OB, sweep.twist, sweep.sweep_s)
+        log.scan_s.append(time.thread_time() - before)
+        x, y, theta = np.sqrt(np.diagonal(match.covariance))
+        log.rows.append(
+            _Row(
+                number,
+                sweep.stamp,
+                match.keyframe,
+                match.X_KB,
+                match.inliers,
+                match.matched,
+                (float(x), float(y), float(theta)),
+            )
+        )
+        _do(log, log.slam.pending())
+        tell(log.scans, f"{len(log.slam.keyframes)} keyframes, {log.slam.loops} loops")
+    _do(log, log.slam.settling())
+    log.cpu_s = time.process_time() - began
+    return log
+
+
+def _do(log: MappedLog, job: LoopJob | None) -> None:
+    if job is None:
+        return
+    before = time.process_time()
+    outcome = job.run()
+    log.jobs_s += time.process_time() - before
+    log.slam.take(outcome)
