@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from app.commands import experiment_barn
 from app.commands.arguments import number
 from app.errors import ConfigError
 
@@ -48,19 +49,22 @@ def add_parser(subparsers: Any) -> None:
     )
     trial.add_argument("--record", metavar="NAME", help="record it under this name")
     trial.add_argument("--json", action="store_true", help="print JSON instead of the story")
+    experiment_barn.add_parser(experiments)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run the experiment that ``args`` name. Raises ConfigError."""
     import cv2
 
+    from app.experiments.pool import TrialLost
     from app.experiments.script import ScriptBlocked
     from app.link import LinkFailed
 
     cv2.setNumThreads(1)
+    experiments = {"trial": _trial, "overload": _overload, "barn": experiment_barn.run}
     try:
-        return _trial(args) if args.experiment == "trial" else _overload(args)
-    except (LinkFailed, ScriptBlocked) as failure:
+        return experiments[args.experiment](args)
+    except (LinkFailed, ScriptBlocked, TrialLost) as failure:
         print(f"hbba experiment {args.experiment}: {failure}", file=sys.stderr)
         return 1
 

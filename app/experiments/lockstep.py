@@ -18,9 +18,11 @@ from app.modules.recording.recorder import Recorder
 from app.robots.config import RobotConfig
 from app.robots.factory import create_lockstep
 from app.robots.simulated.lockstep import LockstepLink
+from app.robots.simulated.world_config import WorldConfig
 from app.runtime.clock import VirtualClock, run_virtual
 from app.runtime.graph import Pin, load_class
 from app.system import System
+from app.yaml_source import suggestion
 
 T = TypeVar("T")
 
@@ -43,6 +45,7 @@ def run_in_world(
     body: RobotConfig,
     script: Callable[[WorldRun], Awaitable[T]],
     *,
+    world: WorldConfig | None = None,
     cameras: bool = False,
     pins: Mapping[str, Pin] | None = None,
     maps: MapLibrary | None = None,
@@ -50,11 +53,12 @@ def run_in_world(
     """Run ``script`` beside the program of ``configuration`` in the world of ``body``, in virtual time.
 
     Modules of streams that the body does not have (its cameras, without ``cameras``; its microphones) are left out,
-    and strategies serve without them. ``pins`` and ``maps`` as for ``System``. Not to be called on an event loop.
-    Raises what the script raises, ConfigError, and what ended the program if it ended before the script.
+    and strategies serve without them. ``world`` stands in for the one that the body's file names. ``pins`` and ``maps``
+    as for ``System``. Not to be called on an event loop. Raises what the script raises, ConfigError, and what ended the
+    program if it ended before the script.
     """
     clock = VirtualClock(ORIGIN)
-    link = create_lockstep(body, clock, cameras=cameras)
+    link = create_lockstep(body, clock, world=world, cameras=cameras)
     system = System(
         able(configuration, link),
         link=link,
@@ -88,6 +92,16 @@ def able(configuration: Configuration, link: LockstepLink) -> Configuration:
     }
     program = configuration.program.model_copy(update={"modules": modules})
     return replace(configuration, program=program, channels=channels)
+
+
+def with_settings(configuration: Configuration, settings: Mapping[str, Mapping[str, object]]) -> Configuration:
+    """``configuration`` with other ``settings`` of some modules, by module. Raises ConfigError for one there is not."""
+    modules = dict(configuration.program.modules)
+    for name, more in settings.items():
+        if name not in modules:
+            raise configuration.program_document.error(f"there is no module {name}; {suggestion(name, list(modules))}")
+        modules[name] = modules[name].model_copy(update={"settings": {**modules[name].settings, **more}})
+    return replace(configuration, program=configuration.program.model_copy(update={"modules": modules}))
 
 
 async def _run(run: WorldRun, script: Callable[[WorldRun], Awaitable[T]]) -> T:

@@ -57,22 +57,27 @@ def create_link(robot_config: Body, clock_offset: float) -> RobotLink:
     return SimulatedLink(robot, world, clock_offset, scenario)
 
 
-def create_lockstep(robot_config: RobotConfig, clock: Clock, *, cameras: bool = False) -> LockstepLink:
+def create_lockstep(
+    robot_config: RobotConfig, clock: Clock, *, world: WorldConfig | None = None, cameras: bool = False
+) -> LockstepLink:
     """The simulated body ``robot_config`` in the program's own process, in step with ``clock``; see ``lockstep.py``.
 
-    Raises ConfigError (file, line, key) if its model or its world is wrong.
+    ``world`` stands in for the one that its file names. Raises ConfigError (file, line, key) if its model or its world is
+    wrong.
     """
-    robot, world, scenario = simulated_parts(robot_config)
+    robot, world, scenario = simulated_parts(robot_config, world)
     return LockstepLink(robot, world, clock, scenario, cameras=cameras)
 
 
-def simulated_parts(robot: RobotConfig) -> tuple[RobotConfig, WorldConfig, ScenarioConfig | None]:
+def simulated_parts(
+    robot: RobotConfig, world: WorldConfig | None = None
+) -> tuple[RobotConfig, WorldConfig, ScenarioConfig | None]:
     """What a simulated body is put together from: itself, where it starts in its scenario; its world; the scenario.
 
-    Raises ConfigError.
+    ``world`` stands in for the one that its file names. Raises ConfigError.
     """
     _check_model(robot)
-    world = parse(robot.world, WorldConfig)
+    world = world or parse(robot.world, WorldConfig)
     if robot.scenario is None:
         return robot, world, None
     scenario = load_scenario(robot.scenario)

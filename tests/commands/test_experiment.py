@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+
 import pytest
 
 from app import cli
+from app.experiments.barn.experiment import plan
+from app.experiments.barn.result import WorldResult
+from app.experiments.kept import KeptResults
 
 
 @pytest.mark.parametrize("which", ["trial", "overload"])
@@ -19,4 +25,50 @@ def test_a_scenario_that_does_not_drive_is_refused(
     which: str, scenario: str, words: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cli.main(["experiment", which, "--scenario", scenario]) == 2
+    assert words in capsys.readouterr().err
+
+
+def barn_files(folder: Path) -> tuple[Path, Path]:
+    """A file of one world, and a folder with its result as another run has kept it."""
+    worlds = folder / "worlds.json"
+    world = {"id": 4, "cylinders": [], "start": [0, 0, 0], "goal": [3, 0], "path_length": 3.0}
+    worlds.write_text(json.dumps({"worlds": [world]}))
+    kept = KeptResults(folder / "out", plan(worlds).of())
+    kept.add(WorldResult("4", "success", 4.0, 1.5, 1.0, "", 0, 2.0, 0.1, ((0, 0, 0, 0), (4, 2, 0, 0))).document())
+    return worlds, folder / "out"
+
+
+def test_barn_tells_what_is_done_and_draws_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    worlds, out = barn_files(tmp_path)
+    arguments = ["experiment", "barn", "--worlds", str(worlds), "--out", str(out)]
+    assert cli.main([*arguments, "--plot", "4", "--json", str(tmp_path / "barn.json")]) == 0
+    said = capsys.readouterr()
+    assert "1 of 1 worlds are done already" in said.err
+    assert "| successes, % | 100.0 |" in said.out
+    assert (out / "world_4.png").is_file()
+    assert json.loads((tmp_path / "barn.json").read_text())["summary"]["score"] == 0.375
+    assert cli.main([*arguments, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["worlds"][0]["world"] == "4"
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        (["--only", "5"], "has no world '5'; there are 4"),
+        (["--plot", "5"], "--plot: world '5' is not among those to run"),
+        (["--config", "none.yaml"], "none.yaml: there is no such file"),
+        (["--json", "nowhere/at/all.json"], "there is no such folder"),
+        (["--jobs", "0"], "jobs are a whole number from 1 to 256"),
+        (["--seed", "-1"], "a seed is a whole number from 0"),
+    ],
+)
+def test_barns_mistakes_are_one_sentence(
+    tmp_path: Path, more: list[str], words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    worlds, out = barn_files(tmp_path)
+    try:
+        status = cli.main(["experiment", "barn", "--worlds", str(worlds), "--out", str(out), *more])
+    except SystemExit as refusal:
+        status = int(refusal.code or 0)
+    assert status == 2
     assert words in capsys.readouterr().err

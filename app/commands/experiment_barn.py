@@ -1,0 +1,163 @@
+"""``hbba experiment barn``: worlds of the BARN challenge, crossed by the robot on its own."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app.commands.arguments import number
+from app.errors import ConfigError
+
+if TYPE_CHECKING:
+    from app.experiments.barn.experiment import BarnPlan
+    from app.experiments.barn.result import WorldResult
+    from app.experiments.kept import KeptResults
+
+
+def add_parser(experiments: Any) -> None:
+    """Declare ``hbba experiment barn``."""
+    parser = experiments.add_parser(
+        "barn",
+        help="worlds of the BARN challenge, crossed by the robot on its own",
+        description="Let the robot of a program (default: the Jackal) cross the worlds of the BARN challenge, each "
+        "mapped, planned and driven in virtual time, a few at a time. Results are kept while it goes on: started "
+        "again after Ctrl-C it goes on where it ended.",
+    )
+    parser.add_argument(
+        "--worlds",
+        type=Path,
+        metavar="FILE",
+        help="the worlds, JSON (default: barn/worlds.json of the reference data)",
+    )
+    parser.add_argument("--only", metavar="IDS", help="these worlds alone, for example 1,5,10-20")
+    parser.add_argument("--config", type=Path, metavar="FILE", help="the program (default: config/jackal.yaml)")
+    parser.add_argument("--controller", metavar="NAME", help="how paths are followed (default: as configured)")
+    parser.add_argument("--seed", type=_whole, default=1, metavar="S", help="of the robot's noise (default 1)")
+    parser.add_argument("--jobs", type=_jobs, metavar="N", help="worlds at a time (default: one a core)")
+    parser.add_argument("--out", type=Path, metavar="FOLDER", help="where results are kept (default: your data folder)")
+    parser.add_argument("--fresh", action="store_true", help="begin anew; earlier results are moved aside")
+    parser.add_argument(
+        "--json",
+        nargs="?",
+        const="-",
+        metavar="FILE",
+        help="write results as JSON; without FILE, instead of the table",
+    )
+    parser.add_argument("--plot", action="append", default=[], metavar="ID", help="draw this world and the way driven")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run it. Raises ConfigError."""
+    from app.experiments.barn.experiment import done, plan
+    from app.experiments.barn.experiment import run as run_worlds
+    from app.experiments.kept import KeptResults, default_folder
+
+    what = plan(
+        args.worlds or _default_worlds(),
+        args.only,
+        args.config,
+        jobs=args.jobs or os.cpu_count() or 1,
+        seed=args.seed,
+        overrides=_controller(args.controller),
+    )
+    for named in args.plot:
+        if named not in {world.name for world in what.chosen}:
+            raise ConfigError(f"world {named!r} is not among those to run", "--plot")
+    if args.json not in (None, "-") and not Path(args.json).absolute().parent.is_dir():
+        raise ConfigError("there is no such folder", str(Path(args.json).parent))
+    kept = KeptResults(args.out or default_folder("barn"), what.of(), fresh=args.fresh)
+    if kept.moved and not args.fresh:
+        print(f"hbba experiment barn: other results were there; they are in {kept.moved} now", file=sys.stderr)
+    before = done(what, kept)
+    if before:
+        print(f"hbba experiment barn: {len(before)} of {len(what.chosen)} worlds are done already", file=sys.stderr)
+    results = _run_shown(what, kept, before, run_worlds)
+    _tell(args, what, kept, results)
+    return 0
+
+
+def _run_shown(what: BarnPlan, kept: KeptResults, before: tuple[WorldResult, ...], run_worlds: Any) -> Any:
+    from app import logs
+    from app.commands.progress import shown
+
+    logs.configure("warning", as_json=False)
+    counts: dict[str, int] = {}
+    for result in before:
+        counts[result.outcome] = counts.get(result.outcome, 0) + 1
+    with shown("crossing") as progress:
+
+        def told(result: WorldResult, number: int, total: int) -> None:
+            counts[result.outcome] = counts.get(result.outcome, 0) + 1
+            so_far = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
+            progress(number, total, f"{so_far}; world {result.world}: {result.outcome}, {result.time_s:.1f} s")
+
+        return run_worlds(what, kept, told)
+
+
+def _tell(args: argparse.Namespace, what: BarnPlan, kept: KeptResults, results: tuple[WorldResult, ...]) -> None:
+    from app.experiments.barn.report import failures, plot, table
+    from app.experiments.barn.result import Summary
+    from app.robots.factory import load_body
+    from app.yaml_source import load_yaml
+
+    if args.json is not None:
+        document = {
+            "of": what.of(),
+            "summary": Summary.of(results).document(),
+            "worlds": [result.document() for result in results],
+        }
+        text = json.dumps(document, indent=1)
+        if args.json == "-":
+            print(text)
+        else:
+            try:
+                Path(args.json).write_text(text + "\n", encoding="utf-8")
+            except OSError as failure:
+                raise ConfigError(f"cannot be written: {failure.strerror or failure}", args.json) from None
+    if args.json != "-":
+        print(table(results))
+        if failed := failures(results):
+            print("\n" + "\n".join(failed))
+    for named in args.plot:
+        (world,) = (world for world in what.chosen if world.name == named)
+        (result,) = (result for result in results if result.world == named)
+        body = load_body(what.config.resolve().parent / load_yaml(what.config).data["robot"])
+        picture = kept.file.with_name(f"world_{named}.png")
+        plot(world, result, getattr(body, "footprint", ()), picture)
+        print(f"drawn: {picture}", file=sys.stderr)
+    print(f"kept: {kept.file}", file=sys.stderr)
+
+
+def _controller(named: str | None) -> dict[str, dict[str, object]]:
+    return {} if named is None else {"PlanAndFollowPath": {"controller": named}}
+
+
+def _default_worlds() -> Path:
+    from app import paths
+
+    named = os.environ.get("HBBA_REFERENCE_DATA")
+    checkout = paths.checkout_dir()
+    folders = [Path(named)] if named else [checkout.parent / "shared" / "data"] if checkout is not None else []
+    for folder in folders:
+        if (file := folder / "barn" / "worlds.json").is_file():
+            return file
+    raise ConfigError(
+        "no worlds are at hand: name a file, or the folder of reference data in $HBBA_REFERENCE_DATA", "--worlds"
+    )
+
+
+def _whole(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"a seed is a whole number from 0, not {text!r}")
+    return int(text)
+
+
+def _jobs(text: str) -> int:
+    value = number(text)
+    if value is None or not value.is_integer() or not 1 <= value <= 256:
+        raise argparse.ArgumentTypeError(f"jobs are a whole number from 1 to 256, not {text!r}")
+    return int(value)

@@ -1,0 +1,105 @@
+"""The BARN worlds crossed one after another, a few at a time, and kept so that a broken run goes on where it ended."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from app import paths
+from app.errors import ConfigError
+from app.experiments.barn.result import WorldResult
+from app.experiments.barn.trial import Drive, Trial, cross, desire_goal
+from app.experiments.barn.worlds import BarnWorld, Worlds, chosen, load_worlds
+from app.experiments.kept import KeptResults
+from app.experiments.pool import Trials
+
+Told = Callable[[WorldResult, int, int], None]
+"""Told each result as it comes, how many there are, and of how many."""
+
+
+@dataclass(frozen=True, slots=True)
+class BarnPlan:
+    """What to run: the ``chosen`` worlds of a file by the program of ``config``, ``jobs`` at a time."""
+
+    worlds: Worlds
+    chosen: tuple[BarnWorld, ...]
+    config: Path
+    jobs: int
+    seed: int = 1
+    overrides: dict[str, dict[str, object]] = field(default_factory=dict)
+
+    def of(self) -> dict[str, object]:
+        """What results are of: equal where they may be put together."""
+        return {
+            "experiment": "barn",
+            "worlds": self.worlds.digest,
+            "program": str(self.config.resolve()),
+            "files": _digest(self.config),
+            "version": paths.version(),
+            "seed": self.seed,
+            "overrides": self.overrides,
+        }
+
+
+def plan(
+    worlds: Path,
+    only: str | None = None,
+    config: Path | None = None,
+    *,
+    jobs: int = 1,
+    seed: int = 1,
+    overrides: dict[str, dict[str, object]] | None = None,
+) -> BarnPlan:
+    """Read everything. Raises ConfigError."""
+    file = load_worlds(worlds)
+    config = config or paths.config_dir() / "jackal.yaml"
+    if not config.is_file():
+        raise ConfigError("there is no such file", str(config))
+    return BarnPlan(file, chosen(file, only), config, jobs, seed, overrides or {})
+
+
+def run(what: BarnPlan, kept: KeptResults, told: Told, drive: Drive = desire_goal) -> tuple[WorldResult, ...]:
+    """Cross what has not been crossed yet, and return the results of all that is planned, in the plan's order.
+
+    Raises ConfigError, TrialLost, and any mistake of the program's own.
+    """
+    results = _done(kept, what.chosen)
+    left = [world for world in what.chosen if world.name not in results]
+    trials = [Trial(what.config, world, what.worlds.max_mps, what.seed, what.overrides) for world in left]
+    for _, result in Trials(functools.partial(cross, drive=drive), trials, what.jobs):
+        kept.add(result.document())
+        results[result.world] = result
+        told(result, len(results), len(what.chosen))
+    return tuple(results[world.name] for world in what.chosen)
+
+
+def done(what: BarnPlan, kept: KeptResults) -> tuple[WorldResult, ...]:
+    """The results that are there already, of the worlds planned."""
+    return tuple(_done(kept, what.chosen).values())
+
+
+def _done(kept: KeptResults, worlds: Sequence[BarnWorld]) -> dict[str, WorldResult]:
+    wanted = {world.name for world in worlds}
+    found = {}
+    for document in kept.found:
+        try:
+            result = WorldResult.of(document)
+        except (KeyError, TypeError, ValueError) as failure:
+            raise ConfigError(
+                f"holds a line that is no result ({failure}); --fresh begins anew", str(kept.file)
+            ) from None
+        if result.world in wanted:
+            found[result.world] = result
+    return found
+
+
+def _digest(config: Path) -> str:
+    """Of the program's configuration and of its code: results of another program are not put beside its own."""
+    digest = hashlib.sha256()
+    for folder, ending in ((config.resolve().parent, "*.yaml"), (Path(paths.__file__).parent, "*.py")):
+        for file in sorted(folder.rglob(ending)):
+            digest.update(file.relative_to(folder).as_posix().encode() + b"\0" + file.read_bytes())
+    return digest.hexdigest()[:16]

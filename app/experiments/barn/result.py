@@ -1,0 +1,77 @@
+"""What came of one world, and the challenge's score of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+Outcome = Literal["success", "collision", "timeout", "failed"]
+OUTCOMES: tuple[Outcome, ...] = ("success", "collision", "timeout", "failed")
+
+
+@dataclass(frozen=True, slots=True)
+class WorldResult:
+    """One crossing. ``time_s`` since the goal was given; ``optimal_s`` is T*, the path's length at full speed.
+
+    ``reason``: what was hit, or what navigation said last. ``driven_m`` is the length of the way; ``trace`` has time
+    (s), x, y (m) and heading (rad) in the world, ten times a second. ``wall_s``: real seconds it took.
+    """
+
+    world: str
+    outcome: Outcome
+    time_s: float
+    optimal_s: float
+    left_m: float
+    reason: str
+    recoveries: int
+    driven_m: float
+    wall_s: float
+    trace: tuple[tuple[float, float, float, float], ...] = ()
+
+    @property
+    def score(self) -> float:
+        """success · T* / clip(T, 2 T*, 8 T*): 0 to 0.5."""
+        if self.outcome != "success":
+            return 0.0
+        return self.optimal_s / min(max(self.time_s, 2 * self.optimal_s), 8 * self.optimal_s)
+
+    def document(self) -> dict[str, Any]:
+        """As JSON has it."""
+        return asdict(self) | {"score": round(self.score, 4)}
+
+    @classmethod
+    def of(cls, document: dict[str, Any]) -> WorldResult:
+        """Back from JSON. Raises KeyError, TypeError or ValueError for what is none."""
+        fields = {name: document[name] for name in cls.__dataclass_fields__}
+        fields["trace"] = tuple(tuple(float(v) for v in row) for row in fields["trace"])
+        if fields["outcome"] not in OUTCOMES:
+            raise ValueError(f"no outcome {fields['outcome']!r}")
+        return cls(**fields)
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """Of many worlds: shares in [0, 1], the mean time (s) of those that succeeded (NaN if none), the mean score."""
+
+    worlds: int
+    shares: dict[str, float]
+    mean_time_s: float
+    score: float
+
+    @classmethod
+    def of(cls, results: Sequence[WorldResult]) -> Summary:
+        """The summary of ``results``."""
+        count = len(results)
+        times = [result.time_s for result in results if result.outcome == "success"]
+        return cls(
+            count,
+            {o: sum(r.outcome == o for r in results) / count if count else 0.0 for o in OUTCOMES},
+            sum(times) / len(times) if times else math.nan,
+            sum(result.score for result in results) / count if count else 0.0,
+        )
+
+    def document(self) -> dict[str, Any]:
+        """As JSON has it: no NaN."""
+        return asdict(self) | {"mean_time_s": None if math.isnan(self.mean_time_s) else self.mean_time_s}

@@ -1,0 +1,149 @@
+"""One world crossed by the whole program in lockstep: mapped, planned and driven by what the configuration says."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import math
+import tempfile
+import time
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from app.attention.desires import Source
+from app.config import load_configuration
+from app.errors import ConfigError
+from app.experiments.barn.result import Outcome, WorldResult
+from app.experiments.barn.worlds import BarnWorld
+from app.experiments.lockstep import WorldRun, run_in_world, with_settings
+from app.geometry import Pose2
+from app.maps.library import MapLibrary
+from app.messages import NavigationStatus
+from app.robots.config import RobotConfig
+from app.robots.factory import load_body
+
+SETTLE_S = 1.0
+"""The robot stands for so long, and sees where it is, before it is given its goal."""
+LOOK_S = 0.02
+TRACE_S = 0.1
+_EXPERIMENT = Source("operator", "the experiment")
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """What to run: the program of ``config`` in ``world``; ``max_mps`` is the speed that T* is reckoned with.
+
+    ``overrides`` are settings of modules, by module, that stand in for the configuration's.
+    """
+
+    config: Path
+    world: BarnWorld
+    max_mps: float
+    seed: int = 1
+    overrides: dict[str, dict[str, object]] = field(default_factory=dict)
+
+
+Drive = Callable[[WorldRun, Pose2], Awaitable[None]]
+"""Gives the robot its goal (m, on its map); what it awaits goes on beside the trial."""
+
+
+async def desire_goal(run: WorldRun, goal: Pose2) -> None:
+    """Give the goal as an operator would: by a desire."""
+    run.system.workspace.add("GoTo", intensity=8, utility=1, params={"x": goal.x, "y": goal.y}, source=_EXPERIMENT)
+
+
+def cross(trial: Trial, drive: Drive = desire_goal) -> WorldResult:
+    """Run ``trial`` to its end. Raises ConfigError, and any mistake of the program's own."""
+    began = time.monotonic()
+    world = trial.world
+    configuration = with_settings(load_configuration(trial.config), trial.overrides)
+    robot_file = configuration.path(configuration.program.robot)
+    body = load_body(robot_file)
+    if not isinstance(body, RobotConfig):
+        raise ConfigError("is no simulated robot", str(robot_file))
+    body = body.model_copy(update={"start": world.start_pose(), "scenario": None, "seed": trial.seed})
+    watch = _Watch(world, world.length_m / trial.max_mps)
+    with tempfile.TemporaryDirectory(prefix="hbba-barn-") as folder:
+        maps = MapLibrary(Path(folder))
+        run_in_world(configuration, body, lambda run: watch.live(run, drive), world=world.build(), maps=maps)
+    return watch.result(time.monotonic() - began)
+
+
+def goal_on_the_map(world: BarnWorld) -> Pose2:
+    """The goal (m) on the map of a robot that begins its map where it starts."""
+    back = world.X_WO.inverse() @ Pose2(*world.goal)
+    return Pose2(back.x, back.y)
+
+
+class _Watch:
+    """Looks on at one crossing, and knows the truth."""
+
+    def __init__(self, world: BarnWorld, optimal_s: float) -> None:
+        self._world = world
+        self._optimal_s = optimal_s
+        self._outcome: Outcome = "failed"
+        self._reason = ""
+        self._time_s = 0.0
+        self._trace: list[tuple[float, float, float, float]] = []
+        self._said: NavigationStatus | None = None
+
+    async def live(self, run: WorldRun, drive: Drive) -> None:
+        """Settle, give the goal, and look until it is reached, something is hit or time is over."""
+        channel = run.system.graph.channels.get("navigation")
+        if channel is not None:
+            channel.observe(self._hear)
+        if "SLAM" in run.system.classes:
+            run.system.workspace.add("SLAM", intensity=8, utility=1, source=_EXPERIMENT)
+        await run.system.clock.sleep(SETTLE_S)
+        began = run.system.clock.now()
+        driving = asyncio.ensure_future(drive(run, goal_on_the_map(self._world)))
+        try:
+            while not self._over(run, run.system.clock.now() - began):
+                if driving.done() and (error := driving.exception()) is not None:
+                    raise error
+                await run.system.clock.sleep(LOOK_S)
+        finally:
+            driving.cancel()
+            await asyncio.wait({driving})
+
+    def result(self, wall_s: float) -> WorldResult:
+        """What came of it."""
+        said, trace = self._said, self._trace
+        return WorldResult(
+            world=self._world.name,
+            outcome=self._outcome,
+            time_s=round(self._time_s, 3),
+            optimal_s=round(self._optimal_s, 4),
+            left_m=round(math.dist(trace[-1][1:3], self._world.goal), 3) if trace else math.inf,
+            reason=self._reason,
+            recoveries=said.recoveries if said is not None else 0,
+            driven_m=round(sum(math.dist(a[1:3], b[1:3]) for a, b in itertools.pairwise(trace)), 3),
+            wall_s=round(wall_s, 2),
+            trace=tuple(trace),
+        )
+
+    def _over(self, run: WorldRun, time_s: float) -> bool:
+        pose = run.link.true_pose()
+        self._time_s = time_s
+        if not self._trace or time_s - self._trace[-1][0] > TRACE_S - 1e-6:
+            self._note(pose)
+        if run.link.contacts:
+            self._outcome, self._reason = "collision", f"touched {run.link.contacts[0].what}"
+        elif math.dist((pose.x, pose.y), self._world.goal) <= self._world.goal_tolerance:
+            self._outcome = "success"
+        elif time_s >= self._world.timeout_s:
+            self._outcome = "timeout"
+        else:
+            return False
+        self._note(pose)
+        if self._outcome != "success" and self._said is not None:
+            told = f"{self._said.state}: {self._said.reason}".strip(": ")
+            self._reason = f"{self._reason}; {told}" if self._reason else told
+        return True
+
+    def _note(self, pose: Pose2) -> None:
+        self._trace.append((round(self._time_s, 3), round(pose.x, 3), round(pose.y, 3), round(pose.theta, 3)))
+
+    def _hear(self, message: NavigationStatus) -> None:
+        self._said = message

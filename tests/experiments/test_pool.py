@@ -1,0 +1,26 @@
+"""Trials in child processes: all results, the trial's own mistakes, and a child that dies."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+
+from app.experiments.pool import TrialLost, Trials
+from tests.experiments.tripling import tripled
+
+pytestmark = pytest.mark.slow
+
+
+def test_every_trial_comes_with_its_result_from_other_processes() -> None:
+    results = dict(Trials(tripled, [1, 2, 3, 4, 5], 2))
+    assert {number: result for number, (result, _) in results.items()} == {n: 3 * n for n in (1, 2, 3, 4, 5)}
+    assert os.getpid() not in {process for _, process in results.values()}
+    assert list(Trials(tripled, [], 2)) == []
+
+
+def test_a_trials_mistake_is_raised_and_a_dead_child_said() -> None:
+    with pytest.raises(ValueError, match="thirteen"):
+        list(Trials(tripled, [13], 1))
+    with pytest.raises(TrialLost, match="start it again to go on"):
+        list(Trials(tripled, [99], 1))
