@@ -53,6 +53,8 @@ class ModuleContext:
         self.instance: Module | None = None
         self.meter = CpuMeter()
         self.worker = ModuleWorker(name)
+        #: For what may take long; its thread begins with the first of that.
+        self.behind = ModuleWorker(f"{name}, behind")
         #: Where work in threads is counted; the graph's own.
         self.activity = Activity()
 
@@ -206,6 +208,16 @@ class Module:
         loop = asyncio.get_running_loop()
         with self._context.activity.one():
             return await loop.run_in_executor(self._context.worker, self._context.meter.call, function, *args)
+
+    async def compute_behind(self, function: Callable[..., T], *args: Any) -> T:
+        """As :meth:`compute`, in a second thread of this module: for work that may take long and holds up no message.
+
+        What it shares with :meth:`compute` must bear two threads. It has the priority of all others: a thread of a lower
+        one that holds the interpreter's lock would hold up everybody while the computer is busy.
+        """
+        loop = asyncio.get_running_loop()
+        with self._context.activity.one():
+            return await loop.run_in_executor(self._context.behind, self._context.meter.call, function, *args)
 
     async def run(self, started: Callable[[], None] = lambda: None) -> None:
         """Live: start, call ``started``, serve every input and timer until cancelled or until one raises, stop."""

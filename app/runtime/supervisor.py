@@ -228,8 +228,10 @@ def _report_failures(results: Iterable[object]) -> None:
 
 
 def _replace_worker(slot: ModuleSlot) -> None:
-    slot.context.worker.shutdown(cancel_futures=True)
+    for worker in (slot.context.worker, slot.context.behind):
+        worker.shutdown(cancel_futures=True)
     slot.context.worker = ModuleWorker(slot.name)
+    slot.context.behind = ModuleWorker(f"{slot.name}, behind")
 
 
 async def _end(task: asyncio.Task[None], name: str) -> None:
