@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import zipfile
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -132,4 +133,4 @@ def _split(
     bounds = _checked(arrays, places, np.int64, (-1 if count is None else count + 1,))
     if not len(bounds) or bounds[0] != 0 or bounds[-1] != len(array) or (np.diff(bounds) < 0).any():
         raise ValueError(f"{places} does not fit what it divides")
-    return [np.ascontiguousarray(array[a:b]) for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
+    return [np.ascontiguousarray(array[a:b]) for a, b in pairwise(bounds.tolist())]

@@ -1,0 +1,237 @@
+"""Where on a kept map the robot is when nobody knows: several places are believed possible until motion tells.
+
+What was seen on the last metres is laid together by odometry, which is right over so short a way, and looked for on the
+whole map (``field``). Every place where it fits nearly as well as anywhere is kept. As the robot goes on, each of them
+must explain all that is seen; one is believed when it has done so over several scans of motion, the search was made
+from two places, and no other does nearly as well. Two corridors that look the same stay two for as long as they do.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.geometry import Pose2
+from app.modules.perception.slam.field import PlaceField
+
+
+@dataclass(frozen=True, slots=True)
+class SearchSettings:
+    """Lengths in m, angles in rad, scores and shares in [0, 1]."""
+
+    #: A scan counts as another one when the robot is so far, or turned so much, from where the last was taken.
+    apart_m: float = 0.2
+    apart_rad: float = 0.25
+    #: So many of them are laid together; and so many points are kept of one, and of all together.
+    most_scans: int = 12
+    scan_points: int = 120
+    search_points: int = 160
+    #: The whole map is searched again when the robot has come so far, or turned so much, from where it last was.
+    again_m: float = 0.7
+    again_rad: float = 1.0
+    #: Places are kept that score so much, and no more than so much less than the best; at most so many.
+    floor: float = 0.45
+    margin: float = 0.12
+    most_places: int = 60
+    #: Nearer to each other than this, two places are one.
+    same_m: float = 0.5
+    same_rad: float = 0.3
+    #: Believed is a place that fits so well on the whole, and so well with each of the last scans ...
+    believed: float = 0.7
+    believed_each: float = 0.55
+    #: ... over so many scans, so many metres or turned so much, and so much better than any other.
+    scans: int = 4
+    motion_m: float = 0.6
+    motion_rad: float = 1.5
+    ahead: float = 0.08
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sighting:
+    """One scan: ``points`` (N, 2) float64, m in ``base_link``, seen from ``eye`` (m) with the body at ``X_OB``."""
+
+    points: NDArray[np.float64]
+    eye: NDArray[np.float64]
+    X_OB: Pose2
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where the robot may be: ``X_MO`` places ``odom`` on the map; ``score`` says how well all seen fits, ``worst`` how
+    well the worst of the last scans does.
+    """
+
+    X_MO: Pose2
+    score: float
+    worst: float
+
+
+class PlaceSearch:
+    """Looks for the robot on ``field``: give it scans, and ask where it is. Used by one thread at a time."""
+
+    def __init__(self, field: PlaceField, settings: SearchSettings | None = None) -> None:
+        self._field = field
+        self._settings = settings or SearchSettings()
+        self._seen: deque[Sighting] = deque(maxlen=self._settings.most_scans)
+        self._searched: list[Pose2] = []
+        self._travelled = self._turned = 0.0
+        self._scans = 0
+        #: Every place that is possible by now, the likeliest first.
+        self.places: tuple[Place, ...] = ()
+
+    @property
+    def overlap(self) -> float:
+        """How well all that was seen fits the likeliest place, in [0, 1]; 0 while there is none."""
+        return self.places[0].score if self.places else 0.0
+
+    def see(self, sighting: Sighting) -> Pose2 | None:
+        """Take a scan; returns X_MO once the place is believed.
+
+        A search over the whole map takes some 0.1 to 1 s of CPU, following the places a few ms.
+        """
+        settings = self._settings
+        if self._seen:
+            motion = self._seen[-1].X_OB.inverse() @ sighting.X_OB
+            distance = math.hypot(motion.x, motion.y)
+            if distance < settings.apart_m and abs(motion.theta) < settings.apart_rad:
+                return None
+            self._travelled += distance
+            self._turned += abs(motion.theta)
+        self._seen.append(replace(sighting, points=spread(sighting.points, settings.scan_points)))
+        self._scans += 1
+        X_OB = sighting.X_OB
+        together = self._together(X_OB)
+        places = [place.X_MO @ X_OB for place in self.places]
+        if self._search_due(X_OB):
+            places += self._searched_for(together)
+            self._searched.append(X_OB)
+        self.places = self._judged(places, together, X_OB)
+        return self._believed()
+
+    def _search_due(self, X_OB: Pose2) -> bool:
+        if not self.places:
+            return True
+        gone = self._searched[-1].inverse() @ X_OB
+        # Twice suffices, unless what was found then fits no more.
+        wanted = len(self._searched) < 2 or self.places[0].score < self._settings.believed
+        far = math.hypot(gone.x, gone.y) > self._settings.again_m or abs(gone.theta) > self._settings.again_rad
+        return wanted and far
+
+    def _together(self, X_OB: Pose2) -> NDArray[np.float64]:
+        """Points of all scans, in the body's frame now."""
+        X_BO = X_OB.inverse()
+        return np.concatenate([moved(seen.points, X_BO @ seen.X_OB) for seen in self._seen])
+
+    def _searched_for(self, points: NDArray[np.float64]) -> list[Pose2]:
+        settings = self._settings
+        leaves = self._field.search(spread(points, settings.search_points), settings.floor, settings.margin)
+        return distinct([Pose2(x, y, t) for x, y, t, _ in leaves.tolist()], 0.3, 0.2, 3 * settings.most_places)
+
+    def _judged(self, places: Sequence[Pose2], points: NDArray[np.float64], X_OB: Pose2) -> tuple[Place, ...]:
+        """``places`` of the body now, each put where all points fit best, the impossible and the doubled left out."""
+        settings = self._settings
+        judged: list[tuple[Place, Pose2]] = []
+        few = spread(points, 4 * settings.search_points)
+        for X_MB in places:
+            pose = self._field.refine(few, np.array([X_MB.x, X_MB.y, X_MB.theta]))
+            if not self._field.is_free(pose):
+                continue
+            X_MO = Pose2(*pose.tolist()) @ X_OB.inverse()
+            each = [self._fit(seen, X_MO) for seen in self._seen]
+            judged.append((Place(X_MO, sum(each) / len(each), min(each[-3:])), X_MO @ X_OB))
+        judged.sort(key=lambda one: -one[0].score)
+        kept: list[tuple[Place, Pose2]] = []
+        for place, X_MB in judged:
+            if place.score < max(settings.floor, judged[0][0].score - 2 * settings.margin):
+                break
+            if all(not close(X_MB, other, settings.same_m, settings.same_rad) for _, other in kept):
+                kept.append((place, X_MB))
+        return tuple(place for place, _ in kept[: settings.most_places])
+
+    def _fit(self, seen: Sighting, X_MO: Pose2) -> float:
+        at = X_MO @ seen.X_OB
+        pose = np.array([at.x, at.y, at.theta])
+        return self._field.fit(seen.points, pose) - 0.5 * self._field.blocked(seen.points, seen.eye, pose)
+
+    def _believed(self) -> Pose2 | None:
+        settings = self._settings
+        moved_enough = self._travelled >= settings.motion_m or self._turned >= settings.motion_rad
+        if not self.places or len(self._searched) < 2 or self._scans < settings.scans or not moved_enough:
+            return None
+        best = self.places[0]
+        rival = self.places[1].score if len(self.places) > 1 else 0.0
+        if best.score < settings.believed or best.worst < settings.believed_each or best.score - rival < settings.ahead:
+            return None
+        return best.X_MO
+
+
+def found_near(
+    field: PlaceField, points: NDArray[np.float64], X_MB: Pose2, within_m: float = 1.0, within_rad: float = 0.5
+) -> tuple[Pose2, float]:
+    """Where ``points`` (N, 2), m in ``base_link``, fit best within so much of ``X_MB``, and the share that fits."""
+    few = spread(points, 200)
+    best, best_fit = X_MB, -1.0
+    steps = max(1, round(within_m / 0.2))
+    turns = max(1, round(within_rad / 0.1))
+    for turn in range(-turns, turns + 1):
+        for a in range(-steps, steps + 1):
+            for b in range(-steps, steps + 1):
+                start = np.array(
+                    [
+                        X_MB.x + a * within_m / steps,
+                        X_MB.y + b * within_m / steps,
+                        X_MB.theta + turn * within_rad / turns,
+                    ]
+                )
+                # Coarse first: points within 0.3 m count.
+                fit = field.fit(few, start, 0.3) - 0.02 * math.hypot(a / steps, b / steps) - 0.02 * abs(turn / turns)
+                if fit > best_fit:
+                    best, best_fit = Pose2(*start.tolist()), fit
+    refined = field.refine(points, np.array([best.x, best.y, best.theta]), 25)
+    return Pose2(*refined.tolist()), field.fit(points, refined)
+
+
+def moved(points: NDArray[np.float64], pose: Pose2) -> NDArray[np.float64]:
+    """``points`` (N, 2) of the frame that ``pose`` places, in the frame where it places it."""
+    c, s = math.cos(pose.theta), math.sin(pose.theta)
+    placed: NDArray[np.float64] = points @ np.array([[c, s], [-s, c]]) + np.array([pose.x, pose.y])
+    return placed
+
+
+def spread(points: NDArray[np.float64], most: int) -> NDArray[np.float64]:
+    """At most ``most`` of ``points``, spread over the floor: near walls have more ends of rays than far ones."""
+    if len(points) <= most:
+        return np.ascontiguousarray(points)
+    cell = 0.1
+    while True:
+        keys = np.floor(points / cell).astype(np.int64)
+        _, first = np.unique(keys[:, 0] * 1_000_003 + keys[:, 1], return_index=True)
+        if len(first) <= 1.5 * most:
+            break
+        cell *= 1.4
+    first = np.sort(first)
+    if len(first) > most:
+        first = first[np.linspace(0, len(first) - 1, most).astype(np.int64)]
+    return np.ascontiguousarray(points[first])
+
+
+def close(one: Pose2, other: Pose2, within_m: float, within_rad: float) -> bool:
+    """Whether two poses are within both."""
+    turn = abs(math.remainder(one.theta - other.theta, math.tau))
+    return turn < within_rad and math.hypot(one.x - other.x, one.y - other.y) < within_m
+
+
+def distinct(poses: Sequence[Pose2], apart_m: float, apart_rad: float, most: int) -> list[Pose2]:
+    """The first of ``poses`` that are so far apart, in their order."""
+    kept: list[Pose2] = []
+    for pose in poses:
+        if all(not close(pose, other, apart_m, apart_rad) for other in kept):
+            kept.append(pose)
+            if len(kept) == most:
+                break
+    return kept
