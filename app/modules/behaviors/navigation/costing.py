@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-
+from numpy.typing import NDArray
 
 from app.compiled import kernel
 
@@ -14,7 +14,15 @@ _PRICES = "float64, float64, float64, float64"
 
 
 @kernel(f"float64(float64, float64, boolean, {_PRICES})")
-def price(clearance, share, unknown, lethal, reach, closeness, unknown_cost):  # type: ignore[no-untyped-def]
+def price(
+    clearance: float,
+    share: float,
+    unknown: bool,
+    lethal: float,
+    reach: float,
+    closeness: float,
+    unknown_cost: float,
+) -> float:
     """Of a metre at ``clearance`` (m)."""
     if clearance < lethal:
         return math.inf
@@ -28,7 +36,18 @@ def price(clearance, share, unknown, lethal, reach, closeness, unknown_cost):  #
 
 
 @kernel(f"void(float32[:,:], float32[:,:], float32[:,:], uint8[:,:], float32[:,:], float32[:,:], {_PRICES})")
-def lay(distances, zone, share, layers, clearance, cost, lethal, reach, closeness, unknown_cost):  # type: ignore[no-untyped-def]
+def lay(
+    distances: NDArray[np.float32],
+    zone: NDArray[np.float32],
+    share: NDArray[np.float32],
+    layers: NDArray[np.uint8],
+    clearance: NDArray[np.float32],
+    cost: NDArray[np.float32],
+    lethal: float,
+    reach: float,
+    closeness: float,
+    unknown_cost: float,
+) -> None:
     """Fill ``clearance`` and ``cost`` and set what cells are too near to, from ``distances`` to what is occupied.
 
     All arrays (H, W); ``zone``, distances to zones to keep out of, and ``share`` are (0, 0) without zones.
@@ -54,7 +73,17 @@ def lay(distances, zone, share, layers, clearance, cost, lethal, reach, closenes
 
 
 @kernel(f"void(float32[:,:], float32[:,:], uint8[:,:], float32[:,:], float32[:,:], {_PRICES})")
-def overlay(distances, share, layers, clearance, cost, lethal, reach, closeness, unknown_cost):  # type: ignore[no-untyped-def]
+def overlay(
+    distances: NDArray[np.float32],
+    share: NDArray[np.float32],
+    layers: NDArray[np.uint8],
+    clearance: NDArray[np.float32],
+    cost: NDArray[np.float32],
+    lethal: float,
+    reach: float,
+    closeness: float,
+    unknown_cost: float,
+) -> None:
     """Bring ``distances`` (H, W) to temporary obstacles into a field that knows all others."""
     rows, columns = distances.shape
     slow = share.size > 0

@@ -189,12 +189,12 @@ def _way_out(field: CostField, cell: tuple[int, int], settings: PlanSettings) ->
     zone = field.layers[cell] & AT_KEEP_OUT
     reach = (settings.leave_zone_m if zone else settings.free_start_m) / field.frame.resolution_m
     cells, count = escape(field.layers, field.cost, *cell, reach, OCCUPIED)
-    return cells[:count]  # type: ignore[no-any-return]
+    return cells[:count]
 
 
 def _what_is_at(field: CostField, pose: Pose2, cell: tuple[int, int], who: str = "it") -> str:
     layer = int(field.layers[cell])
-    if layer & KEEP_OUT or layer & AT_KEEP_OUT and not layer & (AT_OCCUPIED | AT_TEMPORARY):
+    if layer & KEEP_OUT or (layer & AT_KEEP_OUT and not layer & (AT_OCCUPIED | AT_TEMPORARY)):
         name = keep_out(field.zones, pose.x, pose.y, field.lethal_m + field.frame.resolution_m)
         where = "lies in" if layer & KEEP_OUT else "is too near to"
         return f"{who} {where} the zone “{name}”, which the robot keeps out of"

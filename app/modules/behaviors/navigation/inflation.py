@@ -93,7 +93,7 @@ def cost_field(
         old = None
     layers = _layers(grid, settings)
     zone_clearance, share = None, None
-    if old is not None and (old.zones is zones or not (old.zones or zones)):
+    if old is not None and (old.zones == zones):
         zone_clearance, share = old.zone_clearance, old.share
         layers |= old.layers & np.uint8(KEEP_OUT)
     else:

@@ -5,17 +5,24 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.compiled import kernel
 
 
 @kernel("float64(float32[:,::1], float64, float64, float64, float64)")
-def line_cost(cost, r0, c0, r1, c1):  # type: ignore[no-untyped-def]
+def line_cost(
+    cost: NDArray[np.float32],
+    r0: float,
+    c0: float,
+    r1: float,
+    c1: float,
+) -> float:
     """What the straight way costs, in cells of the open: exact, cell by cell; +inf where it crosses a lethal one."""
     rows, columns = cost.shape
     dr, dc = r1 - r0, c1 - c0
     length = math.hypot(dr, dc)
-    i, j = int(math.floor(r0 + 0.5)), int(math.floor(c0 + 0.5))
+    i, j = math.floor(r0 + 0.5), math.floor(c0 + 0.5)
     if i < 0 or j < 0 or i >= rows or j >= columns:
         return math.inf
     if length < 1e-12:
@@ -53,7 +60,10 @@ def line_cost(cost, r0, c0, r1, c1):  # type: ignore[no-untyped-def]
 
 
 @kernel("int64[::1](float32[:,::1], float64[:,::1])")
-def shortcuts(cost, points):  # type: ignore[no-untyped-def]
+def shortcuts(
+    cost: NDArray[np.float32],
+    points: NDArray[np.float64],
+) -> NDArray[np.int64]:
     """Indices of the points (N, 2) row, column to keep: between them the straight way costs no more than by the others."""
     n = len(points)
     so_far = np.zeros(n)
@@ -94,7 +104,12 @@ def shortcuts(cost, points):  # type: ignore[no-untyped-def]
 
 
 @kernel("int64(float32[:,::1], float64[:,::1], int64, float64)")
-def relax(cost, points, rounds, slack):  # type: ignore[no-untyped-def]
+def relax(
+    cost: NDArray[np.float32],
+    points: NDArray[np.float64],
+    rounds: int,
+    slack: float,
+) -> int:
     """Round the corners of ``points`` (N, 2) row, column in place; returns how often a point moved.
 
     Each is drawn to the middle between its neighbours as long as neither piece of the way beside it becomes lethal, nor
@@ -103,7 +118,7 @@ def relax(cost, points, rounds, slack):  # type: ignore[no-untyped-def]
     n = len(points)
     dearest = np.empty(n)
     for k in range(n):
-        dearest[k] = cost[int(math.floor(points[k, 0] + 0.5)), int(math.floor(points[k, 1] + 0.5))] * (1.0 + slack)
+        dearest[k] = cost[math.floor(points[k, 0] + 0.5), math.floor(points[k, 1] + 0.5)] * (1.0 + slack)
     moves = 0
     for _ in range(rounds):
         moved = 0
@@ -112,7 +127,7 @@ def relax(cost, points, rounds, slack):  # type: ignore[no-untyped-def]
             c = 0.5 * (points[k - 1, 1] + points[k + 1, 1])
             if abs(r - points[k, 0]) + abs(c - points[k, 1]) < 2e-3:
                 continue
-            if cost[int(math.floor(r + 0.5)), int(math.floor(c + 0.5))] > dearest[k]:
+            if cost[math.floor(r + 0.5), math.floor(c + 0.5)] > dearest[k]:
                 continue
             if (
                 line_cost(cost, points[k - 1, 0], points[k - 1, 1], r, c) == math.inf
@@ -128,14 +143,19 @@ def relax(cost, points, rounds, slack):  # type: ignore[no-untyped-def]
 
 
 @kernel("int64(float32[:,::1], float64[:,::1], int64, int64)")
-def first_lethal(cost, points, first, last):  # type: ignore[no-untyped-def]
+def first_lethal(
+    cost: NDArray[np.float32],
+    points: NDArray[np.float64],
+    first: int,
+    last: int,
+) -> int:
     """Index of the first of ``points`` (N, 2) row, column from ``first`` on to which the way is lethal; -1: none.
 
     Out of what is lethal at ``first`` the way may lead.
     """
     free = False
     for k in range(first, last + 1):
-        i, j = int(math.floor(points[k, 0] + 0.5)), int(math.floor(points[k, 1] + 0.5))
+        i, j = math.floor(points[k, 0] + 0.5), math.floor(points[k, 1] + 0.5)
         inside = 0 <= i < cost.shape[0] and 0 <= j < cost.shape[1]
         here = inside and cost[i, j] < math.inf
         if free and not here:
@@ -147,7 +167,14 @@ def first_lethal(cost, points, first, last):  # type: ignore[no-untyped-def]
 
 
 @kernel("Tuple((int64[:,::1], int64))(uint8[:,::1], float32[:,::1], int64, int64, float64, uint8)")
-def escape(layers, cost, row, column, radius, through):  # type: ignore[no-untyped-def]
+def escape(
+    layers: NDArray[np.uint8],
+    cost: NDArray[np.float32],
+    row: int,
+    column: int,
+    radius: float,
+    through: int,
+) -> tuple[NDArray[np.int64], int]:
     """Cells (N, 2) from (row, column) to the nearest that is not lethal within ``radius`` (cells), each touching the one
     before; and how many. Obstacles' own cells (all those of ``through``, bits) are crossed only if the first is one."""
     rows, columns = cost.shape

@@ -43,9 +43,7 @@ class Reached:
         """Cells (N, 2) row, column from ``start`` to ``cell``, which was reached; each touches the one before."""
         from app.modules.behaviors.navigation.search import trace
 
-        return trace(  # type: ignore[no-any-return]
-            self.blocks, self.came, self.block(cell), self.start, cell, self.field.cost, self.fee, *self.odd
-        )
+        return trace(self.blocks, self.came, self.block(cell), self.start, cell, self.field.cost, self.fee, *self.odd)
 
 
 def explore(

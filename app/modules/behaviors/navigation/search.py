@@ -8,6 +8,7 @@ Costs are small integers, so that the queue is a ring of buckets (Dial, 1969) in
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.compiled import kernel
 
@@ -19,7 +20,14 @@ _RING = 8192
 
 
 @kernel("int32[:,::1](float32[:,::1], uint8[:,::1], uint8, float64, int64, int64)")
-def pool(cost, layers, passable, fee, odd_row, odd_column):  # type: ignore[no-untyped-def]
+def pool(
+    cost: NDArray[np.float32],
+    layers: NDArray[np.uint8],
+    passable: int,
+    fee: float,
+    odd_row: int,
+    odd_column: int,
+) -> NDArray[np.int32]:
     """Blocks of the field, with one more all around: 8 * cost << 4 | which of its four cells are free; 0: none.
 
     ``cost`` (H, W) float32 of a metre. Where it is infinite and ``passable`` (bits) covers all the layers' reasons for
@@ -49,7 +57,11 @@ def pool(cost, layers, passable, fee, odd_row, odd_column):  # type: ignore[no-u
 
 
 @kernel("Tuple((int32[::1], uint8[::1]))(int32[:,::1], int64, int64)")
-def search(blocks, start, goal):  # type: ignore[no-untyped-def]
+def search(
+    blocks: NDArray[np.int32],
+    start: int,
+    goal: int,
+) -> tuple[NDArray[np.int32], NDArray[np.uint8]]:
     """What the cheapest way from block ``start`` to each one costs (flat, int32; the largest: not reached), and the
     direction (0 to 7, of ``joined``) of its last step (255: none).
 
@@ -142,7 +154,17 @@ def search(blocks, start, goal):  # type: ignore[no-untyped-def]
 
 
 @kernel("int64[:,::1](int32[:,::1], uint8[::1], int64, UniTuple(int64, 2), UniTuple(int64, 2), float32[:,::1], float64, int64, int64)")  # fmt: skip
-def trace(blocks, came, end, first, last, cost, fee, odd_row, odd_column):  # type: ignore[no-untyped-def]
+def trace(
+    blocks: NDArray[np.int32],
+    came: NDArray[np.uint8],
+    end: int,
+    first: tuple[int, int],
+    last: tuple[int, int],
+    cost: NDArray[np.float32],
+    fee: float,
+    odd_row: int,
+    odd_column: int,
+) -> NDArray[np.int64]:
     """The cells (N, 2), each touching the one before, from cell ``first`` to cell ``last`` through the blocks on the way
     to block ``end`` that ``search`` found: of the cheapest such cells in each block."""
     width = blocks.shape[1]
