@@ -48,7 +48,7 @@ def zones(stamp: float, *marked: Zone) -> Zones:
 def status(stamp: float, state: str = "following", behavior: str = "PlanAndFollowPath") -> NavigationStatus:
     """On the way to a goal without a heading."""
     goal = Pose2(3.0, 1.0, float("nan"))
-    return NavigationStatus(stamp, behavior, state, "on the way", goal, goal, 2.345, stamp, 1)
+    return NavigationStatus(stamp, behavior, state, "on the way", goal, goal, 2.344, stamp, 1)
 
 
 def path(stamp: float, points: int = 3, *, frame: str = "map") -> PlannedPath:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 from typing import Any
 
 import httpx
@@ -285,3 +286,21 @@ async def test_the_health_tells_of_a_module_that_fails(client: httpx.AsyncClient
     assert health["status"] == "degraded"
     assert health["problems"] == ["Teleop: failed"]
     assert "AttributeError" in (await client.get("/modules/Teleop")).json()["problem"]
+
+
+@pytest.mark.parametrize("name", ["intensity", "rése", 'quo"ted'])
+async def test_what_is_said_twice_is_not_guessed_at(client: httpx.AsyncClient, system: System, name: str) -> None:
+    member = json.dumps(name)
+    body = f'{{"class": "Telepresence", "utility": 4, "params": {{{member}: 1, "other": 2, {member}: 8}}}}'
+    headers = {"Content-Type": "application/json"}
+    document = is_problem(await client.post("/desires", content=body.encode(), headers=headers), 400, "malformed-json")
+    assert repr(name) in document["detail"]
+    assert f"character {body.rindex(member)}" in document["detail"]
+    assert system.workspace.desires() == ()
+
+
+async def test_a_time_that_is_none_is_refused(client: httpx.AsyncClient) -> None:
+    for name in ("since", "until"):
+        for value in ("nan", "inf", "-inf"):
+            document = is_problem(await client.get("/timeline", params={name: value}), 422, "invalid-request")
+            assert document["errors"][0]["field"] == f"query.{name}"
