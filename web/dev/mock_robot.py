@@ -37,7 +37,7 @@ CLASSES: list[tuple[str, str, float, dict[str, Any]]] = [
         {
             "x": {"type": "number", "title": "X", "description": "metres, in the map", "minimum": -50, "maximum": 50},
             "y": {"type": "number", "title": "Y", "description": "metres, in the map", "minimum": -50, "maximum": 50},
-            "theta": {
+            "heading": {
                 "anyOf": [{"type": "number"}, {"type": "null"}],
                 "title": "Heading",
                 "description": "radians",

@@ -23,21 +23,24 @@ import uvicorn
 from fastapi import FastAPI, Request, WebSocket, WebSocketDisconnect
 from fastapi.responses import FileResponse, HTMLResponse, JSONResponse, Response
 from fastapi.staticfiles import StaticFiles
+from mock_map import MockMap, map_router, offer
 from mock_playback import MockPlayback, playback_router
 from mock_recordings import MockRecorder, recordings_router
 from mock_robot import CLASSES, Mock, Viewer, picture, problem
 from mock_senses import panorama, perceived, sound
 
 STATIC = Path(__file__).parents[2] / "app" / "console" / "static"
+FOOTPRINT = [[0.3 * math.cos(a), 0.3 * math.sin(a)] for a in (i * math.pi / 8 for i in range(16))]
 SCENE = Path(__file__).parent / "mock_scene.html"
 
 
 def build(mock: Mock, playback: MockPlayback | None, static: Path) -> FastAPI:
     recorder = MockRecorder(mock)
+    place = MockMap(mock)
 
     @contextlib.asynccontextmanager
     async def lifespan(_: FastAPI) -> Any:
-        task = asyncio.create_task(beat(mock, recorder, playback))
+        task = asyncio.create_task(beat(mock, recorder, playback, place))
         yield
         task.cancel()
 
@@ -117,7 +120,7 @@ def build(mock: Mock, playback: MockPlayback | None, static: Path) -> FastAPI:
         await socket.accept()
         viewer = Viewer(socket, operator)
         mock.viewers[viewer.session] = viewer
-        greet(mock, viewer, playback)
+        greet(mock, viewer, playback, place)
         if playback is None:
             viewer.send(recorder.status())
         pump = asyncio.create_task(viewer.pump())
@@ -136,6 +139,7 @@ def build(mock: Mock, playback: MockPlayback | None, static: Path) -> FastAPI:
             if mock.driver == viewer.session:
                 mock.driver = None
 
+    app.include_router(map_router(mock, place))
     app.include_router(recordings_router(mock, recorder))
     app.include_router(playback_router(playback))
 
@@ -151,7 +155,7 @@ def build(mock: Mock, playback: MockPlayback | None, static: Path) -> FastAPI:
     return app
 
 
-def greet(mock: Mock, viewer: Viewer, playback: MockPlayback | None) -> None:
+def greet(mock: Mock, viewer: Viewer, playback: MockPlayback | None, place: MockMap) -> None:
     limits = {"linear_mps": 0.4, "angular_radps": 1.0, "linear_mps2": 0.4, "angular_radps2": 4.0}
     classes = [
         {
@@ -168,16 +172,22 @@ def greet(mock: Mock, viewer: Viewer, playback: MockPlayback | None) -> None:
             "protocol": 1,
             "session": viewer.session,
             "stamp": mock.now(),
-            "robot": {"name": "IRL-1/TR", "simulated": True, "limits": limits},
+            "robot": {"name": "IRL-1/TR", "simulated": True, "limits": limits, "footprint": FOOTPRINT},
             "scale": {"intensity": 8, "utility": 8},
             "classes": classes,
-            "channels": {"camera": True, "panorama": not mock.mode.get("no_panorama")},
+            "channels": {
+                "camera": True,
+                "panorama": not mock.mode.get("no_panorama"),
+                "map": not mock.mode.get("no_slam"),
+                "costmap": True,
+            },
             "audio": {"listen": not mock.mode.get("deaf"), "speak": not mock.mode.get("mute")},
             "playback": playback and playback.json(),
         }
     )
     viewer.send({"type": "desires", "desires": list(mock.desires.values())})
     viewer.send({"type": "intention", "intention": mock.intention()})
+    viewer.send({"type": "zones", "zones": place.zones})
     viewer.send(mock.landmarks() if not mock.mode.get("empty") else {"type": "landmarks", "landmarks": []})
 
 
@@ -206,7 +216,7 @@ def hear(mock: Mock, viewer: Viewer, message: dict[str, Any]) -> None:
     elif kind == "ack":
         viewer.under_way[message["kind"]] = False
     elif kind == "view":
-        for number, name in ((1, "camera"), (2, "panorama")):
+        for number, name in ((1, "camera"), (2, "panorama"), (3, "map"), (4, "costmap")):
             if name in message:
                 viewer.wants[number] = message[name]
                 viewer.under_way[number] = False
@@ -214,10 +224,11 @@ def hear(mock: Mock, viewer: Viewer, message: dict[str, Any]) -> None:
         viewer.listens, viewer.heard_until = message["on"], mock.now()
 
 
-async def beat(mock: Mock, recorder: MockRecorder, playback: MockPlayback | None) -> None:
+async def beat(mock: Mock, recorder: MockRecorder, playback: MockPlayback | None, place: MockMap) -> None:
     for seq in itertools.count():
         await asyncio.sleep(0.05)
         mock.advance(0.05)
+        place.advance(0.05)
         gone = [d["id"] for d in mock.desires.values() if d["expires"] and d["expires"] < time.time()]
         for desire in gone:
             mock.log("desire", mock.desires.pop(desire)["class"], "A desire ran out of time.")
@@ -239,6 +250,7 @@ async def beat(mock: Mock, recorder: MockRecorder, playback: MockPlayback | None
             seen = mock.share()["Telepresence"][0] is not None
             if seq % 2 == 0:
                 viewer.send(perceived(mock))
+                offer(place, viewer, seq)
             for number, made in ((1, picture), (2, panorama)):
                 missing = number == 2 and mock.mode.get("no_panorama")
                 if viewer.wants[number] and not missing and seen and not viewer.under_way[number] and seq % 2 == 0:

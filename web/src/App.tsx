@@ -5,6 +5,9 @@ import { DesireForm } from "./desires/DesireForm";
 import { DesireList } from "./desires/DesireList";
 import { DrivePad } from "./drive/DrivePad";
 import { Lanes } from "./lanes/Lanes";
+import { MapPanel } from "./map/MapPanel";
+import { Maps } from "./map/Maps";
+import { Zones } from "./map/Zones";
 import { Events } from "./panels/Events";
 import { Found } from "./panels/Found";
 import { Intention } from "./panels/Intention";
@@ -18,7 +21,7 @@ import { useApp } from "./state/context";
 import { Banner } from "./ui/Banner";
 import { EStop } from "./ui/EStop";
 import { Help } from "./ui/Help";
-import { CubeIcon } from "./ui/icons";
+import { CubeIcon, MapIcon } from "./ui/icons";
 import { Login } from "./ui/Login";
 import { narrow } from "./ui/media";
 import { Notices } from "./ui/Notices";
@@ -34,31 +37,36 @@ export function App() {
   const phone = narrow.value;
   const replay = store.replay.value;
   const stopped = store.stopped.value && !replay;
+  const mapped = store.mapPlace.value === "view";
   // A console that knows of no sound is not asked for any.
   const hasSound = store.hello.value?.audio !== undefined;
   return (
     <div
-      class={`page ${phone ? "narrow" : "wide"} ${phase === "live" ? "" : "not-live"} ${stopped ? "stopped" : ""} ${replay ? "replay" : ""}`}
+      class={`page ${phone ? "narrow" : "wide"} ${phase === "live" ? "" : "not-live"} ${stopped ? "stopped" : ""} ${replay ? "replay" : ""} ${mapped ? "mapped" : ""}`}
       data-testid="page"
       data-phase={phase}
     >
       <TopBar narrow={phone} />
       <main class="view" aria-label="View">
         {store.scene.value ? <SceneView /> : <div class="scene" data-testid="scene" data-state="off" />}
-        <div class="insets">
-          <Camera />
-          {(!phone || store.around.value === "large") && <Around place="view" />}
-        </div>
+        {mapped && <MapPanel place="view" />}
+        {!(phone && mapped) && (
+          <div class="insets">
+            <Camera />
+            {(!phone || store.around.value === "large") && <Around place="view" />}
+          </div>
+        )}
         <div class="view-tools">
           {hasSound && <ListenButton />}
           {hasSound && <TalkButton />}
+          <MapToggle />
           <SceneToggle />
         </div>
         <Banner />
         {!phone && !replay && <DrivePad />}
       </main>
       {!phone && <Transport />}
-      <Side phone={phone} />
+      {!(phone && mapped) && <Side phone={phone} />}
       {!phone && <Lanes />}
       {phone && (
         <footer class="dock">
@@ -94,6 +102,23 @@ function SceneToggle() {
   );
 }
 
+function MapToggle() {
+  const { store } = useApp();
+  const shown = store.mapPlace.value === "view";
+  return (
+    <button
+      type="button"
+      class={`tool-button button small ${shown ? "on" : ""}`}
+      data-testid="map-toggle"
+      aria-pressed={shown}
+      title="The map over all of the view (M)"
+      onClick={() => store.showMap(shown ? "tab" : "view")}
+    >
+      <MapIcon /> <span class="tool-words">Map</span>
+    </button>
+  );
+}
+
 function Side({ phone }: { phone: boolean }) {
   const { store } = useApp();
   const trouble =
@@ -116,6 +141,17 @@ function Side({ phone }: { phone: boolean }) {
       ),
     },
     {
+      id: "map",
+      title: "Map",
+      content: () => (
+        <>
+          {store.mapPlace.value === "tab" && <MapPanel place="tab" />}
+          <Zones />
+          {!store.replay.value && <Maps />}
+        </>
+      ),
+    },
+    {
       id: "found",
       title: "Found",
       badge: store.landmarks.value?.length ?? 0,
@@ -134,6 +170,6 @@ function Side({ phone }: { phone: boolean }) {
     const alarm = store.recorder.value?.state === "stopped";
     items.push({ id: "recordings", title: "Recordings", short: "Record", alarm, content: () => <Recordings /> });
   }
-  if (phone) items.splice(1, 0, { id: "lanes", title: "Lanes", content: () => <Lanes /> });
+  if (phone) items.splice(2, 0, { id: "lanes", title: "Lanes", content: () => <Lanes /> });
   return <Tabs items={items} />;
 }

@@ -4,6 +4,9 @@ import { computed, effect } from "@preact/signals";
 import { render } from "preact";
 import { App } from "./App";
 import { DriveController } from "./drive/controller";
+import { MapControl } from "./map/control";
+import { GridFeed } from "./map/feed";
+import { MapLibrary } from "./map/library";
 import { PlaybackController } from "./playback/controller";
 import { RecordingControl } from "./recordings/control";
 import { AppContext } from "./state/context";
@@ -29,6 +32,7 @@ import "./styles/load.css";
 import "./styles/forms.css";
 import "./styles/transport.css";
 import "./styles/recordings.css";
+import "./styles/map.css";
 import "./styles/narrow.css";
 import "./styles/dock.css";
 
@@ -52,18 +56,38 @@ const panorama = new PictureFeed(
 );
 panorama.canvas = document.createElement("canvas");
 const listening = new Listening(store, session);
+const map = new MapControl(store, session);
+const maps = new MapLibrary(store, session.rest, map.shown);
+const grid = {
+  map: new GridFeed(session, "map", map.shown),
+  costmap: new GridFeed(
+    session,
+    "costmap",
+    computed(() => map.shown.value && map.costmap.value),
+  ),
+};
+session.onGrid = (info) => {
+  grid.map.announce(info);
+  grid.costmap.announce(info);
+};
 const talking = new Talking(store, session, listening);
 
 render(
-  <AppContext.Provider value={{ store, session, drive, camera, panorama, listening, talking, playback, recordings }}>
+  <AppContext.Provider
+    value={{ store, session, drive, camera, panorama, listening, talking, playback, recordings, map, maps, grid }}
+  >
     <App />
   </AppContext.Provider>,
   document.getElementById("app")!,
 );
+map.start(); // before the hands on the wheel: Escape gives up what is begun on the map first
 drive.start();
 recordings.start();
 camera.start();
 panorama.start();
+grid.map.start();
+grid.costmap.start();
+maps.start();
 listening.start();
 talking.start();
 void session.start();

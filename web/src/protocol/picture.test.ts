@@ -12,7 +12,7 @@ test("a frame is read as it is laid out", () => {
   new Uint8Array(frame).set([0xff, 0xd8, 0xff], 24);
   const picture = parsePicture(frame);
   expect(picture).toMatchObject({ kind: 1, seq: 4_000_000_001, stamp: 1_790_000_000.25, width: 640, height: 480 });
-  expect([...picture!.jpeg]).toEqual([0xff, 0xd8, 0xff]);
+  expect([...picture!.data]).toEqual([0xff, 0xd8, 0xff]);
 });
 
 test("a frame without a picture is refused", () => {

@@ -1,7 +1,9 @@
-/** The pictures of the live stream: 24 bytes of little-endian header, then a JPEG. */
+/** The pictures of the live stream: 24 bytes of little-endian header, then a JPEG, or of maps a PNG. */
 
 export const CAMERA = 1;
 export const PANORAMA = 2;
+export const MAP = 3;
+export const COSTMAP = 4;
 const HEADER_BYTES = 24;
 
 export interface Picture {
@@ -10,7 +12,8 @@ export interface Picture {
   stamp: number;
   width: number;
   height: number;
-  jpeg: Uint8Array<ArrayBuffer>;
+  /** JPEG, or of maps PNG. */
+  data: Uint8Array<ArrayBuffer>;
 }
 
 /** Reads one binary frame; null if it is too short to be one. */
@@ -23,6 +26,6 @@ export function parsePicture(frame: ArrayBuffer): Picture | null {
     stamp: view.getFloat64(8, true),
     width: view.getUint16(16, true),
     height: view.getUint16(18, true),
-    jpeg: new Uint8Array(frame, HEADER_BYTES),
+    data: new Uint8Array(frame, HEADER_BYTES),
   };
 }

@@ -1,7 +1,7 @@
 /** REST under `api/v1`: JSON in and out, errors as problem details (RFC 9457). */
 
 import { sentence } from "../ui/format";
-import type { Desire, Playback, Recordings, RobotEvent } from "./types";
+import type { Desire, KeptMaps, Place, Playback, Recordings, RobotEvent, Zone } from "./types";
 
 export interface FieldError {
   field: string;
@@ -95,6 +95,56 @@ export class Rest {
     return `${ROOT}/recordings/${encodeURIComponent(name)}`;
   }
 
+  async maps(): Promise<KeptMaps> {
+    return (await this.ask("GET", "/maps")) as KeptMaps;
+  }
+
+  /** Keeps the map in use under `name`. */
+  async saveMap(name: string): Promise<void> {
+    await this.ask("PUT", mapPath(name));
+  }
+
+  /** Without a pose the robot looks for itself; `extend`: mapping goes on. */
+  async loadMap(name: string, options: { pose?: Place; extend: boolean }): Promise<void> {
+    await this.ask("POST", `${mapPath(name)}/load`, options);
+  }
+
+  async renameMap(name: string, to: string): Promise<void> {
+    await this.ask("PATCH", mapPath(name), { name: to });
+  }
+
+  async deleteMap(name: string): Promise<void> {
+    await this.ask("DELETE", mapPath(name));
+  }
+
+  mapPicture(name: string, saved: number): string {
+    return `${ROOT}${mapPath(name)}/picture?saved=${saved}`;
+  }
+
+  async beginMap(): Promise<void> {
+    await this.ask("POST", "/map/begin");
+  }
+
+  async placeRobot(pose: Place): Promise<void> {
+    await this.ask("PUT", "/map/pose", pose);
+  }
+
+  async searchRobot(): Promise<void> {
+    await this.ask("POST", "/map/search");
+  }
+
+  async markZones(zones: readonly Zone[]): Promise<void> {
+    await this.ask("PUT", "/map/zones", { zones });
+  }
+
+  async setGoal(goal: { x: number; y: number; heading?: number }): Promise<void> {
+    await this.ask("PUT", "/goal", goal);
+  }
+
+  async cancelGoal(): Promise<void> {
+    await this.ask("DELETE", "/goal");
+  }
+
   private async ask(method: string, path: string, body?: unknown, more: Record<string, string> = {}): Promise<unknown> {
     const headers: Record<string, string> = {
       Accept: "application/json",
@@ -120,6 +170,10 @@ export class Rest {
     if (!response.ok) throw await readProblem(response);
     return response.status === 204 ? null : await response.json().catch(() => null);
   }
+}
+
+function mapPath(name: string): string {
+  return `/maps/${encodeURIComponent(name)}`;
 }
 
 async function readProblem(response: Response): Promise<Problem> {

@@ -48,10 +48,11 @@ export interface Hello {
   protocol: number;
   session: string;
   stamp: number;
-  robot: { name: string; simulated: boolean; limits: Limits };
+  /** `footprint`: its outline on the floor, corners in `base_link` (m); absent from older programs. */
+  robot: { name: string; simulated: boolean; limits: Limits; footprint?: [number, number][] };
   scale: { intensity: number; utility: number };
   classes: DesireClass[];
-  channels: { camera?: boolean; panorama?: boolean };
+  channels: { camera?: boolean; panorama?: boolean; map?: boolean; costmap?: boolean };
   /** Whether the robot can be listened to, and be spoken through. */
   audio?: { listen: boolean; speak: boolean };
   /** Where this page shows a recording instead of a living robot. */
@@ -139,6 +140,8 @@ export interface Status {
   /** Who speaks through the robot. */
   speaker?: { operator: string; mine: boolean } | null;
   exploited: string | null;
+  /** Why the collision monitor slowed or stopped the robot; empty: it did not. Absent from older programs. */
+  limited?: string;
   sources: SourceState[];
 }
 
@@ -326,6 +329,91 @@ export interface Perceived {
   codes?: SeenCode[];
 }
 
+export interface Place {
+  x: number;
+  y: number;
+  theta: number;
+}
+
+/** Where the robot is on the map: `X_MO` places `odom` there. Standard deviations of x, y (m) and theta (rad). */
+export interface Localization {
+  type: "localization";
+  stamp: number;
+  state: "mapping" | "tracking" | "searching" | "lost";
+  /** Of the map in use; empty while it has none. */
+  map: string;
+  x: number;
+  y: number;
+  theta: number;
+  sigma: [number, number, number];
+  X_MO: Place;
+  /** Share of the scan that fits the map. */
+  overlap: number;
+}
+
+export type GoalPlace = Omit<Place, "theta"> & { theta: number | null };
+
+/** What a behavior that goes somewhere is about; places on the map. */
+export interface Navigation {
+  type: "navigation";
+  stamp: number;
+  behavior: string;
+  state: "idle" | "planning" | "following" | "recovering" | "waiting" | "arrived" | "unreachable";
+  reason: string;
+  goal: GoalPlace | null;
+  /** Where it really goes: the nearest place to the goal that can be reached. */
+  target: GoalPlace | null;
+  remaining_m: number | null;
+  recoveries: number;
+  /** Of the desire it serves. */
+  desire: string | null;
+  path: [number, number][];
+}
+
+/** A part of the map to keep out of, or to drive slowly in: at `speed`, a share of the greatest. */
+export interface Zone {
+  name: string;
+  kind: "keep_out" | "slow";
+  polygon: [number, number][];
+  speed: number;
+}
+
+/** A map in the robot's folder. */
+export interface KeptMap {
+  name: string;
+  in_use: boolean;
+  /** Unix time. */
+  saved: number;
+  size_m: [width: number, height: number];
+  resolution_m: number;
+  known_m2: number;
+  /** Whether mapping can go on from it. */
+  extendable: boolean;
+  zones: number;
+  /** Why it cannot be used. */
+  problem: string | null;
+}
+
+export interface KeptMaps {
+  folder: string;
+  /** The map in use; not `available` where this program makes none. */
+  current: { available: boolean; name: string; state: Localization["state"] | null };
+  maps: KeptMap[];
+}
+
+/** What the grey picture of the same `seq` shows: cell sizes and where its lower left corner is in `frame`. */
+export interface GridInfo {
+  type: "map_info" | "costmap_info";
+  seq: number;
+  stamp: number;
+  frame: string;
+  version: number;
+  resolution_m: number;
+  origin: [number, number];
+  width: number;
+  height: number;
+}
+
 export type NoticeLevel = "info" | "warning" | "error";
 
 export type FromRobot =
@@ -342,6 +430,10 @@ export type FromRobot =
   | Playback
   | { type: "jump"; stamp: number }
   | Recorder
+  | Localization
+  | Navigation
+  | { type: "zones"; zones: Zone[] }
+  | GridInfo
   | { type: "pong"; t: number; stamp: number }
   | { type: "notice"; level: NoticeLevel; text: string };
 
@@ -361,5 +453,5 @@ export type ToRobot =
   | { type: "release_control" }
   | { type: "ping"; t: number; rtt_ms: number | null }
   | { type: "ack"; kind: number; seq: number }
-  | { type: "view"; camera?: boolean; panorama?: boolean }
+  | { type: "view"; camera?: boolean; panorama?: boolean; map?: boolean; costmap?: boolean }
   | { type: "listen"; on: boolean };

@@ -1,8 +1,11 @@
-/** What every component may use: the store, the session with the robot, the hands, the pictures, the sound. */
+/** What every component may use: the store, the session with the robot, the hands, the pictures, the sound, the map. */
 
 import { createContext } from "preact";
 import { useContext } from "preact/hooks";
 import type { DriveController } from "../drive/controller";
+import type { MapControl } from "../map/control";
+import type { GridFeed } from "../map/feed";
+import type { MapLibrary } from "../map/library";
 import type { PlaybackController } from "../playback/controller";
 import type { RecordingControl } from "../recordings/control";
 import type { Listening } from "../sound/listening";
@@ -21,6 +24,11 @@ export interface App {
   talking: Talking;
   playback: PlaybackController;
   recordings: RecordingControl;
+  map: MapControl;
+  /** The kept maps. */
+  maps: MapLibrary;
+  /** The pictures of map and local costmap. */
+  grid: { map: GridFeed; costmap: GridFeed };
 }
 
 export const AppContext = createContext<App | null>(null);

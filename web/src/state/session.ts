@@ -4,7 +4,7 @@ import { batch } from "@preact/signals";
 import { LiveConnection } from "../protocol/live";
 import { Problem, Rest } from "../protocol/rest";
 import { tokenIn } from "../protocol/token";
-import type { FromRobot, ToRobot } from "../protocol/types";
+import type { FromRobot, GridInfo, ToRobot } from "../protocol/types";
 import { GAP_S } from "../lanes/history";
 import { isFresh } from "./freshness";
 import type { Store } from "./store";
@@ -15,12 +15,14 @@ const HISTORY_EVENTS = 200;
 /** However fast a recording runs, what it says holds until it says the next. */
 const REPLAY_HOLD_S = 10;
 /** What a jump in a recording makes void. */
-const OF_THE_PAST = ["status", "lanes", "load", "landmarks", "perceived"] as const;
+const OF_THE_PAST = ["status", "lanes", "load", "landmarks", "perceived", "localization", "navigation", "zones"] as const;
 
 export class Session {
   readonly rest: Rest;
   /** Called with each binary frame of a kind, at arrival. */
   readonly onBinary = new Map<number, (frame: ArrayBuffer) => void>();
+  /** Called with what a grid's picture will show, before that comes. */
+  onGrid: (info: GridInfo) => void = () => undefined;
   /** Called at every chance the page gets: each frame, each message. Timers starve first when it is busy drawing. */
   onChance: () => void = () => undefined;
   /** Called when the robot has greeted a new connection. */
@@ -146,12 +148,16 @@ export class Session {
     if (message.type === "lanes_history") this.store.lanes.fill(message, holdS);
     if (message.type === "events") this.store.addEvents(message.events);
     else if (message.type === "notice") this.store.notify(message.level, message.text);
+    else if (message.type === "map_info" || message.type === "costmap_info") this.onGrid(message);
     else if (message.type === "hello") {
       batch(() => {
         this.store.hello.value = message;
         this.store.playback.value = message.playback ?? null;
         this.store.perceived.value = null;
         this.store.recorder.value = null; // told anew, by a program that has one
+        this.store.localization.value = null;
+        this.store.navigation.value = null;
+        this.store.zones.value = null;
       });
       this.onHello.forEach((handler) => handler());
     } else this.waiting.set(message.type, message);
@@ -182,6 +188,9 @@ export class Session {
     else if (message.type === "perceived") store.perceived.value = message;
     else if (message.type === "playback") store.playback.value = message;
     else if (message.type === "recorder") store.recorder.value = message;
+    else if (message.type === "localization") store.localization.value = message;
+    else if (message.type === "navigation") store.navigation.value = message;
+    else if (message.type === "zones") store.zones.value = message.zones;
     else if (message.type === "load") {
       store.load.value = message;
       store.addLoad(message);

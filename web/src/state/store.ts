@@ -8,6 +8,8 @@ import type {
   Landmark,
   LaneRow,
   Load,
+  Localization,
+  Navigation,
   NoticeLevel,
   Perceived,
   Playback,
@@ -15,15 +17,18 @@ import type {
   Recordings,
   RobotEvent,
   Status,
+  Zone,
 } from "../protocol/types";
 import { LaneHistory } from "../lanes/history";
 import { attendedCpu } from "./load";
 import { PageClock } from "./pageClock";
 
 export type Phase = "connecting" | "live" | "stale" | "lost" | "login";
-export type Tab = "attention" | "lanes" | "found" | "load" | "events" | "recordings";
+export type Tab = "attention" | "map" | "lanes" | "found" | "load" | "events" | "recordings";
 /** How a picture over the 3D view is shown. */
 export type InsetMode = "inset" | "large" | "hidden";
+/** Where the map is: beside the view, in its tab; or over all of the view. */
+export type MapPlace = "tab" | "view";
 
 export interface LinkView {
   phase: Phase;
@@ -64,6 +69,9 @@ export function createStore() {
   const lanes = new LaneHistory();
   const landmarks = signal<Landmark[] | null>(null);
   const perceived = signal<Perceived | null>(null);
+  const localization = signal<Localization | null>(null);
+  const navigation = signal<Navigation | null>(null);
+  const zones = signal<Zone[] | null>(null);
   const operator = signal(readOperator());
   let noticeId = 0;
 
@@ -86,6 +94,12 @@ export function createStore() {
     recorder: signal<Recorder | null>(null),
     /** What the robot sees and hears of people. */
     perceived,
+    /** Where the robot is on the map; null while nobody says. */
+    localization,
+    navigation,
+    /** Of the map in use; null while nobody says. */
+    zones,
+    mapPlace: signal<MapPlace>("tab"),
     /** The list last read; null: not yet. */
     recordings: signal<Recordings | null>(null),
     /** Whether the list is looked at. */
@@ -134,6 +148,9 @@ export function createStore() {
       landmarks.value = null;
       loadHistory.value = [];
       perceived.value = null;
+      localization.value = null;
+      navigation.value = null;
+      zones.value = null;
     },
     notify(level: NoticeLevel, text: string): void {
       const until = performance.now() + (level === "info" ? 5000 : 9000);
@@ -143,16 +160,26 @@ export function createStore() {
     showScene(shown: boolean): void {
       this.scene.value = shown;
       this.camera.value = shown ? "inset" : "large";
+      this.mapPlace.value = "tab";
       if (!shown && this.around.value === "large") this.around.value = "inset";
     },
     /** Over all of the view is room for one. */
     showCamera(mode: InsetMode): void {
       this.camera.value = mode;
+      if (mode === "large") this.mapPlace.value = "tab";
       if (mode === "large" && this.around.value === "large") this.around.value = "inset";
     },
     showAround(mode: InsetMode): void {
       this.around.value = mode;
+      if (mode === "large") this.mapPlace.value = "tab";
       if (mode === "large" && this.camera.value === "large") this.camera.value = "inset";
+    },
+    showMap(place: MapPlace): void {
+      this.mapPlace.value = place;
+      this.tab.value = "map";
+      if (place === "tab") return;
+      if (this.around.value === "large") this.around.value = "inset";
+      if (this.camera.value === "large") this.camera.value = "inset";
     },
     dismiss(id: number): void {
       notices.value = notices.value.filter((notice) => notice.id !== id);

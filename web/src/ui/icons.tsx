@@ -216,3 +216,76 @@ export function StateMark({ state }: { state: string }) {
     </svg>
   );
 }
+
+export const MapIcon = () => (
+  <Icon>
+    <path d="M3 6.5l6-3 6 3 6-3v14l-6 3-6-3-6 3zM9 3.5v14M15 6.5v14" />
+  </Icon>
+);
+export const FlagIcon = () => (
+  <Icon>
+    <path d="M6 21V4M6 5h11l-3 3.5 3 3.5H6" />
+  </Icon>
+);
+export const HomeIcon = () => (
+  <Icon>
+    <path d="M3.5 11.5L12 4l8.5 7.5M6 10v9.5h12V10" />
+  </Icon>
+);
+export const PlaceIcon = () => (
+  <Icon>
+    <path d="M12 3l6 16-6-4-6 4z" />
+  </Icon>
+);
+export const SearchIcon = () => (
+  <Icon>
+    <circle cx="10.5" cy="10.5" r="6.5" />
+    <path d="M15.5 15.5L21 21" />
+  </Icon>
+);
+export const KeepOutIcon = () => (
+  <Icon>
+    <rect x="4" y="4" width="16" height="16" rx="1.5" />
+    <path d="M4 13l9-9M4 19.5L19.5 4M11 20l9-9" />
+  </Icon>
+);
+export const SlowIcon = () => (
+  <Icon>
+    <path d="M4 17a8.5 8.5 0 1116 0M12 17l-4-5.5" />
+    <circle cx="12" cy="17" r="1.5" fill="currentColor" />
+  </Icon>
+);
+export const FitIcon = () => (
+  <Icon>
+    <path d="M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5" />
+  </Icon>
+);
+export const FollowIcon = () => (
+  <Icon>
+    <circle cx="12" cy="12" r="6.5" />
+    <path d="M12 2.5v4M12 17.5v4M2.5 12h4M17.5 12h4" />
+    <circle cx="12" cy="12" r="1.4" fill="currentColor" />
+  </Icon>
+);
+export const CompassIcon = () => (
+  <Icon>
+    <circle cx="12" cy="12" r="9" />
+    <path d="M12 6l3 6-3 6-3-6z" />
+    <path d="M12 6l3 6H9z" fill="currentColor" />
+  </Icon>
+);
+export const LayersIcon = () => (
+  <Icon>
+    <path d="M12 3.5l9 5-9 5-9-5zM3.5 13l8.5 4.8 8.5-4.8M3.5 17l8.5 4.8 8.5-4.8" />
+  </Icon>
+);
+export const UndoIcon = () => (
+  <Icon>
+    <path d="M8 5L3.5 9.5 8 14M4 9.5h10a6 6 0 010 12h-3" />
+  </Icon>
+);
+export const PencilIcon = () => (
+  <Icon>
+    <path d="M4 20l1-4L16.5 4.5l3 3L8 19zM14 7l3 3" />
+  </Icon>
+);

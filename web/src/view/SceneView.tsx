@@ -7,7 +7,7 @@ import { hopeless, paced, SHARES, startPace } from "./pace";
 type Scene = "loading" | "shown" | "missing";
 
 export function SceneView() {
-  const { store, drive, talking } = useApp();
+  const { store, drive, talking, map } = useApp();
   const frame = useRef<HTMLIFrameElement>(null);
   const [scene, setScene] = useState<Scene>("loading");
   const [step, setStep] = useState(0);
@@ -37,6 +37,7 @@ export function SceneView() {
     setScene("shown");
     keepReconnecting(inner);
     dress(inner.document);
+    map.listenIn(inner);
     drive.listenIn(inner);
     talking.listenIn(inner);
   };

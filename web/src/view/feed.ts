@@ -58,7 +58,7 @@ export class PictureFeed {
   private async draw(picture: Picture, canvas: HTMLCanvasElement): Promise<void> {
     let bitmap: ImageBitmap;
     try {
-      bitmap = await createImageBitmap(new Blob([picture.jpeg], { type: "image/jpeg" }));
+      bitmap = await createImageBitmap(new Blob([picture.data], { type: "image/jpeg" }));
     } catch {
       return; // a damaged picture: the next one comes after the acknowledgement all the same
     }

@@ -1,0 +1,162 @@
+/** The map with its tools and the words of the way: in its tab, or over all of the view. */
+
+import type { ComponentChildren } from "preact";
+import { useApp } from "../state/context";
+import { narrow } from "../ui/media";
+import { CloseIcon, FlagIcon, HomeIcon, KeepOutIcon, PlaceIcon, SearchIcon, SlowIcon, WarnIcon } from "../ui/icons";
+import type { Tool } from "./hands";
+import { Stage } from "./Stage";
+import { goalOf, wayWords } from "./words";
+import { ZoneEditor } from "./Zones";
+
+export function MapPanel({ place }: { place: "tab" | "view" }) {
+  const { store, map, grid } = useApp();
+  const selected = map.zones.value.find(({ name }) => name === map.selected.value);
+  return (
+    <figure
+      class={`map in-${place}`}
+      data-testid="map"
+      data-place={place}
+      data-state={grid.map.picture.value ? "shown" : "empty"}
+      aria-label="Map"
+    >
+      {!store.replay.value && <Tools />}
+      {place === "tab" ? (
+        <>
+          <Way />
+          <Stage key="tab" place="tab" />
+        </>
+      ) : (
+        <Stage key="view" place="view">
+          <Way />
+        </Stage>
+      )}
+      {place === "view" && narrow.value && selected && !store.replay.value && (
+        <div class="map-zone-bar">
+          <ZoneEditor key={selected.name} zone={selected} onDone={() => (map.selected.value = null)} />
+        </div>
+      )}
+    </figure>
+  );
+}
+
+function Tools() {
+  const { map, store } = useApp();
+  const allowed = map.allowed.value;
+  const known = store.localization.value !== null;
+  return (
+    <div class="map-tools" role="toolbar" aria-label="Hands on the map" data-own-arrows>
+      <ToolButton tool="goal" label="Go to" hint="Press where it should go, drag to where it should look (G)" disabled={!allowed}>
+        <FlagIcon />
+      </ToolButton>
+      <button
+        type="button"
+        class="map-tool"
+        data-testid="map-return"
+        title="Return to where the map began; gamepad: button 3 (Y, △)"
+        disabled={!allowed}
+        onClick={() => void map.returnToStart()}
+      >
+        <HomeIcon />
+        <span>To start</span>
+      </button>
+      <ToolButton tool="pose" label="Set pose" hint="Press where the robot is, drag to where it looks" disabled={!allowed || !known}>
+        <PlaceIcon />
+      </ToolButton>
+      <button
+        type="button"
+        class="map-tool"
+        data-testid="map-search"
+        title="The robot looks for itself on the map"
+        disabled={!allowed || !known}
+        onClick={() => void map.search()}
+      >
+        <SearchIcon />
+        <span>Search</span>
+      </button>
+      <ToolButton tool="keep_out" label="Keep out" hint="Drag a rectangle, or click corner after corner" disabled={!allowed}>
+        <KeepOutIcon />
+      </ToolButton>
+      <ToolButton tool="slow" label="Slow" hint="Drag a rectangle, or click corner after corner" disabled={!allowed}>
+        <SlowIcon />
+      </ToolButton>
+    </div>
+  );
+}
+
+function ToolButton(props: { tool: Tool; label: string; hint: string; disabled: boolean; children: ComponentChildren }) {
+  const { map } = useApp();
+  const on = map.hands.value.tool === props.tool;
+  return (
+    <button
+      type="button"
+      class={`map-tool ${on ? "on" : ""}`}
+      data-testid={`map-tool-${props.tool}`}
+      aria-pressed={on}
+      title={props.hint}
+      disabled={props.disabled}
+      onClick={() => map.choose(props.tool)}
+    >
+      {props.children}
+      <span>{props.label}</span>
+    </button>
+  );
+}
+
+const HINTS: Record<Tool, string> = {
+  look: "",
+  goal: "Press on the place, drag to the heading.",
+  pose: "Press where it is, drag to where it looks.",
+  keep_out: "Drag a rectangle, or click corner after corner.",
+  slow: "Drag a rectangle, or click corner after corner.",
+};
+
+/** What the robot is about, what was refused, and what the tool in hand does. */
+function Way() {
+  const { map, store } = useApp();
+  const goal = goalOf(store.desires.value);
+  const told = wayWords(store.navigation.value, goal, store.rows.value);
+  const { tool } = map.hands.value;
+  const problem = map.problem.value;
+  const canCancel = goal !== null && map.allowed.value;
+  return (
+    <div class="map-words">
+      {told && (
+        <p
+          class={`map-way ${told.tone}`}
+          role="status"
+          data-testid="map-way"
+          data-state={store.navigation.value?.state ?? ""}
+          data-goal={goal ? `${goal.x} ${goal.y}` : ""}
+        >
+          <span>
+            <b>{told.text}</b>
+            {told.more && <span class="map-more"> {told.more}</span>}
+          </span>
+          {canCancel && (
+            <button type="button" class="button small" data-testid="map-cancel" onClick={() => void map.cancelGoal()}>
+              Cancel
+            </button>
+          )}
+        </p>
+      )}
+      {problem && (
+        <p class="map-way bad" role="alert" data-testid="map-problem">
+          <WarnIcon />
+          <span>{problem}</span>
+          <button type="button" class="icon-button" aria-label="Dismiss" onClick={() => (map.problem.value = "")}>
+            <CloseIcon />
+          </button>
+        </p>
+      )}
+      {tool !== "look" && (
+        <p class="map-way hint" data-testid="map-hint">
+          <span>{HINTS[tool]}</span>
+          <button type="button" class="button small" data-testid="map-tool-done" onClick={() => map.choose("look")}>
+            Done
+          </button>
+        </p>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,174 @@
+/** One kept map: its picture, what is known of it, and what can be done with it. */
+
+import { useSignal } from "@preact/signals";
+import { useId } from "preact/hooks";
+import type { KeptMap } from "../protocol/types";
+import { useApp } from "../state/context";
+import { dayTime, number } from "../ui/format";
+import { PencilIcon, TrashIcon } from "../ui/icons";
+import { nameProblem } from "./library";
+import { Confirm } from "./Maps";
+
+export function MapRow({ kept }: { kept: KeptMap }) {
+  const { maps, session, store } = useApp();
+  const open = useSignal<"load" | "rename" | "delete" | null>(null);
+  const { name } = kept;
+  const inUse = store.localization.value?.map === name;
+  const busy = maps.doing.value !== "";
+  const toggle = (what: "load" | "rename" | "delete") => (open.value = open.value === what ? null : what);
+  return (
+    <li class="kept-map" data-testid="kept-map" data-name={name} data-in-use={inUse}>
+      {kept.problem ? (
+        <span class="map-thumb" aria-hidden="true" />
+      ) : (
+        <img class="map-thumb" src={session.rest.mapPicture(name, kept.saved)} alt={`Map ${name} from above`} loading="lazy" />
+      )}
+      <div class="map-facts">
+        <p class="recording-head">
+          <b>{name}</b>
+          {inUse && <span class="tag in-use">in use</span>}
+        </p>
+        <p class="muted small">{kept.problem ?? factsOf(kept)}</p>
+        <p class="muted small">saved {dayTime(kept.saved)}</p>
+        <div class="recording-actions">
+          <button
+            type="button"
+            class="button small"
+            data-testid="map-load"
+            aria-expanded={open.value === "load"}
+            disabled={busy || kept.problem !== null}
+            onClick={() => toggle("load")}
+          >
+            Load…
+          </button>
+          <button type="button" class="icon-button" data-testid="map-rename" aria-label={`Rename ${name}…`} title="Rename…" disabled={busy} onClick={() => toggle("rename")}>
+            <PencilIcon />
+          </button>
+          <button
+            type="button"
+            class="icon-button"
+            data-testid="map-delete"
+            aria-label={`Delete ${name}…`}
+            title={inUse ? "The map in use cannot be deleted" : "Delete…"}
+            disabled={busy || inUse}
+            onClick={() => toggle("delete")}
+          >
+            <TrashIcon />
+          </button>
+        </div>
+      </div>
+      {open.value === "load" && <LoadForm kept={kept} onDone={() => (open.value = null)} />}
+      {open.value === "rename" && <RenameForm name={name} onDone={() => (open.value = null)} />}
+      {open.value === "delete" && (
+        <Confirm words={`Delete ${name} for good?`} yes="Delete" onYes={() => void maps.remove(name)} onNo={() => (open.value = null)} />
+      )}
+    </li>
+  );
+}
+
+function LoadForm({ kept, onDone }: { kept: KeptMap; onDone: () => void }) {
+  const { maps, store } = useApp();
+  const id = useId();
+  const extend = useSignal(false);
+  const where = useSignal<"anywhere" | "start">("anywhere");
+  const unsaved = (store.localization.value?.map ?? "x") === "";
+  return (
+    <form
+      class="map-form"
+      onSubmit={(event) => {
+        event.preventDefault();
+        const pose = where.value === "start" ? { pose: { x: 0, y: 0, theta: 0 } } : {};
+        void maps.load(kept.name, { ...pose, extend: extend.value }).then((done) => done && onDone());
+      }}
+    >
+      <fieldset>
+        <legend>The map</legend>
+        <Choice group={`${id}-map`} id="map-localize" checked={!extend.value} onChoose={() => (extend.value = false)}>
+          stays as it is: only localize on it
+        </Choice>
+        <Choice
+          group={`${id}-map`}
+          id="map-extend"
+          checked={extend.value}
+          disabled={!kept.extendable}
+          onChoose={() => (extend.value = true)}
+        >
+          {kept.extendable ? "goes on growing: continue mapping" : "cannot go on growing: it has no pose graph"}
+        </Choice>
+      </fieldset>
+      <fieldset>
+        <legend>The robot</legend>
+        <Choice group={`${id}-robot`} id="map-anywhere" checked={where.value === "anywhere"} onChoose={() => (where.value = "anywhere")}>
+          is somewhere on it, and looks for itself
+        </Choice>
+        <Choice group={`${id}-robot`} id="map-at-start" checked={where.value === "start"} onChoose={() => (where.value = "start")}>
+          stands where the map began
+        </Choice>
+      </fieldset>
+      {unsaved && <p class="inline-note warn">The map in use is not saved: loading another loses it.</p>}
+      <div class="form-actions">
+        <button type="submit" class="button small accent" data-testid="map-load-confirm" disabled={maps.doing.value !== ""}>
+          Load {kept.name}
+        </button>
+        <button type="button" class="button small" onClick={onDone}>
+          Not now
+        </button>
+      </div>
+    </form>
+  );
+}
+
+function Choice(props: { group: string; id: string; checked: boolean; disabled?: boolean; onChoose: () => void; children: string }) {
+  return (
+    <label class={`check ${props.disabled ? "muted" : ""}`}>
+      <input type="radio" name={props.group} data-testid={props.id} checked={props.checked} disabled={props.disabled ?? false} onChange={props.onChoose} />
+      <span>{props.children}</span>
+    </label>
+  );
+}
+
+function RenameForm({ name, onDone }: { name: string; onDone: () => void }) {
+  const { maps } = useApp();
+  const to = useSignal(name);
+  const others = maps.list.value?.maps.map((one) => one.name) ?? [];
+  const typed = to.value.trim();
+  const wrong = typed === name ? "" : nameProblem(typed) || (others.includes(typed) ? "Another map has this name." : "");
+  return (
+    <form
+      class="map-form"
+      onSubmit={(event) => {
+        event.preventDefault();
+        if (wrong || typed === name) return;
+        void maps.rename(name, typed).then((done) => done && onDone());
+      }}
+    >
+      <div class={`field ${wrong ? "wrong" : ""}`}>
+        <input
+          aria-label={`New name of ${name}`}
+          data-testid="map-new-name"
+          value={to.value}
+          autocomplete="off"
+          ref={(field) => {
+            if (field && document.activeElement !== field && to.peek() === name) field.focus();
+          }}
+          onInput={(event) => (to.value = event.currentTarget.value)}
+        />
+        {wrong && <span class="field-error">{wrong}</span>}
+      </div>
+      <div class="form-actions">
+        <button type="submit" class="button small accent" data-testid="map-rename-confirm" disabled={wrong !== "" || typed === name}>
+          Rename
+        </button>
+        <button type="button" class="button small" onClick={onDone}>
+          Keep
+        </button>
+      </div>
+    </form>
+  );
+}
+
+/** "12 × 9 m, 85 m² known, 2 zones". */
+function factsOf({ size_m, known_m2, zones }: KeptMap): string {
+  const size = `${number(size_m[0], 0)} × ${number(size_m[1], 0)} m, ${number(known_m2, 0)} m² known`;
+  return zones === 0 ? size : `${size}, ${zones} ${zones === 1 ? "zone" : "zones"}`;
+}

@@ -1,0 +1,147 @@
+/** The kept maps: the one in use is saved here, others are loaded, renamed and deleted, and a new one begins. */
+
+import { useSignal } from "@preact/signals";
+import { useId } from "preact/hooks";
+import { useApp } from "../state/context";
+import { PlusIcon, WarnIcon } from "../ui/icons";
+import { nameProblem } from "./library";
+import { MapRow } from "./MapRow";
+
+export function Maps() {
+  const { maps, store } = useApp();
+  const list = maps.list.value;
+  const problem = maps.problem.value;
+  const doing = maps.doing.value;
+  const present = store.localization.value !== null;
+  return (
+    <section class="card" aria-label="Maps" data-testid="maps">
+      <h2 class="card-head">
+        Maps <span class="count">{list?.maps.length ?? ""}</span>
+      </h2>
+      {doing && (
+        <p class="maps-doing" role="status" data-testid="maps-doing">
+          <span class="spinner" aria-hidden="true" /> {doing}
+        </p>
+      )}
+      {problem && (
+        <p class="inline-note error" role="alert" data-testid="maps-problem">
+          <WarnIcon />
+          <span>{problem}</span>
+        </p>
+      )}
+      {present && <Present />}
+      {list === null ? (
+        <p class="empty">{problem ? "The list could not be read." : "Reading the list…"}</p>
+      ) : list.maps.length === 0 ? (
+        <p class="empty" data-testid="maps-empty">
+          None kept yet. Drive the robot around until the map shows what it should know, then save it.
+        </p>
+      ) : (
+        <ul class="maps">
+          {list.maps.map((one) => (
+            <MapRow key={one.name} kept={one} />
+          ))}
+        </ul>
+      )}
+      {list && (
+        <p class="recordings-room muted small">
+          <span class="recordings-folder" title={list.folder}>
+            in <bdi>{list.folder}</bdi>
+          </span>
+        </p>
+      )}
+    </section>
+  );
+}
+
+/** The map in use: what it is called, and to keep it; or to leave it for an empty one. */
+function Present() {
+  const { maps, store } = useApp();
+  const id = useId();
+  const inUse = store.localization.value?.map ?? "";
+  const typed = useSignal<string | null>(null);
+  const asking = useSignal<"begin" | "replace" | null>(null);
+  const name = (typed.value ?? inUse).trim();
+  const wrong = typed.value === null || typed.value === "" ? "" : nameProblem(name);
+  const busy = maps.doing.value !== "";
+  const taken = name !== inUse && (maps.list.value?.maps.some((one) => one.name === name) ?? false);
+  const save = async () => {
+    if (taken && asking.peek() !== "replace") {
+      asking.value = "replace";
+      return;
+    }
+    asking.value = null;
+    if (await maps.save(name)) typed.value = null;
+  };
+  return (
+    <div class="map-present">
+      <form
+        onSubmit={(event) => {
+          event.preventDefault();
+          if (name && !nameProblem(name) && !busy) void save();
+        }}
+      >
+        <div class={`field ${wrong ? "wrong" : ""}`}>
+          <label for={id}>{inUse ? "Save the map in use as" : "Keep this new map as"}</label>
+          <input
+            id={id}
+            data-testid="map-name"
+            value={typed.value ?? inUse}
+            placeholder="ground-floor"
+            autocomplete="off"
+            onInput={(event) => {
+              typed.value = event.currentTarget.value;
+              asking.value = null;
+            }}
+          />
+          {wrong && <span class="field-error">{wrong}</span>}
+        </div>
+        <button type="submit" class="button" data-testid="map-save" disabled={busy || nameProblem(name) !== ""}>
+          Save
+        </button>
+        <button
+          type="button"
+          class="button"
+          data-testid="map-begin"
+          title="Begin an empty map"
+          disabled={busy}
+          onClick={() => (asking.value = asking.value === "begin" ? null : "begin")}
+        >
+          <PlusIcon /> New
+        </button>
+      </form>
+      {asking.value === "replace" && (
+        <Confirm words={`There is a map ${name}. Replace it?`} yes="Replace" onYes={() => void save()} onNo={() => (asking.value = null)} />
+      )}
+      {asking.value === "begin" && (
+        <Confirm
+          words="Begin an empty map here? What was not saved of this one is lost."
+          yes="Begin"
+          onYes={() => {
+            asking.value = null;
+            void maps.begin();
+          }}
+          onNo={() => (asking.value = null)}
+        />
+      )}
+    </div>
+  );
+}
+
+export function Confirm(props: { words: string; yes: string; onYes: () => void; onNo: () => void }) {
+  return (
+    <div class="recording-confirm" role="group" aria-label={props.words}>
+      <span>{props.words}</span>
+      <button type="button" class="button small danger" data-testid="map-confirm" onClick={props.onYes}>
+        {props.yes}
+      </button>
+      <button type="button" class="button small" data-testid="map-keep" ref={focused} onClick={props.onNo}>
+        Keep
+      </button>
+    </div>
+  );
+}
+
+function focused(button: HTMLButtonElement | null): void {
+  button?.focus();
+}

@@ -1,0 +1,294 @@
+/** Everything the page does with the map: the hands on it, what is shown of it, and what is asked of the robot. */
+
+import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
+import { typesText } from "../drive/controller";
+import { inWords } from "../protocol/rest";
+import type { Localization, Place, Zone } from "../protocol/types";
+import type { Session } from "../state/session";
+import type { MapPlace, Store } from "../state/store";
+import { AT_REST, busy, type Hands, type Input, type Sight, step, type Tool, type Wish } from "./hands";
+import type { GridPicture } from "./feed";
+import { type Bounds, composed, FIRST_VIEW, fitted, type MapView, NORTH, type Point, type Pose, type Size, zoomed } from "./projection";
+import { goalOf } from "./words";
+import { added, cornerMoved, cornersOf, edited, type History, NO_HISTORY, polygonProblem, same, undoable, undone, zoneAt } from "./zoneList";
+
+/** Beside what lies over the canvas. */
+const MARGINS = {
+  tab: { left: 14, top: 36, right: 46, bottom: 34 },
+  view: { left: 14, top: 40, right: 50, bottom: 60 },
+} as const;
+
+/** What the robot was asked for and has not answered yet. */
+export type Pending = "goal" | "cancel" | "pose" | "search" | "zones" | "desire" | null;
+
+export class MapControl {
+  readonly hands = signal<Hands>(AT_REST);
+  readonly view = signal<MapView>(FIRST_VIEW);
+  readonly follow = signal(true);
+  readonly robotUp = signal(false);
+  readonly costmap = signal(false);
+  /** Name of the zone that is selected. */
+  readonly selected = signal<string | null>(null);
+  readonly pending = signal<Pending>(null);
+  /** Why the last thing asked for was refused; empty: it was not. */
+  readonly problem = signal("");
+  /** The robot on the map: as the wheels tell since the map last spoke. */
+  readonly robot: ReadonlySignal<Pose | null>;
+  /** As the robot has them, or as they were just edited. */
+  readonly zones: ReadonlySignal<readonly Zone[]>;
+  readonly shown: ReadonlySignal<boolean>;
+  /** Whether the robot can be asked for anything. */
+  readonly allowed: ReadonlySignal<boolean>;
+  private readonly edits = signal<readonly Zone[] | null>(null);
+  private readonly history = signal<History>(NO_HISTORY);
+  private size: Size = { width: 0, height: 0 };
+  private on: MapPlace = "tab";
+  private fresh = true;
+
+  constructor(
+    private readonly store: Store,
+    private readonly session: Session,
+  ) {
+    this.robot = computed(() => robotOn(store.localization.value, store.status.value?.odometry ?? null));
+    this.zones = computed(() => this.edits.value ?? store.zones.value ?? []);
+    this.shown = computed(() => store.mapPlace.value === "view" || store.tab.value === "map");
+    this.allowed = computed(() => store.live.value && !store.replay.value);
+  }
+
+  start(): void {
+    effect(() => {
+      // What the robot says now is what counts, once it says what was asked for.
+      const told = this.store.zones.value;
+      const asked = this.edits.peek();
+      if (asked && told && same(asked, told)) this.edits.value = null;
+    });
+    effect(() => {
+      const names = this.zones.value.map((zone) => zone.name);
+      if (this.selected.value !== null && !names.includes(this.selected.value)) this.selected.value = null;
+    });
+    effect(() => {
+      const robot = this.robot.value;
+      const view = this.view.peek();
+      const up = this.robotUp.value ? (robot?.theta ?? view.up) : NORTH;
+      const middle = this.follow.value && robot ? robot : view;
+      this.view.value = { ...view, x: middle.x, y: middle.y, up };
+    });
+    // Before the hands on the wheel hear of it: what is begun on the map is given up first, while the robot stands.
+    this.listenIn(window);
+  }
+
+  listenIn(target: Window): void {
+    target.addEventListener("keydown", (event) => this.keyDown(event), { capture: true });
+  }
+
+  /** The canvas has so many px now, and is there now: what was seen in one place is seen in the other. */
+  resize(size: Size, place: MapPlace): void {
+    const before = this.size;
+    this.size = size;
+    if (place === this.on) return;
+    this.on = place;
+    if (before.width === 0 || size.width === 0) return;
+    const factor = Math.min(size.width / before.width, size.height / before.height);
+    this.view.value = zoomed(this.view.peek(), size, factor);
+  }
+
+  get sight(): Sight {
+    return { view: this.view.peek(), size: this.size, follow: this.follow.peek() && this.robot.peek() !== null };
+  }
+
+  input(input: Input): boolean {
+    const { hands, view, wish, panned, taken } = step(this.hands.peek(), input, this.sight);
+    if (panned) this.follow.value = false;
+    this.hands.value = hands;
+    this.view.value = view;
+    if (wish) void this.grant(wish);
+    return taken;
+  }
+
+  /** A tool that is chosen again is put away. */
+  choose(tool: Tool): void {
+    this.problem.value = "";
+    this.input({ type: "tool", tool: this.hands.peek().tool === tool ? "look" : tool });
+  }
+
+  zoom(factor: number): void {
+    this.view.value = zoomed(this.view.peek(), this.size, factor);
+  }
+
+  fit(map: GridPicture | null): void {
+    this.follow.value = false;
+    const robot = this.robot.peek();
+    const bounds = map ? knownOf(map) : robot && { left: robot.x - 4, right: robot.x + 4, bottom: robot.y - 4, top: robot.y + 4 };
+    if (bounds) this.view.value = fitted(this.view.peek(), this.size, bounds, MARGINS[this.on]);
+  }
+
+  /** With the first picture of a map that is more than a room, all of it is shown. */
+  met(map: GridPicture | null): void {
+    if (!map || !this.fresh || this.size.width === 0) return;
+    this.fresh = false;
+    const following = this.follow.peek();
+    this.fit(map);
+    this.follow.value = following;
+  }
+
+  async goTo(x: number, y: number, heading: number | null): Promise<void> {
+    await this.ask("goal", () => this.session.rest.setGoal({ x, y, ...(heading === null ? {} : { heading }) }));
+  }
+
+  /** To where the map began. */
+  async returnToStart(): Promise<void> {
+    if (this.allowed.peek()) await this.goTo(0, 0, 0);
+  }
+
+  async cancelGoal(): Promise<void> {
+    const goal = goalOf(this.store.desires.peek());
+    const { rest } = this.session;
+    await this.ask("cancel", () => (!goal || goal.asked ? rest.cancelGoal() : rest.removeDesire(goal.id)));
+  }
+
+  async place(pose: Place): Promise<void> {
+    await this.ask("pose", () => this.session.rest.placeRobot(pose));
+  }
+
+  async search(): Promise<void> {
+    await this.ask("search", () => this.session.rest.searchRobot());
+  }
+
+  async desireMap(): Promise<void> {
+    const wish = { class: "SLAM", intensity: 6, utility: 1 };
+    await this.ask("desire", () => this.session.rest.addDesire(wish, `slam-${Date.now()}`));
+  }
+
+  get canUndo(): boolean {
+    return undoable(this.history.value, this.zones.value) !== null;
+  }
+
+  async undo(): Promise<void> {
+    const before = undoable(this.history.peek(), this.zones.peek());
+    if (!before) return;
+    const history = this.history.peek();
+    this.history.value = undone(history);
+    if (!(await this.mark(before))) this.history.value = history;
+  }
+
+  /** Resolves to whether the robot took them. */
+  async editZones(zones: readonly Zone[]): Promise<boolean> {
+    const before = this.zones.peek();
+    const history = this.history.peek();
+    this.history.value = edited(history, before, zones);
+    if (await this.mark(zones)) return true;
+    this.history.value = history;
+    return false;
+  }
+
+  private async mark(zones: readonly Zone[]): Promise<boolean> {
+    this.edits.value = zones;
+    const taken = await this.ask("zones", () => this.session.rest.markZones(zones));
+    if (!taken) this.edits.value = null;
+    return taken;
+  }
+
+  private async grant(wish: Wish): Promise<void> {
+    if (wish.type === "goal") return this.goTo(wish.place.x, wish.place.y, wish.heading);
+    if (wish.type === "pose") {
+      const theta = wish.heading ?? this.robot.peek()?.theta ?? 0;
+      return this.place({ ...wish.place, theta });
+    }
+    if (wish.type === "select") {
+      this.selected.value = zoneAt(this.zones.peek(), wish.at)?.name ?? null;
+      return;
+    }
+    const zones = this.zones.peek();
+    const next =
+      wish.type === "zone"
+        ? added(zones, wish.kind, wish.polygon)
+        : cornerMoved(zones, wish.handle.zone, wish.handle.index, wish.to);
+    const touched = wish.type === "zone" ? next.at(-1) : next.find((zone) => zone.name === wish.handle.zone);
+    const wrong = touched ? polygonProblem(cornersOf(touched)) : "";
+    if (wrong) {
+      this.problem.value = wrong;
+      return;
+    }
+    const sent = this.editZones(next);
+    if (touched) this.selected.value = touched.name;
+    await sent;
+  }
+
+  private async ask(what: Pending, request: () => Promise<unknown>): Promise<boolean> {
+    this.pending.value = what;
+    this.problem.value = "";
+    try {
+      await request();
+      return true;
+    } catch (error) {
+      this.problem.value = inWords(error);
+      if (!this.shown.peek()) this.store.notify("error", this.problem.peek());
+      return false;
+    } finally {
+      if (this.pending.peek() === what) this.pending.value = null;
+    }
+  }
+
+  private keyDown(event: KeyboardEvent): void {
+    if (event.code === "Escape") this.escape(event);
+    else if (event.ctrlKey || event.altKey || event.metaKey || event.repeat || typesText(event.target)) return;
+    else if (event.code === "KeyM") this.store.showMap(this.store.mapPlace.peek() === "view" ? "tab" : "view");
+    else if (event.code === "KeyG" && this.allowed.peek()) {
+      if (!this.shown.peek()) this.store.tab.value = "map";
+      this.choose("goal");
+    } else return;
+    event.preventDefault();
+  }
+
+  /** What is begun on the map goes first, as long as the robot stands; a moving robot is stopped, whatever is begun. */
+  private escape(event: KeyboardEvent): void {
+    const begun = this.shown.peek() && busy(this.hands.peek());
+    const stands = this.store.replay.peek() || this.store.status.peek()?.guard.state === "idle";
+    if (begun) this.input({ type: "key", key: "Escape", shift: false });
+    const goal = goalOf(this.store.desires.peek());
+    if (begun && stands && !goal) {
+      event.preventDefault();
+      event.stopImmediatePropagation();
+    } else if (goal && this.allowed.peek()) {
+      // Stopped, it must not set out again by itself when the stop is released.
+      void this.cancelGoal();
+    }
+  }
+}
+
+function robotOn(localization: Localization | null, odometry: Pose | null): Pose | null {
+  if (!localization) return null;
+  return odometry ? composed(localization.X_MO, odometry) : localization;
+}
+
+/** What of a map's picture is known: the rest of it is margin. */
+export function knownOf({ info, canvas }: GridPicture): Bounds {
+  const { width, height } = canvas;
+  const pixels = canvas.getContext("2d")!.getImageData(0, 0, width, height).data;
+  let [left, right, top, bottom] = [width, 0, height, 0];
+  for (let row = 0; row < height; row++)
+    for (let column = 0; column < width; column++)
+      if (pixels[4 * (row * width + column) + 3]! > 0) {
+        left = Math.min(left, column);
+        right = Math.max(right, column + 1);
+        top = Math.min(top, row);
+        bottom = row + 1;
+      }
+  if (right <= left) [left, right, top, bottom] = [0, width, 0, height];
+  const [x, y] = info.origin;
+  const cell = info.resolution_m;
+  return { left: x + left * cell, right: x + right * cell, bottom: y + (height - bottom) * cell, top: y + (height - top) * cell };
+}
+
+/** A corner of the selected zone under a point of the screen. */
+export function handleAt(zones: readonly Zone[], selected: string | null, at: Point, toScreen: (point: Point) => Point) {
+  const zone = zones.find(({ name }) => name === selected);
+  if (!zone) return null;
+  const index = cornersOf(zone).findIndex((corner) => {
+    const { x, y } = toScreen(corner);
+    return Math.hypot(x - at.x, y - at.y) <= HANDLE_PX;
+  });
+  return index < 0 ? null : { zone: zone.name, index };
+}
+
+const HANDLE_PX = 12;

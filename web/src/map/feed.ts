@@ -1,0 +1,86 @@
+/** Map and local costmap from the stream: what each is, its picture in the page's colours, acknowledged when drawn. */
+
+import { effect, type ReadonlySignal, signal } from "@preact/signals";
+import { COSTMAP, MAP, parsePicture } from "../protocol/picture";
+import type { GridInfo } from "../protocol/types";
+import type { Session } from "../state/session";
+import { palette, recolor } from "./colors";
+
+export interface GridPicture {
+  info: GridInfo;
+  canvas: HTMLCanvasElement;
+}
+
+const KINDS = { map: MAP, costmap: COSTMAP } as const;
+
+export class GridFeed {
+  /** Null: none yet on this connection. */
+  readonly picture = signal<GridPicture | null>(null);
+  private info: GridInfo | null = null;
+  private readonly colors: Uint8ClampedArray;
+
+  constructor(
+    private readonly session: Session,
+    private readonly kind: keyof typeof KINDS,
+    private readonly shown: ReadonlySignal<boolean>,
+  ) {
+    this.colors = palette(this.tells);
+  }
+
+  start(): void {
+    this.session.onBinary.set(KINDS[this.kind], (frame) => void this.take(frame));
+    this.session.onHello.add(() => {
+      this.picture.value = null;
+      this.tell();
+    });
+    this.session.onJump.add(() => (this.picture.value = null));
+    effect(() => {
+      if (!this.shown.value && this.kind === "costmap") this.picture.value = null;
+      this.tell();
+    });
+    document.addEventListener("visibilitychange", () => this.tell());
+  }
+
+  /** Of the picture that comes next. */
+  announce(info: GridInfo): void {
+    if (info.type === this.tells) this.info = info;
+  }
+
+  private get tells(): GridInfo["type"] {
+    return this.kind === "map" ? "map_info" : "costmap_info";
+  }
+
+  private tell(): void {
+    const wanted = this.shown.peek() && !document.hidden;
+    this.session.send({ type: "view", ...(this.kind === "map" ? { map: wanted } : { costmap: wanted }) });
+  }
+
+  private async take(frame: ArrayBuffer): Promise<void> {
+    const picture = parsePicture(frame);
+    if (!picture) return;
+    const info = this.info?.seq === picture.seq ? this.info : null;
+    const canvas = info && (await this.drawn(picture.data));
+    if (info && canvas) this.picture.value = { info, canvas };
+    this.session.send({ type: "ack", kind: picture.kind, seq: picture.seq });
+  }
+
+  private async drawn(png: Uint8Array<ArrayBuffer>): Promise<HTMLCanvasElement | null> {
+    let bitmap: ImageBitmap;
+    try {
+      // The grey values are figures: no colour management may touch them.
+      bitmap = await createImageBitmap(new Blob([png], { type: "image/png" }), { colorSpaceConversion: "none" });
+    } catch {
+      return null; // a damaged picture: the next one comes after the acknowledgement all the same
+    }
+    const canvas = document.createElement("canvas");
+    canvas.width = bitmap.width;
+    canvas.height = bitmap.height;
+    const context = canvas.getContext("2d", { willReadFrequently: true })!;
+    context.drawImage(bitmap, 0, 0);
+    bitmap.close();
+    const image = context.getImageData(0, 0, canvas.width, canvas.height);
+    recolor(image.data, this.colors);
+    context.putImageData(image, 0, 0);
+    return canvas;
+  }
+}

@@ -1,0 +1,161 @@
+import { describe, expect, test } from "vitest";
+import type { Desire, LaneRow, Localization, Navigation } from "../protocol/types";
+import { emptyWords, goalOf, lengthWords, placeWords, poseWords, wayWords } from "./words";
+
+const desire = (some: Partial<Desire>): Desire => ({
+  id: "d1",
+  class: "GoTo",
+  intensity: 8,
+  utility: 1,
+  security: false,
+  params: { x: 3, y: 4 },
+  source: { kind: "operator", name: "Ann" },
+  created: 10,
+  expires: null,
+  ...some,
+});
+const row = (some: Partial<LaneRow>): LaneRow => ({
+  class: "GoTo",
+  intensity: 8,
+  utility: 1,
+  rate: 1,
+  divisor: 1,
+  state: "fulfilled",
+  text: "",
+  ...some,
+});
+const going = (some: Partial<Navigation>): Navigation => ({
+  type: "navigation",
+  stamp: 1,
+  behavior: "PlanAndFollowPath",
+  state: "following",
+  reason: "",
+  goal: { x: 3, y: 4, theta: null },
+  target: { x: 3, y: 4, theta: null },
+  remaining_m: 4.21,
+  recoveries: 0,
+  desire: "d1",
+  path: [],
+  ...some,
+});
+const place = (some: Partial<Localization>): Localization => ({
+  type: "localization",
+  stamp: 1,
+  state: "tracking",
+  map: "lab",
+  x: 0,
+  y: 0,
+  theta: 0,
+  sigma: [0.02, 0.03, 0.01],
+  X_MO: { x: 0, y: 0, theta: 0 },
+  overlap: 0.9,
+  ...some,
+});
+
+describe("the goal that counts", () => {
+  test("is the most intense desire's, of equals the newest's", () => {
+    const goals = [
+      desire({ id: "a", intensity: 4 }),
+      desire({ id: "b", created: 11 }),
+      desire({ id: "c", created: 12, params: { x: 1, y: 2, heading: 0.5 } }),
+      desire({ id: "d", class: "SLAM" }),
+    ];
+    expect(goalOf(goals)).toEqual({ x: 1, y: 2, theta: 0.5, id: "c", asked: true });
+  });
+
+  test("is none where nobody goes anywhere, or may not", () => {
+    expect(goalOf(null)).toBeNull();
+    expect(goalOf([desire({ utility: 0 })])).toBeNull();
+  });
+
+  test("of a motivation is not the console's", () => {
+    expect(goalOf([desire({ source: { kind: "motivation", name: "Tour" } })])!.asked).toBe(false);
+  });
+});
+
+describe("the way", () => {
+  const goal = goalOf([desire({})]);
+  const told = (some: Partial<Navigation>) => wayWords(going(some), goal, [row({})]);
+
+  test("is told with what is left of it", () => {
+    expect(told({})).toEqual({ tone: "good", text: "Going to (3, 4), 4.2 m left", more: "" });
+  });
+
+  test("to the start is called so", () => {
+    const home = goalOf([desire({ params: { x: 0, y: 0, heading: 0 } })]);
+    expect(wayWords(going({ goal: { x: 0, y: 0, theta: 0 }, target: null }), home, [])!.text).toMatch(/to the start/);
+    expect(placeWords({ x: 0.01, y: -0.02 })).toBe("the start");
+  });
+
+  test("waits, is stuck, or does not exist, and says why", () => {
+    expect(told({ state: "waiting", reason: "a person is in the way" })).toMatchObject({ tone: "warn", more: "A person is in the way." });
+    expect(told({ state: "recovering", recoveries: 2 })!.text).toMatch(/attempt 2/);
+    expect(told({ state: "unreachable", reason: "walls all around" })).toEqual({
+      tone: "bad",
+      text: "No way to (3, 4)",
+      more: "Walls all around.",
+    });
+  });
+
+  test("may end near what cannot be reached", () => {
+    expect(told({ target: { x: 3, y: 3.2, theta: null } })!.more).toMatch(/as near as 0.8 m/);
+  });
+
+  test("is over on arrival, though the desire is gone", () => {
+    expect(wayWords(going({ state: "arrived" }), null, [])!.text).toBe("Arrived at (3, 4)");
+    expect(wayWords(going({ state: "idle", goal: null }), null, [])).toBeNull();
+  });
+
+  test("to a new goal is not yet that to the old one", () => {
+    const other = goalOf([desire({ params: { x: -2, y: 0 } })]);
+    expect(wayWords(going({ state: "arrived" }), other, [row({})])).toMatchObject({ tone: "busy", text: "Sets out for (−2, 0)…" });
+  });
+
+  test("that attention does not allow says so in attention's words", () => {
+    const refused = row({ state: "unfulfilled", divisor: null, text: "unfulfilled: needs 20 % more cpu" });
+    expect(wayWords(null, goal, [refused])).toEqual({
+      tone: "warn",
+      text: "Does not go to (3, 4)",
+      more: "Needs 20 % more cpu.",
+    });
+  });
+});
+
+test.each([
+  ["mapping", "", "Mapping, not saved yet", "good"],
+  ["mapping", "lab", "Goes on mapping lab", "good"],
+  ["tracking", "lab", "On the map lab", "good"],
+  ["searching", "lab", "Looks for itself on lab", "warn"],
+  ["lost", "lab", "Lost on lab", "bad"],
+] as const)("%s on %s: %s", (state, map, text, tone) => {
+  expect(poseWords(place({ state, map }))).toMatchObject({ text, tone });
+});
+
+test("how sure it is", () => {
+  expect(poseWords(place({})).more).toBe("±3 cm, ±0.6°");
+  expect(lengthWords(0.05)).toBe("5 cm");
+  expect(lengthWords(20)).toBe("20 m");
+});
+
+describe("no map", () => {
+  const closed = row({ class: "SLAM", divisor: null, state: "undesired" });
+
+  test("because nobody desires it: that can be helped", () => {
+    expect(emptyWords(true, false, closed, null)).toMatchObject({ text: "No map yet: SLAM is not running.", desire: true });
+  });
+
+  test("because attention has no room for it", () => {
+    const words = emptyWords(true, false, { ...closed, state: "unfulfilled", text: "unfulfilled: needs 8 % more" }, null);
+    expect(words).toMatchObject({ more: "Needs 8 % more.", desire: false });
+  });
+
+  test("because there never is one", () => {
+    expect(emptyWords(true, false, undefined, null).text).toMatch(/makes none/);
+    expect(emptyWords(true, true, undefined, null).text).toMatch(/recording/);
+  });
+
+  test("yet", () => {
+    expect(emptyWords(true, false, row({ class: "SLAM" }), null).text).toMatch(/about to come/);
+    expect(emptyWords(false, false, undefined, null).more).toMatch(/not heard/);
+  });
+});

@@ -1,0 +1,148 @@
+/** Where the robot is, where it goes and why not, in plain words. Pure. */
+
+import type { Desire, GoalPlace, LaneRow, Localization, Navigation } from "../protocol/types";
+import { number, reasonText, sentence } from "../ui/format";
+
+export type Tone = "good" | "busy" | "warn" | "bad" | "idle";
+
+export interface Told {
+  tone: Tone;
+  text: string;
+  /** More of it, or what would help; empty: nothing. */
+  more: string;
+}
+
+/** A goal as somebody desires it. */
+export interface Goal extends GoalPlace {
+  /** Of its desire. */
+  id: string;
+  /** Asked for over the console, by people or programs. */
+  asked: boolean;
+}
+
+const CLASS = "GoTo";
+const ASKED = new Set(["operator", "rest"]);
+const NEAR_M = 0.1;
+const START_M = 0.05;
+
+/** The goal that speaks for its class: of the most intense desire, the newest. */
+export function goalOf(desires: readonly Desire[] | null): Goal | null {
+  const wanted = (desires ?? []).filter((desire) => desire.class === CLASS && desire.utility > 0);
+  const strongest = [...wanted].sort(
+    (a, b) => b.intensity - a.intensity || Number(b.security) - Number(a.security) || b.created - a.created,
+  )[0];
+  if (!strongest) return null;
+  const { x, y, heading } = strongest.params;
+  if (typeof x !== "number" || typeof y !== "number") return null;
+  const theta = typeof heading === "number" ? heading : null;
+  return { x, y, theta, id: strongest.id, asked: ASKED.has(strongest.source.kind) };
+}
+
+/** "the start", "(3.2, −1)". */
+export function placeWords({ x, y }: { x: number; y: number }): string {
+  return Math.hypot(x, y) < START_M ? "the start" : `(${number(x, 1)}, ${number(y, 1)})`;
+}
+
+/** What the behavior on its way is about; null: nobody goes anywhere, and nothing is to be told of a way. */
+export function wayWords(navigation: Navigation | null, goal: Goal | null, rows: readonly LaneRow[]): Told | null {
+  const lane = rows.find((row) => row.class === CLASS);
+  const told = navigation && navigation.state !== "idle" ? navigation : null;
+  const to = told?.goal ?? goal;
+  if (!to) return null;
+  const where = placeWords(to);
+  // Of a new goal the behavior has not spoken yet, or attention has given it nothing.
+  if (goal && (!told || !told.goal || apart(told.goal, goal) > NEAR_M)) {
+    if (lane && (lane.state === "unfulfilled" || lane.state === "inhibited"))
+      return { tone: "warn", text: `Does not go to ${placeWords(goal)}`, more: sentence(reasonText(lane.state, lane.text)) };
+    return { tone: "busy", text: `Sets out for ${placeWords(goal)}…`, more: "" };
+  }
+  if (!told) return null;
+  const reason = sentence(told.reason);
+  const away = told.target ? apart(told.target, to) : 0;
+  const nearest = away > NEAR_M ? `The place itself cannot be reached: it goes as near as ${number(away, 1)} m.` : "";
+  switch (told.state) {
+    case "planning":
+      return { tone: "busy", text: `Looks for a way to ${where}…`, more: "" };
+    case "following":
+      return { tone: "good", text: `Going to ${where}${leftWords(told.remaining_m)}`, more: nearest };
+    case "recovering":
+      return { tone: "warn", text: `Stuck on the way to ${where}${attempts(told.recoveries)}`, more: reason };
+    case "waiting":
+      return { tone: "warn", text: `Waits on the way to ${where}${leftWords(told.remaining_m)}`, more: reason };
+    case "unreachable":
+      return { tone: "bad", text: `No way to ${where}`, more: reason };
+    case "arrived":
+      return { tone: "good", text: `Arrived at ${where}`, more: nearest && `${number(away, 1)} m from the place itself: it cannot be reached.` };
+    case "idle":
+      return null;
+  }
+}
+
+/** Where the robot believes to be. */
+export function poseWords(localization: Localization): Told {
+  const map = localization.map || "a new map";
+  const [sx, sy, st] = localization.sigma;
+  const unsure = `±${lengthWords(Math.max(sx, sy))}, ±${number((st * 180) / Math.PI, 1)}°`;
+  switch (localization.state) {
+    case "mapping":
+      return { tone: "good", text: localization.map ? `Goes on mapping ${map}` : "Mapping, not saved yet", more: unsure };
+    case "tracking":
+      return { tone: "good", text: `On the map ${map}`, more: unsure };
+    case "searching":
+      return {
+        tone: "warn",
+        text: `Looks for itself on ${map}`,
+        more: "Drive it around a little, or set its pose by hand.",
+      };
+    case "lost":
+      return {
+        tone: "bad",
+        text: `Lost on ${map}`,
+        more: "What the laser sees does not fit the map. Set its pose, or let it look for itself.",
+      };
+  }
+}
+
+/** Why there is no map to see; `slam`: the lane of the class SLAM, `modules`: whether a module makes maps at all. */
+export function emptyWords(
+  live: boolean,
+  replay: boolean,
+  slam: LaneRow | undefined,
+  localization: Localization | null,
+): { text: string; more: string; desire: boolean } {
+  if (replay && !localization) return { text: "No map at this moment of the recording.", more: "", desire: false };
+  if (!live) return { text: "No map yet.", more: "The robot is not heard.", desire: false };
+  if (!slam)
+    return {
+      text: "No map: this program makes none.",
+      more: "Its configuration has no strategy of the class SLAM.",
+      desire: false,
+    };
+  if (slam.divisor === null && slam.state !== "fulfilled" && slam.state !== "degraded")
+    return {
+      text: "No map yet: SLAM is not running.",
+      more:
+        slam.state === "undesired"
+          ? "Nobody desires it. Begin to map, or give the robot a goal."
+          : sentence(reasonText(slam.state, slam.text)),
+      desire: slam.state === "undesired",
+    };
+  return { text: "The map is about to come…", more: "", desire: false };
+}
+
+/** "4 cm", "1.2 m". */
+export function lengthWords(metres: number): string {
+  return metres < 0.995 ? `${number(metres * 100, 0)} cm` : `${number(metres, 1)} m`;
+}
+
+function leftWords(metres: number | null): string {
+  return metres === null ? "" : `, ${number(metres, 1)} m left`;
+}
+
+function attempts(count: number): string {
+  return count > 1 ? `: attempt ${count} to get free` : ": it frees itself";
+}
+
+function apart(a: { x: number; y: number }, b: { x: number; y: number }): number {
+  return Math.hypot(a.x - b.x, a.y - b.y);
+}
