@@ -165,7 +165,7 @@ class LocalCostmap:
         )  # fmt: skip
 
     def around(self, X_OB: Pose2, stamp: float) -> Surroundings:
-        """What stands around the robot at ``stamp``, not before the newest message; the window's middle is within a cell
+        """What stands around the robot at ``stamp``, not before the newest message; the middle is within a cell
         of ``X_OB``."""
         from app.modules.behaviors.navigation.rays import standing
 

@@ -1,7 +1,7 @@
 """Compiled kernels: a depth picture on a grid in ``odom``, with the heights at which something stands.
 
-A cell's heights are 16 bands (bits of a uint16) from the floor to the body's height: a ray that passes over a box does not
-clear it, one that passes where it was does.
+A cell's heights are 16 bands (bits of a uint16) from the floor to the body's height: a ray that passes over a box does
+not clear it, one that passes where it was does.
 """
 
 from __future__ import annotations

@@ -54,7 +54,10 @@ class Footprint:
             count = max(1, math.ceil(float(np.linalg.norm(end - begin)) / spacing_m - 1e-9))
             pieces.append(begin + np.arange(count)[:, None] / count * (end - begin))
         low, high = self.corners.min(axis=0), self.corners.max(axis=0)
-        steps = [np.arange(math.ceil(a / spacing_m), math.floor(b / spacing_m) + 1) * spacing_m for a, b in zip(low, high, strict=True)]  # fmt: skip
+        steps = [
+            np.arange(math.ceil(begin / spacing_m), math.floor(end / spacing_m) + 1) * spacing_m
+            for begin, end in zip(low, high, strict=True)
+        ]
         inside = np.stack(np.meshgrid(*steps), axis=-1).reshape(-1, 2)
         beyond = np.hypot(inside[:, 0], inside[:, 1]) > self.inscribed_m
         return np.concatenate((*pieces, inside[beyond & self.contains(inside)]))
@@ -78,9 +81,9 @@ def clearances(
 ) -> NDArray[np.float32]:
     """How far (m) the body's edge is from the nearest obstacle at each of ``poses`` (P, 3) x, y, heading; (P,) float32.
 
-    ``distance`` (H, W) float32: from each cell's middle to the nearest obstacle's (m), the lower left corner of the grid
-    at ``origin``; poses in the grid's frame. Exact to a cell where the body is near; further off than the body is large,
-    a lower bound. Less than half a cell: it touches. Places outside the grid read as the nearest inside.
+    ``distance`` (H, W) float32: from each cell's middle to the nearest obstacle's (m), the lower left corner of the
+    grid at ``origin``; poses in the grid's frame. Exact to a cell where the body is near; further off than the body is
+    large, a lower bound. Less than half a cell: it touches. Places outside the grid read as the nearest inside.
     """
     from app.modules.behaviors.navigation.touching import body_clearances
 

@@ -42,7 +42,7 @@ class Plan:
 
     ``code``: ``way`` (to the goal itself), ``near`` (to ``target``, the nearest place that can be reached), or without
     a way: ``outside`` (the goal is off the map), ``obstacle`` (it cannot be stood on, nor any place near it),
-    ``walled_off``, ``keep_out`` (zones are in the way), ``unknown`` (only unknown space, which is blocked, leads there),
+    ``walled_off``, ``keep_out`` (zones are in the way), ``unknown`` (only unknown space leads there, which is blocked),
     ``in_the_way`` (something that the map does not know stands in the only way; it may go), ``start_stuck`` (the robot
     itself cannot get free), ``start_outside``. ``reason`` says it to people, "" where there is nothing to say.
     ``poses`` (N, 3) float64 x, y, heading on the map, about ``spacing_m`` apart, (0, 3) without a way. ``target`` is
@@ -64,13 +64,9 @@ def plan(field: CostField, start: Pose2, goal: Pose2, settings: PlanSettings | N
     if start_cell is None:
         return _none("start_outside", "the robot is off the map")
     if goal_cell is None:
-        edges = (
-            frame.x,
-            frame.x + frame.columns * frame.resolution_m,
-            frame.y,
-            frame.y + frame.rows * frame.resolution_m,
-        )
-        return _none("outside", "the goal is off the map, which reaches from x {:.1f} to {:.1f} and y {:.1f} to {:.1f} m".format(*edges))  # fmt: skip
+        right, top = frame.x + frame.columns * frame.resolution_m, frame.y + frame.rows * frame.resolution_m
+        covers = f"x {frame.x:.1f} to {right:.1f} and y {frame.y:.1f} to {top:.1f} m"
+        return _none("outside", f"the goal is off the map, which covers {covers}")
     said, out = "", np.empty((0, 2), dtype=np.int64)
     if not np.isfinite(field.cost[start_cell]):
         out = _way_out(field, start_cell, settings)
@@ -211,7 +207,7 @@ def _what_is_at(field: CostField, pose: Pose2, cell: tuple[int, int], who: str =
 
 def _middles(field: CostField, cells: NDArray[np.int64]) -> NDArray[np.float64]:
     frame = field.frame
-    return (cells[:, ::-1] + 0.5) * frame.resolution_m + np.array([frame.x, frame.y])
+    return np.asarray((cells[:, ::-1] + 0.5) * frame.resolution_m + np.array([frame.x, frame.y]))
 
 
 def _none(code: str, reason: str) -> Plan:
@@ -232,8 +228,8 @@ class PathCheck:
 def check_path(
     field: CostField, poses: NDArray[np.float64], pose: Pose2, from_index: int = 0, within_m: float = math.inf
 ) -> PathCheck:
-    """Look along ``poses`` (N >= 1, 3) from where the robot is (``pose``, on the map), on the new map and zones and with
-    what stands in the way now. The nearest pose is sought from ``from_index`` on, ``within_m`` along the way."""
+    """Look along ``poses`` (N >= 1, 3) from where the robot is (``pose``, on the map), on the map and zones of now and
+    with what stands in the way. The nearest pose is sought from ``from_index`` on, ``within_m`` along the way."""
     from app.modules.behaviors.navigation.lines import first_lethal
 
     frame = field.frame

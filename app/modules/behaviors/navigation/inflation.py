@@ -50,8 +50,8 @@ class CostField:
     ``layers`` (H, W) uint8: what each cell is, and which obstacles, zones or temporary obstacles are nearer to it than
     the inscribed radius. ``clearance`` (H, W) float32: m from its middle to that of the nearest obstacle (or zone to
     keep out of), at most ``reach_m`` beyond the circumscribed radius. ``cost`` (H, W) float32: of a metre, >= 1, +inf
-    where the middle of the body may not be (lethal). ``known`` is the field without temporary obstacles, None if that is
-    this one.
+    where the middle of the body may not be (lethal). ``known`` is the field without temporary obstacles, None if it
+    is this one.
     """
 
     frame: GridFrame
@@ -121,8 +121,8 @@ def cost_field(
 
 
 def with_obstacles(field: CostField, points: NDArray[np.float64]) -> CostField:
-    """``field`` with obstacles at ``points`` (N, 2), m on the map, that the map does not know: in place of those that it
-    had before."""
+    """``field`` with obstacles at ``points`` (N, 2), m on the map, that the map does not know: in place of those it had
+    before."""
     from app.modules.behaviors.navigation.costing import overlay
 
     known = field.known or field
@@ -184,8 +184,7 @@ def _prices(field: CostField) -> tuple[float, float, float, float]:
 def _distances(free: NDArray[np.bool_], resolution_m: float) -> NDArray[np.float32]:
     """m from each cell's middle to that of the nearest that is not free; very far where all are."""
     distances = cv2.distanceTransform(free.view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    distances *= resolution_m
-    return np.asarray(distances, dtype=np.float32)
+    return np.asarray(distances * np.float32(resolution_m), dtype=np.float32)
 
 
 def _reach_cells(field: CostField) -> int:

@@ -1,4 +1,4 @@
-"""Compiled kernels on straight lines through a cost field, in cells: (row, column) of a cell's middle are its indices."""
+"""Compiled kernels on ways through a cost field, in cells: (row, column) of a cell's middle are its indices."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def shortcuts(
     cost: NDArray[np.float32],
     points: NDArray[np.float64],
 ) -> NDArray[np.int64]:
-    """Indices of the points (N, 2) row, column to keep: between them the straight way costs no more than by the others."""
+    """Indices of the points (N, 2) row, column to keep: straight between them costs no more than by the others."""
     n = len(points)
     so_far = np.zeros(n)
     for k in range(1, n):
@@ -175,8 +175,8 @@ def escape(
     radius: float,
     through: int,
 ) -> tuple[NDArray[np.int64], int]:
-    """Cells (N, 2) from (row, column) to the nearest that is not lethal within ``radius`` (cells), each touching the one
-    before; and how many. Obstacles' own cells (all those of ``through``, bits) are crossed only if the first is one."""
+    """Cells (N, 2) from (row, column) to the nearest that is not lethal within ``radius`` (cells), each touching the
+    one before; and how many. Obstacles' own cells (of the layers ``through``, bits) are crossed only from one."""
     rows, columns = cost.shape
     reach = int(radius) + 1
     top, left = max(row - reach, 0), max(column - reach, 0)

@@ -55,8 +55,8 @@ def explore(
 ) -> Reached:
     """A* from cell ``start`` (not lethal) to ``goal``; without one, or if it cannot be reached, all that can be is.
 
-    Lethal cells that are so only for reasons in ``passable`` (bits AT_... of ``inflation``), or for being unknown, may be
-    crossed if that is not zero, at ``fee`` a metre.
+    Lethal cells that are so only for reasons in ``passable`` (bits AT_... of ``inflation``), or for being unknown, may
+    be crossed if that is not zero, at ``fee`` a metre.
     """
     from app.modules.behaviors.navigation.search import pool, search
 

@@ -105,8 +105,8 @@ def free_body(
     laser: NDArray[np.int32],
     depth: NDArray[np.int32],
 ) -> None:
-    """Free the cells under the robot at ``pose`` (x, y, theta), whose ``edges`` (E, 3) are outward normals and distances
-    (m): where it stands, nothing else does."""
+    """Free the cells under the robot at ``pose`` (x, y, theta), whose ``edges`` (E, 3) are outward normals and
+    distances (m): where it stands, nothing else does."""
     reach = 0.0
     rows, columns = laser.shape
     for e in range(len(edges)):

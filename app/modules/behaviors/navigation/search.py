@@ -153,7 +153,10 @@ def search(
     return cost, came
 
 
-@kernel("int64[:,::1](int32[:,::1], uint8[::1], int64, UniTuple(int64, 2), UniTuple(int64, 2), float32[:,::1], float64, int64, int64)")  # fmt: skip
+@kernel(
+    "int64[:,::1](int32[:,::1], uint8[::1], int64, UniTuple(int64, 2), UniTuple(int64, 2), float32[:,::1], float64,"
+    " int64, int64)"
+)
 def trace(
     blocks: NDArray[np.int32],
     came: NDArray[np.uint8],
@@ -165,8 +168,8 @@ def trace(
     odd_row: int,
     odd_column: int,
 ) -> NDArray[np.int64]:
-    """The cells (N, 2), each touching the one before, from cell ``first`` to cell ``last`` through the blocks on the way
-    to block ``end`` that ``search`` found: of the cheapest such cells in each block."""
+    """The cells (N, 2), each touching the one before, from cell ``first`` to cell ``last`` through the blocks on the
+    way to block ``end`` that ``search`` found: the cheapest such cells of each block."""
     width = blocks.shape[1]
     offsets = np.array([1, -1, width, -width, width + 1, width - 1, -width + 1, -width - 1])
     count, u = 1, end
@@ -184,7 +187,6 @@ def trace(
     entry = np.zeros((count, 4), dtype=np.int64)
     source = np.zeros((count, 4), dtype=np.int64)
     price = np.empty((count, 4))
-    rows, columns = cost.shape
     for k in range(count):
         top = 2 * (chain[k] // width - 1) - odd_row
         left = 2 * (chain[k] % width - 1) - odd_column

@@ -56,4 +56,4 @@ def remember(
 
 def _moved(points: NDArray[np.float64], pose: Pose2) -> NDArray[np.float64]:
     c, s = math.cos(pose.theta), math.sin(pose.theta)
-    return points @ np.array([[c, s], [-s, c]]) + np.array([pose.x, pose.y])
+    return np.asarray(points @ np.array([[c, s], [-s, c]]) + np.array([pose.x, pose.y]))
