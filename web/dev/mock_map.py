@@ -31,8 +31,18 @@ class MockMap:
         self.mock = mock
         self.name = "ground-floor"
         self.zones: list[dict[str, Any]] = [
-            {"name": "Stairs", "kind": "keep_out", "polygon": [[-9, 4.2], [-6.4, 4.2], [-6.4, 6.4], [-9, 6.4]], "speed": 1},
-            {"name": "Kitchen", "kind": "slow", "polygon": [[2, -4.4], [7, -4.4], [7.6, -1.2], [2, -1.2]], "speed": 0.4},
+            {
+                "name": "Stairs",
+                "kind": "keep_out",
+                "polygon": [[-9, 4.2], [-6.4, 4.2], [-6.4, 6.4], [-9, 6.4]],
+                "speed": 1,
+            },
+            {
+                "name": "Kitchen",
+                "kind": "slow",
+                "polygon": [[2, -4.4], [7, -4.4], [7.6, -1.2], [2, -1.2]],
+                "speed": 0.4,
+            },
         ]
         self.kept = {"ground-floor": time.time() - 8000, "first-floor": time.time() - 900_000}
         self.cells = floor_plan()
@@ -77,7 +87,16 @@ class MockMap:
         sigma = [0.02, 0.035, 0.01] if state in ("tracking", "mapping") else [1.2, 0.8, 0.5]
         place = dict(zip(("x", "y", "theta"), X_MO, strict=True))
         facts = {"stamp": self.mock.now(), "state": state, "map": "" if state == "mapping" else self.name}
-        return {"type": "localization", **facts, "x": x, "y": y, "theta": theta, "sigma": sigma, "X_MO": place, "overlap": 0.9}
+        return {
+            "type": "localization",
+            **facts,
+            "x": x,
+            "y": y,
+            "theta": theta,
+            "sigma": sigma,
+            "X_MO": place,
+            "overlap": 0.9,
+        }
 
     def navigation(self) -> dict[str, Any]:
         x, y, _ = self.pose()
@@ -146,12 +165,24 @@ def floor_plan() -> np.ndarray:
         row = lambda y: round((y - ORIGIN[1]) / CELL)  # noqa: E731
         cells[max(0, row(y0)) : row(y1), max(0, column(x0)) : column(x1)] = value
 
-    for x0, y0, x1, y1 in ((-10, -1, 11, 1.2), (-10, 1.2, -1, 7.5), (-1, 1.2, 11, 7.5), (1, -5, 8, -1), (-6, -5, 1, -1)):
+    for x0, y0, x1, y1 in (
+        (-10, -1, 11, 1.2),
+        (-10, 1.2, -1, 7.5),
+        (-1, 1.2, 11, 7.5),
+        (1, -5, 8, -1),
+        (-6, -5, 1, -1),
+    ):
         box(x0 - 0.1, y0 - 0.1, x1 + 0.1, y1 + 0.1, 100)
         box(x0, y0, x1, y1, 0)
     for x0, y0, x1, y1 in ((-5, 1.0, -4, 1.4), (3, 1.0, 4.1, 1.4), (4, -1.2, 5, -0.8), (-3, -1.2, -2, -0.8)):
         box(x0, y0, x1, y1, 0)
-    for x0, y0, x1, y1 in ((5, 4, 7, 4.8), (-8, 3, -7.4, 3.6), (8.6, -0.4, 9.2, 0), (2, -4, 3, -3.4), (0.4, 5, 0.6, 5.2)):
+    for x0, y0, x1, y1 in (
+        (5, 4, 7, 4.8),
+        (-8, 3, -7.4, 3.6),
+        (8.6, -0.4, 9.2, 0),
+        (2, -4, 3, -3.4),
+        (0.4, 5, 0.6, 5.2),
+    ):
         box(x0, y0, x1, y1, 100)
         box(x0 + 0.1, y0 + 0.1, x1 - 0.1, y1 - 0.1, -1)
     random = np.random.default_rng(1)

@@ -46,7 +46,12 @@ function Tools() {
   const known = store.localization.value !== null;
   return (
     <div class="map-tools" role="toolbar" aria-label="Hands on the map" data-own-arrows>
-      <ToolButton tool="goal" label="Go to" hint="Press where it should go, drag to where it should look (G)" disabled={!allowed}>
+      <ToolButton
+        tool="goal"
+        label="Go to"
+        hint="Press where it should go, drag to where it should look (G)"
+        disabled={!allowed}
+      >
         <FlagIcon />
       </ToolButton>
       <button
@@ -60,7 +65,12 @@ function Tools() {
         <HomeIcon />
         <span>To start</span>
       </button>
-      <ToolButton tool="pose" label="Set pose" hint="Press where the robot is, drag to where it looks" disabled={!allowed || !known}>
+      <ToolButton
+        tool="pose"
+        label="Set pose"
+        hint="Press where the robot is, drag to where it looks"
+        disabled={!allowed || !known}
+      >
         <PlaceIcon />
       </ToolButton>
       <button
@@ -74,7 +84,12 @@ function Tools() {
         <SearchIcon />
         <span>Search</span>
       </button>
-      <ToolButton tool="keep_out" label="Keep out" hint="Drag a rectangle, or click corner after corner" disabled={!allowed}>
+      <ToolButton
+        tool="keep_out"
+        label="Keep out"
+        hint="Drag a rectangle, or click corner after corner"
+        disabled={!allowed}
+      >
         <KeepOutIcon />
       </ToolButton>
       <ToolButton tool="slow" label="Slow" hint="Drag a rectangle, or click corner after corner" disabled={!allowed}>
@@ -84,7 +99,13 @@ function Tools() {
   );
 }
 
-function ToolButton(props: { tool: Tool; label: string; hint: string; disabled: boolean; children: ComponentChildren }) {
+function ToolButton(props: {
+  tool: Tool;
+  label: string;
+  hint: string;
+  disabled: boolean;
+  children: ComponentChildren;
+}) {
   const { map } = useApp();
   const on = map.hands.value.tool === props.tool;
   return (

@@ -21,7 +21,12 @@ export function MapRow({ kept }: { kept: KeptMap }) {
       {kept.problem ? (
         <span class="map-thumb" aria-hidden="true" />
       ) : (
-        <img class="map-thumb" src={session.rest.mapPicture(name, kept.saved)} alt={`Map ${name} from above`} loading="lazy" />
+        <img
+          class="map-thumb"
+          src={session.rest.mapPicture(name, kept.saved)}
+          alt={`Map ${name} from above`}
+          loading="lazy"
+        />
       )}
       <div class="map-facts">
         <p class="recording-head">
@@ -41,7 +46,15 @@ export function MapRow({ kept }: { kept: KeptMap }) {
           >
             Load…
           </button>
-          <button type="button" class="icon-button" data-testid="map-rename" aria-label={`Rename ${name}…`} title="Rename…" disabled={busy} onClick={() => toggle("rename")}>
+          <button
+            type="button"
+            class="icon-button"
+            data-testid="map-rename"
+            aria-label={`Rename ${name}…`}
+            title="Rename…"
+            disabled={busy}
+            onClick={() => toggle("rename")}
+          >
             <PencilIcon />
           </button>
           <button
@@ -60,7 +73,12 @@ export function MapRow({ kept }: { kept: KeptMap }) {
       {open.value === "load" && <LoadForm kept={kept} onDone={() => (open.value = null)} />}
       {open.value === "rename" && <RenameForm name={name} onDone={() => (open.value = null)} />}
       {open.value === "delete" && (
-        <Confirm words={`Delete ${name} for good?`} yes="Delete" onYes={() => void maps.remove(name)} onNo={() => (open.value = null)} />
+        <Confirm
+          words={`Delete ${name} for good?`}
+          yes="Delete"
+          onYes={() => void maps.remove(name)}
+          onNo={() => (open.value = null)}
+        />
       )}
     </li>
   );
@@ -98,16 +116,31 @@ function LoadForm({ kept, onDone }: { kept: KeptMap; onDone: () => void }) {
       </fieldset>
       <fieldset>
         <legend>The robot</legend>
-        <Choice group={`${id}-robot`} id="map-anywhere" checked={where.value === "anywhere"} onChoose={() => (where.value = "anywhere")}>
+        <Choice
+          group={`${id}-robot`}
+          id="map-anywhere"
+          checked={where.value === "anywhere"}
+          onChoose={() => (where.value = "anywhere")}
+        >
           is somewhere on it, and looks for itself
         </Choice>
-        <Choice group={`${id}-robot`} id="map-at-start" checked={where.value === "start"} onChoose={() => (where.value = "start")}>
+        <Choice
+          group={`${id}-robot`}
+          id="map-at-start"
+          checked={where.value === "start"}
+          onChoose={() => (where.value = "start")}
+        >
           stands where the map began
         </Choice>
       </fieldset>
       {unsaved && <p class="inline-note warn">The map in use is not saved: loading another loses it.</p>}
       <div class="form-actions">
-        <button type="submit" class="button small accent" data-testid="map-load-confirm" disabled={maps.doing.value !== ""}>
+        <button
+          type="submit"
+          class="button small accent"
+          data-testid="map-load-confirm"
+          disabled={maps.doing.value !== ""}
+        >
           Load {kept.name}
         </button>
         <button type="button" class="button small" onClick={onDone}>
@@ -118,10 +151,24 @@ function LoadForm({ kept, onDone }: { kept: KeptMap; onDone: () => void }) {
   );
 }
 
-function Choice(props: { group: string; id: string; checked: boolean; disabled?: boolean; onChoose: () => void; children: string }) {
+function Choice(props: {
+  group: string;
+  id: string;
+  checked: boolean;
+  disabled?: boolean;
+  onChoose: () => void;
+  children: string;
+}) {
   return (
     <label class={`check ${props.disabled ? "muted" : ""}`}>
-      <input type="radio" name={props.group} data-testid={props.id} checked={props.checked} disabled={props.disabled ?? false} onChange={props.onChoose} />
+      <input
+        type="radio"
+        name={props.group}
+        data-testid={props.id}
+        checked={props.checked}
+        disabled={props.disabled ?? false}
+        onChange={props.onChoose}
+      />
       <span>{props.children}</span>
     </label>
   );
@@ -132,7 +179,8 @@ function RenameForm({ name, onDone }: { name: string; onDone: () => void }) {
   const to = useSignal(name);
   const others = maps.list.value?.maps.map((one) => one.name) ?? [];
   const typed = to.value.trim();
-  const wrong = typed === name ? "" : nameProblem(typed) || (others.includes(typed) ? "Another map has this name." : "");
+  const wrong =
+    typed === name ? "" : nameProblem(typed) || (others.includes(typed) ? "Another map has this name." : "");
   return (
     <form
       class="map-form"
@@ -156,7 +204,12 @@ function RenameForm({ name, onDone }: { name: string; onDone: () => void }) {
         {wrong && <span class="field-error">{wrong}</span>}
       </div>
       <div class="form-actions">
-        <button type="submit" class="button small accent" data-testid="map-rename-confirm" disabled={wrong !== "" || typed === name}>
+        <button
+          type="submit"
+          class="button small accent"
+          data-testid="map-rename-confirm"
+          disabled={wrong !== "" || typed === name}
+        >
           Rename
         </button>
         <button type="button" class="button small" onClick={onDone}>

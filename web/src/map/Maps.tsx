@@ -111,7 +111,12 @@ function Present() {
         </button>
       </form>
       {asking.value === "replace" && (
-        <Confirm words={`There is a map ${name}. Replace it?`} yes="Replace" onYes={() => void save()} onNo={() => (asking.value = null)} />
+        <Confirm
+          words={`There is a map ${name}. Replace it?`}
+          yes="Replace"
+          onYes={() => void save()}
+          onNo={() => (asking.value = null)}
+        />
       )}
       {asking.value === "begin" && (
         <Confirm

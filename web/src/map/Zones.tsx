@@ -42,7 +42,13 @@ function Row({ zone }: { zone: Zone }) {
   const { map } = useApp();
   const open = map.selected.value === zone.name;
   return (
-    <li class={`zone ${zone.kind} ${open ? "open" : ""}`} data-testid="zone" data-name={zone.name} data-kind={zone.kind} data-speed={zone.speed}>
+    <li
+      class={`zone ${zone.kind} ${open ? "open" : ""}`}
+      data-testid="zone"
+      data-name={zone.name}
+      data-kind={zone.kind}
+      data-speed={zone.speed}
+    >
       <button
         type="button"
         class="zone-head"
@@ -95,7 +101,9 @@ export function ZoneEditor({ zone, onDone }: { zone: Zone; onDone?: () => void }
           id={`${id}-kind`}
           data-testid="zone-kind"
           value={zone.kind}
-          onChange={(event) => edit({ kind: event.currentTarget.value as Zone["kind"], speed: zone.kind === "slow" ? 1 : 0.4 })}
+          onChange={(event) =>
+            edit({ kind: event.currentTarget.value as Zone["kind"], speed: zone.kind === "slow" ? 1 : 0.4 })
+          }
         >
           <option value="keep_out">keeps out</option>
           <option value="slow">goes slowly</option>
@@ -121,7 +129,12 @@ export function ZoneEditor({ zone, onDone }: { zone: Zone; onDone?: () => void }
         </div>
       )}
       <div class="form-actions">
-        <button type="button" class="button small" data-testid="zone-delete" onClick={() => void map.editZones(removed(zones, zone.name))}>
+        <button
+          type="button"
+          class="button small"
+          data-testid="zone-delete"
+          onClick={() => void map.editZones(removed(zones, zone.name))}
+        >
           <TrashIcon /> Delete
         </button>
         {onDone && (

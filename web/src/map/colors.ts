@@ -27,7 +27,8 @@ const UNKNOWN_CELL = 255;
 /** What each grey value of a picture is drawn as, 256 × RGBA. */
 export function palette(kind: GridInfo["type"]): Uint8ClampedArray {
   const colors = new Uint8ClampedArray(4 * 256);
-  for (let value = 0; value < 256; value++) colors.set(kind === "map_info" ? mapColor(value) : costColor(value), 4 * value);
+  for (let value = 0; value < 256; value++)
+    colors.set(kind === "map_info" ? mapColor(value) : costColor(value), 4 * value);
   return colors;
 }
 

@@ -8,9 +8,32 @@ import type { Session } from "../state/session";
 import type { MapPlace, Store } from "../state/store";
 import { AT_REST, busy, type Hands, type Input, type Sight, step, type Tool, type Wish } from "./hands";
 import type { GridPicture } from "./feed";
-import { type Bounds, composed, FIRST_VIEW, fitted, type MapView, NORTH, type Point, type Pose, type Size, zoomed } from "./projection";
+import {
+  type Bounds,
+  composed,
+  FIRST_VIEW,
+  fitted,
+  type MapView,
+  NORTH,
+  type Point,
+  type Pose,
+  type Size,
+  zoomed,
+} from "./projection";
 import { goalOf } from "./words";
-import { added, cornerMoved, cornersOf, edited, type History, NO_HISTORY, polygonProblem, same, undoable, undone, zoneAt } from "./zoneList";
+import {
+  added,
+  cornerMoved,
+  cornersOf,
+  edited,
+  type History,
+  NO_HISTORY,
+  polygonProblem,
+  same,
+  undoable,
+  undone,
+  zoneAt,
+} from "./zoneList";
 
 /** Beside what lies over the canvas. */
 const MARGINS = {
@@ -118,7 +141,9 @@ export class MapControl {
   fit(map: GridPicture | null): void {
     this.follow.value = false;
     const robot = this.robot.peek();
-    const bounds = map ? knownOf(map) : robot && { left: robot.x - 4, right: robot.x + 4, bottom: robot.y - 4, top: robot.y + 4 };
+    const bounds = map
+      ? knownOf(map)
+      : robot && { left: robot.x - 4, right: robot.x + 4, bottom: robot.y - 4, top: robot.y + 4 };
     if (bounds) this.view.value = fitted(this.view.peek(), this.size, bounds, MARGINS[this.on]);
   }
 
@@ -277,11 +302,21 @@ export function knownOf({ info, canvas }: GridPicture): Bounds {
   if (right <= left) [left, right, top, bottom] = [0, width, 0, height];
   const [x, y] = info.origin;
   const cell = info.resolution_m;
-  return { left: x + left * cell, right: x + right * cell, bottom: y + (height - bottom) * cell, top: y + (height - top) * cell };
+  return {
+    left: x + left * cell,
+    right: x + right * cell,
+    bottom: y + (height - bottom) * cell,
+    top: y + (height - top) * cell,
+  };
 }
 
 /** A corner of the selected zone under a point of the screen. */
-export function handleAt(zones: readonly Zone[], selected: string | null, at: Point, toScreen: (point: Point) => Point) {
+export function handleAt(
+  zones: readonly Zone[],
+  selected: string | null,
+  at: Point,
+  toScreen: (point: Point) => Point,
+) {
   const zone = zones.find(({ name }) => name === selected);
   if (!zone) return null;
   const index = cornersOf(zone).findIndex((corner) => {

@@ -1,5 +1,16 @@
 import { describe, expect, test } from "vitest";
-import { AT_REST, busy, type Done, type Hands, type Input, type Sight, sketch, step, type Tool, type Wish } from "./hands";
+import {
+  AT_REST,
+  busy,
+  type Done,
+  type Hands,
+  type Input,
+  type Sight,
+  sketch,
+  step,
+  type Tool,
+  type Wish,
+} from "./hands";
 import { FIRST_VIEW, toMap, toScreen } from "./projection";
 
 const size = { width: 400, height: 300 };
@@ -76,7 +87,10 @@ describe("a goal", () => {
 
   test("tapped: no heading; a second one follows", () => {
     const { wishes } = run([tool("goal"), ...click(220, 130), ...click(240, 130)]);
-    expect(wishes.map((wish) => wish.type === "goal" && [wish.place.x, wish.heading])).toEqual([[1, null], [2, null]]);
+    expect(wishes.map((wish) => wish.type === "goal" && [wish.place.x, wish.heading])).toEqual([
+      [1, null],
+      [2, null],
+    ]);
   });
 
   test("the heading is taken back by coming back", () => {
@@ -91,7 +105,13 @@ describe("a goal", () => {
   });
 
   test("a second finger makes no goal of it", () => {
-    const { wishes, hands } = run([tool("goal"), down(200, 150, 1), down(260, 150, 2), up(260, 150, 2), up(200, 150, 1)]);
+    const { wishes, hands } = run([
+      tool("goal"),
+      down(200, 150, 1),
+      down(260, 150, 2),
+      up(260, 150, 2),
+      up(200, 150, 1),
+    ]);
     expect(wishes).toEqual([]);
     expect(hands.act.kind).toBe("none");
   });
@@ -113,8 +133,19 @@ test("the robot is placed once", () => {
 describe("a zone", () => {
   test("dragged is a rectangle", () => {
     const { wishes, hands } = run([tool("slow"), down(200, 150), move(240, 130), up(240, 130)]);
-    const polygon = [{ x: 0, y: 0 }, { x: 2, y: 0 }, { x: 2, y: 1 }, { x: 0, y: 1 }];
-    expect(wishes).toEqual([{ type: "zone", kind: "slow", polygon: polygon.map(({ x, y }) => ({ x: expect.closeTo(x), y: expect.closeTo(y) })) }]);
+    const polygon = [
+      { x: 0, y: 0 },
+      { x: 2, y: 0 },
+      { x: 2, y: 1 },
+      { x: 0, y: 1 },
+    ];
+    expect(wishes).toEqual([
+      {
+        type: "zone",
+        kind: "slow",
+        polygon: polygon.map(({ x, y }) => ({ x: expect.closeTo(x), y: expect.closeTo(y) })),
+      },
+    ]);
     expect(hands).toMatchObject({ tool: "look", corners: [] });
   });
 
@@ -128,7 +159,13 @@ describe("a zone", () => {
   });
 
   test("a double click closes it too, with no corner more", () => {
-    const { wishes } = run([tool("slow"), ...click(200, 150), ...click(260, 150), ...click(260, 90), ...click(261, 90)]);
+    const { wishes } = run([
+      tool("slow"),
+      ...click(200, 150),
+      ...click(260, 150),
+      ...click(260, 90),
+      ...click(261, 90),
+    ]);
     expect((wishes[0] as { polygon: unknown[] }).polygon).toHaveLength(3);
   });
 
@@ -148,16 +185,31 @@ describe("a zone", () => {
 
   test("a selected zone's corner is dragged", () => {
     const handle = { zone: "Slow 1", index: 2 };
-    const { wishes } = run([{ type: "down", id: 1, at: { x: 200, y: 150 }, button: 0, handle }, move(220, 150), up(220, 150)]);
+    const { wishes } = run([
+      { type: "down", id: 1, at: { x: 200, y: 150 }, button: 0, handle },
+      move(220, 150),
+      up(220, 150),
+    ]);
     expect(wishes).toEqual([{ type: "corner", handle, to: { x: 1, y: 0 } }]);
   });
 });
 
 describe("by keys", () => {
   test("a cursor, a place, a heading, a goal", () => {
-    const { wishes, hands } = run([key("ArrowRight", true), key("ArrowUp"), key("Enter"), key("ArrowUp"), key("ArrowLeft"), key("Enter")]);
+    const { wishes, hands } = run([
+      key("ArrowRight", true),
+      key("ArrowUp"),
+      key("Enter"),
+      key("ArrowUp"),
+      key("ArrowLeft"),
+      key("Enter"),
+    ]);
     expect(wishes).toEqual([
-      { type: "goal", place: { x: expect.closeTo(3.2), y: expect.closeTo(0.8) }, heading: expect.closeTo(Math.PI / 2 + Math.PI / 12) },
+      {
+        type: "goal",
+        place: { x: expect.closeTo(3.2), y: expect.closeTo(0.8) },
+        heading: expect.closeTo(Math.PI / 2 + Math.PI / 12),
+      },
     ]);
     expect(hands.act.kind).toBe("none");
   });
@@ -177,7 +229,15 @@ describe("by keys", () => {
   test("a zone's corners, closed by Enter where the last one is", () => {
     const right = Array.from({ length: 3 }, () => key("ArrowRight"));
     const upwards = Array.from({ length: 3 }, () => key("ArrowUp"));
-    const { wishes } = run([tool("slow"), key("Enter"), ...right, key("Enter"), ...upwards, key("Enter"), key("Enter")]);
+    const { wishes } = run([
+      tool("slow"),
+      key("Enter"),
+      ...right,
+      key("Enter"),
+      ...upwards,
+      key("Enter"),
+      key("Enter"),
+    ]);
     expect(wishes[0]).toMatchObject({ type: "zone", kind: "slow" });
   });
 

@@ -207,8 +207,7 @@ function aimed(done: Done, hands: Hands, act: Extract<Act, { kind: "aim" }>): Do
 /** One more corner; the first or the last one again closes the zone. */
 function corner(done: Done, hands: Hands, kind: "keep_out" | "slow", place: Point, sight: Sight): Done {
   const near = (other: Point | undefined) =>
-    !!other &&
-    distance(toScreen(sight.view, sight.size, other), toScreen(sight.view, sight.size, place)) <= MEET_PX;
+    !!other && distance(toScreen(sight.view, sight.size, other), toScreen(sight.view, sight.size, place)) <= MEET_PX;
   const { corners } = hands;
   if (corners.length >= 3 && (near(corners[0]) || near(corners.at(-1)))) return drawn(done, hands, kind, [...corners]);
   if (near(corners.at(-1))) return { ...done, hands };

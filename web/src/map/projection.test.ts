@@ -1,5 +1,17 @@
 import { describe, expect, test } from "vitest";
-import { composed, fitted, FIRST_VIEW, matrix, NORTH, panned, scaleBar, screenAngle, toMap, toScreen, zoomed } from "./projection";
+import {
+  composed,
+  fitted,
+  FIRST_VIEW,
+  matrix,
+  NORTH,
+  panned,
+  scaleBar,
+  screenAngle,
+  toMap,
+  toScreen,
+  zoomed,
+} from "./projection";
 
 const size = { width: 400, height: 300 };
 const north = { ...FIRST_VIEW, x: 2, y: 1, scale: 20 };

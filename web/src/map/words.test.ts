@@ -88,7 +88,10 @@ describe("the way", () => {
   });
 
   test("waits, is stuck, or does not exist, and says why", () => {
-    expect(told({ state: "waiting", reason: "a person is in the way" })).toMatchObject({ tone: "warn", more: "A person is in the way." });
+    expect(told({ state: "waiting", reason: "a person is in the way" })).toMatchObject({
+      tone: "warn",
+      more: "A person is in the way.",
+    });
     expect(told({ state: "recovering", recoveries: 2 })!.text).toMatch(/attempt 2/);
     expect(told({ state: "unreachable", reason: "walls all around" })).toEqual({
       tone: "bad",
@@ -108,7 +111,10 @@ describe("the way", () => {
 
   test("to a new goal is not yet that to the old one", () => {
     const other = goalOf([desire({ params: { x: -2, y: 0 } })]);
-    expect(wayWords(going({ state: "arrived" }), other, [row({})])).toMatchObject({ tone: "busy", text: "Sets out for (−2, 0)…" });
+    expect(wayWords(going({ state: "arrived" }), other, [row({})])).toMatchObject({
+      tone: "busy",
+      text: "Sets out for (−2, 0)…",
+    });
   });
 
   test("that attention does not allow says so in attention's words", () => {
@@ -141,11 +147,19 @@ describe("no map", () => {
   const closed = row({ class: "SLAM", divisor: null, state: "undesired" });
 
   test("because nobody desires it: that can be helped", () => {
-    expect(emptyWords(true, false, closed, null)).toMatchObject({ text: "No map yet: SLAM is not running.", desire: true });
+    expect(emptyWords(true, false, closed, null)).toMatchObject({
+      text: "No map yet: SLAM is not running.",
+      desire: true,
+    });
   });
 
   test("because attention has no room for it", () => {
-    const words = emptyWords(true, false, { ...closed, state: "unfulfilled", text: "unfulfilled: needs 8 % more" }, null);
+    const words = emptyWords(
+      true,
+      false,
+      { ...closed, state: "unfulfilled", text: "unfulfilled: needs 8 % more" },
+      null,
+    );
     expect(words).toMatchObject({ more: "Needs 8 % more.", desire: false });
   });
 

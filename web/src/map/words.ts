@@ -53,7 +53,11 @@ export function wayWords(navigation: Navigation | null, goal: Goal | null, rows:
   // Of a new goal the behavior has not spoken yet, or attention has given it nothing.
   if (goal && (!told || !told.goal || apart(told.goal, goal) > NEAR_M)) {
     if (lane && (lane.state === "unfulfilled" || lane.state === "inhibited"))
-      return { tone: "warn", text: `Does not go to ${placeWords(goal)}`, more: sentence(reasonText(lane.state, lane.text)) };
+      return {
+        tone: "warn",
+        text: `Does not go to ${placeWords(goal)}`,
+        more: sentence(reasonText(lane.state, lane.text)),
+      };
     return { tone: "busy", text: `Sets out for ${placeWords(goal)}…`, more: "" };
   }
   if (!told) return null;
@@ -72,7 +76,11 @@ export function wayWords(navigation: Navigation | null, goal: Goal | null, rows:
     case "unreachable":
       return { tone: "bad", text: `No way to ${where}`, more: reason };
     case "arrived":
-      return { tone: "good", text: `Arrived at ${where}`, more: nearest && `${number(away, 1)} m from the place itself: it cannot be reached.` };
+      return {
+        tone: "good",
+        text: `Arrived at ${where}`,
+        more: nearest && `${number(away, 1)} m from the place itself: it cannot be reached.`,
+      };
     case "idle":
       return null;
   }
@@ -85,7 +93,11 @@ export function poseWords(localization: Localization): Told {
   const unsure = `±${lengthWords(Math.max(sx, sy))}, ±${number((st * 180) / Math.PI, 1)}°`;
   switch (localization.state) {
     case "mapping":
-      return { tone: "good", text: localization.map ? `Goes on mapping ${map}` : "Mapping, not saved yet", more: unsure };
+      return {
+        tone: "good",
+        text: localization.map ? `Goes on mapping ${map}` : "Mapping, not saved yet",
+        more: unsure,
+      };
     case "tracking":
       return { tone: "good", text: `On the map ${map}`, more: unsure };
     case "searching":

@@ -1,6 +1,22 @@
 import { expect, test } from "vitest";
 import type { Zone } from "../protocol/types";
-import { added, asSpeed, changed, cornerMoved, edited, inside, middle, nameProblem, NO_HISTORY, polygonProblem, removed, same, undoable, undone, zoneAt } from "./zoneList";
+import {
+  added,
+  asSpeed,
+  changed,
+  cornerMoved,
+  edited,
+  inside,
+  middle,
+  nameProblem,
+  NO_HISTORY,
+  polygonProblem,
+  removed,
+  same,
+  undoable,
+  undone,
+  zoneAt,
+} from "./zoneList";
 
 const square = (x: number, y: number, side: number) => [
   { x, y },
@@ -8,7 +24,12 @@ const square = (x: number, y: number, side: number) => [
   { x: x + side, y: y + side },
   { x, y: y + side },
 ];
-const bowTie = [{ x: 0, y: 0 }, { x: 2, y: 2 }, { x: 2, y: 0 }, { x: 0, y: 2 }];
+const bowTie = [
+  { x: 0, y: 0 },
+  { x: 2, y: 2 },
+  { x: 2, y: 0 },
+  { x: 0, y: 2 },
+];
 
 test("new zones get names that are free, and a speed that means something", () => {
   let zones = added([], "keep_out", square(0, 0, 1));
@@ -22,7 +43,11 @@ test("new zones get names that are free, and a speed that means something", () =
 });
 
 test("a hand is not finer than a centimetre", () => {
-  const [zone] = added([], "slow", [{ x: 0.123456, y: 1 }, { x: 1, y: 1 }, { x: 1, y: 2 }]);
+  const [zone] = added([], "slow", [
+    { x: 0.123456, y: 1 },
+    { x: 1, y: 1 },
+    { x: 1, y: 2 },
+  ]);
   expect(zone!.polygon[0]).toEqual([0.12, 1]);
 });
 
@@ -43,7 +68,13 @@ test("the topmost zone is found", () => {
 });
 
 test("the inside of a polygon with a bay", () => {
-  const bay = [{ x: 0, y: 0 }, { x: 4, y: 0 }, { x: 4, y: 4 }, { x: 2, y: 1 }, { x: 0, y: 4 }];
+  const bay = [
+    { x: 0, y: 0 },
+    { x: 4, y: 0 },
+    { x: 4, y: 4 },
+    { x: 2, y: 1 },
+    { x: 0, y: 4 },
+  ];
   expect(inside(bay, { x: 2, y: 0.5 })).toBe(true);
   expect(inside(bay, { x: 2, y: 3 })).toBe(false);
 });
@@ -51,7 +82,14 @@ test("the inside of a polygon with a bay", () => {
 test("corners that are no zone", () => {
   expect(polygonProblem(square(0, 0, 1).slice(0, 2))).toMatch(/three corners/);
   expect(polygonProblem(square(0, 0, 0.05))).toMatch(/too small/);
-  expect(polygonProblem([{ x: 0, y: 0 }, { x: 2, y: 2 }, { x: 3, y: 1 }, { x: 0, y: 2 }])).toMatch(/crosses/);
+  expect(
+    polygonProblem([
+      { x: 0, y: 0 },
+      { x: 2, y: 2 },
+      { x: 3, y: 1 },
+      { x: 0, y: 2 },
+    ]),
+  ).toMatch(/crosses/);
   expect(polygonProblem(bowTie)).not.toBe("");
   expect(polygonProblem(square(0, 0, 1))).toBe("");
 });

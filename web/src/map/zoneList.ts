@@ -131,7 +131,6 @@ export function inside(polygon: readonly Point[], point: Point): boolean {
   return within;
 }
 
-
 function area(polygon: readonly Point[]): number {
   return polygon.reduce((sum, a, i) => {
     const b = polygon[(i + 1) % polygon.length]!;

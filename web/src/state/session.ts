@@ -15,7 +15,16 @@ const HISTORY_EVENTS = 200;
 /** However fast a recording runs, what it says holds until it says the next. */
 const REPLAY_HOLD_S = 10;
 /** What a jump in a recording makes void. */
-const OF_THE_PAST = ["status", "lanes", "load", "landmarks", "perceived", "localization", "navigation", "zones"] as const;
+const OF_THE_PAST = [
+  "status",
+  "lanes",
+  "load",
+  "landmarks",
+  "perceived",
+  "localization",
+  "navigation",
+  "zones",
+] as const;
 
 export class Session {
   readonly rest: Rest;

@@ -8,7 +8,10 @@ const KEYS: [string[], string][] = [
   [["W", "A", "S", "D"], "Drive while held; so do the arrow keys"],
   [["Shift"], "Held: slowly"],
   [["Space"], "Stop driving: every key must be pressed anew"],
-  [["Esc"], "Emergency stop, from anywhere on the page. It stays latched until it is released. While the robot stands, it closes this sheet instead"],
+  [
+    ["Esc"],
+    "Emergency stop, from anywhere on the page; it withdraws the goal, too, and stays latched until it is released. While the robot stands without a goal, it closes this sheet or gives up what is begun on the map instead",
+  ],
   [["V"], "Speak through the robot while held"],
   [["?"], "This sheet"],
 ];
@@ -16,6 +19,7 @@ const PAD: [string[], string][] = [
   [["L1", "R1"], "Hold one of them to drive (the dead-man)"],
   [["Left stick"], "Forward, backward, turn; the right stick turns too"],
   [["B", "○"], "Emergency stop"],
+  [["Y", "△"], "Return to the start"],
 ];
 const RECORDING: [string[], string][] = [
   [["Space"], "Play and pause"],
@@ -23,6 +27,13 @@ const RECORDING: [string[], string][] = [
   [["←", "→"], "Five seconds back and forward"],
   [["Home", "End"], "To the beginning, to the end"],
   [["?"], "This sheet; Esc closes it"],
+];
+const MAP: [string[], string][] = [
+  [["M"], "The map over all of the view, and back"],
+  [["G"], "Go to: press on the place, drag to the heading"],
+  [["↑ ↓", "← →"], "With the map in focus: move the cursor, with Shift further"],
+  [["Enter"], "A goal there: arrows turn it, Enter sends it; a zone's corner with its tool"],
+  [["+", "−", "⌫"], "Zoom; take back the last corner"],
 ];
 const LANES: [string[], string][] = [
   [["← →", "↑ ↓"], "With the lanes in focus: move the cursor that tells why"],
@@ -54,6 +65,7 @@ export function Help() {
       </div>
       <Keys title="Keyboard" keys={replay ? RECORDING : KEYS} />
       {!replay && <Keys title="Gamepad" keys={PAD} />}
+      <Keys title="Map" keys={replay ? MAP.slice(0, 1) : MAP} />
       <Keys title="Lanes" keys={LANES} />
       {!replay && (
         <p class="muted small">

@@ -1,0 +1,66 @@
+/** Joins the browser's pointers, wheel and keys to the hands on the map. */
+
+import { number } from "../ui/format";
+import { handleAt, type MapControl } from "./control";
+import { type Point, toScreen } from "./projection";
+
+/** Pointers, wheel and keys into the state machine; returns the undoing. `say` is for who does not see the cursor. */
+export function handsOn(canvas: HTMLCanvasElement, map: MapControl, say: (words: string) => void): () => void {
+  const at = (event: MouseEvent): Point => {
+    const box = canvas.getBoundingClientRect();
+    return { x: event.clientX - box.left, y: event.clientY - box.top };
+  };
+  const down = (event: PointerEvent) => {
+    if (!map.allowed.peek() && map.hands.peek().tool !== "look") return;
+    canvas.setPointerCapture(event.pointerId);
+    const { view, size } = map.sight;
+    const handle = handleAt(map.zones.peek(), map.selected.peek(), at(event), (point) => toScreen(view, size, point));
+    map.input({ type: "down", id: event.pointerId, at: at(event), button: event.button, handle });
+  };
+  const move = (event: PointerEvent) => void map.input({ type: "move", id: event.pointerId, at: at(event) });
+  const up = (event: PointerEvent) => void map.input({ type: "up", id: event.pointerId, at: at(event) });
+  const cancel = (event: PointerEvent) => void map.input({ type: "cancel", id: event.pointerId });
+  const leave = () => void map.input({ type: "leave" });
+  const wheel = (event: WheelEvent) => {
+    event.preventDefault();
+    map.input({ type: "wheel", at: at(event), factor: Math.exp(-event.deltaY * 0.0016) });
+  };
+  const key = (event: KeyboardEvent) => {
+    if (event.ctrlKey || event.altKey || event.metaKey || event.key === "Escape") return;
+    if (event.key === "Enter" && !map.allowed.peek()) return;
+    if (!map.input({ type: "key", key: event.key, shift: event.shiftKey })) return;
+    event.preventDefault();
+    event.stopPropagation();
+    say(cursorWords(map));
+  };
+  // A click looks, it does not take the arrow keys away from driving; Tab does.
+  const stay = (event: Event) => event.preventDefault();
+  const listeners: [string, (event: never) => void][] = [
+    ["pointerdown", down],
+    ["pointermove", move],
+    ["pointerup", up],
+    ["pointercancel", cancel],
+    ["pointerleave", leave],
+    ["mousedown", stay],
+    ["contextmenu", stay],
+    ["keydown", key],
+  ];
+  for (const [type, listener] of listeners) canvas.addEventListener(type, listener as EventListener);
+  canvas.addEventListener("wheel", wheel, { passive: false });
+  return () => {
+    for (const [type, listener] of listeners) canvas.removeEventListener(type, listener as EventListener);
+    canvas.removeEventListener("wheel", wheel);
+  };
+}
+
+function cursorWords(map: MapControl): string {
+  const { cursor, act, corners } = map.hands.peek();
+  if (!cursor) return "";
+  const where = `${number(cursor.x, 1)}, ${number(cursor.y, 1)} metres`;
+  if (act.kind === "aim") {
+    const heading =
+      act.heading === null ? "no heading yet" : `heading ${number((act.heading * 180) / Math.PI, 0)} degrees`;
+    return `Place ${where}, ${heading}. Arrows turn it, Enter sends it, Escape gives it up.`;
+  }
+  return corners.length > 0 ? `Corner ${corners.length + 1} at ${where}` : where;
+}

@@ -1,0 +1,85 @@
+/** Keeps the map's canvas as large as it is shown, and painted. */
+
+import { effect } from "@preact/signals";
+import type { App } from "../state/context";
+import type { MapPlace } from "../state/store";
+import { draw } from "./draw";
+import { sketch } from "./hands";
+import { composed, type Point } from "./projection";
+import { goalOf } from "./words";
+
+/** Paints at the next frame after any change; returns what ends it. */
+export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map, grid }: App): () => void {
+  let frame = 0;
+  const size = { width: 0, height: 0 };
+  const paint = () => {
+    frame = 0;
+    if (size.width < 1) return;
+    const localization = store.localization.peek();
+    const X_MO = localization?.X_MO ?? null;
+    const navigation = store.navigation.peek();
+    const going = navigation && navigation.state !== "idle" && navigation.state !== "arrived" ? navigation : null;
+    const hands = map.hands.peek();
+    const onMap = ({ x, y }: Point) => (X_MO ? [composed(X_MO, { x, y, theta: 0 })] : []);
+    draw(canvas.getContext("2d")!, size, map.view.peek(), {
+      map: grid.map.picture.peek(),
+      costmap: map.costmap.peek() ? grid.costmap.picture.peek() : null,
+      X_MO,
+      robot: map.robot.peek(),
+      body: {
+        footprint: store.hello.peek()?.robot.footprint ?? [],
+        sigma: localization?.sigma ?? [0, 0, 0],
+        astray: localization?.state === "lost" || localization?.state === "searching",
+      },
+      path: going?.path ?? [],
+      goal: goalOf(store.desires.peek()) ?? going?.goal ?? null,
+      target: going?.target ?? null,
+      zones: map.zones.peek(),
+      selected: map.selected.peek(),
+      tool: hands.tool,
+      act: hands.act,
+      sketch: sketch(hands, map.sight),
+      cursor: hands.cursor,
+      roomy: place === "view",
+      people: (store.perceived.peek()?.faces ?? []).flatMap(({ x, y }) =>
+        x === null || y === null ? [] : onMap({ x, y }),
+      ),
+      posters: (store.landmarks.peek() ?? []).flatMap(({ x, y, text }) =>
+        onMap({ x, y }).map((place) => ({ ...place, text })),
+      ),
+    });
+  };
+  const later = () => {
+    if (!frame) frame = requestAnimationFrame(paint);
+  };
+  const sized = new ResizeObserver(() => {
+    size.width = canvas.clientWidth;
+    size.height = canvas.clientHeight;
+    const density = Math.min(2, window.devicePixelRatio || 1);
+    canvas.width = Math.round(size.width * density);
+    canvas.height = Math.round(size.height * density);
+    map.resize({ ...size }, place);
+    map.met(grid.map.picture.peek());
+    cancelAnimationFrame(frame);
+    paint();
+  });
+  sized.observe(canvas);
+  const end = effect(() => {
+    void [
+      store.localization.value,
+      store.navigation.value,
+      store.desires.value,
+      store.perceived.value,
+      store.landmarks.value,
+    ];
+    void [map.view.value, map.hands.value, map.robot.value, map.zones.value, map.selected.value, map.costmap.value];
+    void [grid.costmap.picture.value, store.hello.value];
+    map.met(grid.map.picture.value);
+    later();
+  });
+  return () => {
+    end();
+    sized.disconnect();
+    cancelAnimationFrame(frame);
+  };
+}
