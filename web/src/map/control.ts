@@ -96,6 +96,10 @@ export class MapControl {
       const middle = this.follow.value && robot ? robot : view;
       this.view.value = { ...view, x: middle.x, y: middle.y, up };
     });
+    this.session.onStop = () => {
+      // It must not set out again by itself when the stop is released.
+      if (this.allowed.peek() && goalOf(this.store.desires.peek())) void this.cancelGoal();
+    };
     // Before the hands on the wheel hear of it: what is begun on the map is given up first, while the robot stands.
     this.listenIn(window);
   }
@@ -270,14 +274,11 @@ export class MapControl {
     const begun = this.shown.peek() && busy(this.hands.peek());
     const stands = this.store.replay.peek() || this.store.status.peek()?.guard.state === "idle";
     if (begun) this.input({ type: "key", key: "Escape", shift: false });
-    const goal = goalOf(this.store.desires.peek());
-    if (begun && stands && !goal) {
+    const going = goalOf(this.store.desires.peek()) !== null;
+    if (begun && stands && !going) {
       event.preventDefault();
       event.stopImmediatePropagation();
-    } else if (goal && this.allowed.peek()) {
-      // Stopped, it must not set out again by itself when the stop is released.
-      void this.cancelGoal();
-    }
+    } else if (going) this.store.help.value = false; // or it would close the sheet instead of stopping
   }
 }
 
