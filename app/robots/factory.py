@@ -62,8 +62,8 @@ def create_lockstep(
 ) -> LockstepLink:
     """The simulated body ``robot_config`` in the program's own process, in step with ``clock``; see ``lockstep.py``.
 
-    ``world`` stands in for the one that its file names. Raises ConfigError (file, line, key) if its model or its world is
-    wrong.
+    ``world`` stands in for the one that its file names. Raises ConfigError (file, line, key) if its model or its world
+    is wrong.
     """
     robot, world, scenario = simulated_parts(robot_config, world)
     return LockstepLink(robot, world, clock, scenario, cameras=cameras)

@@ -32,7 +32,7 @@ class Contact:
 
 
 class ContactWatch:
-    """Notes contacts of a simulation; :meth:`look` after each step."""
+    """Notes contacts of a simulation; :meth:`look` every few steps: the softest touch lasts longer."""
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation

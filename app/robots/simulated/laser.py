@@ -7,7 +7,9 @@ and angle of incidence.
 
 from __future__ import annotations
 
+import contextlib
 import math
+from collections.abc import Iterator
 
 import mujoco
 import numpy as np
@@ -23,6 +25,8 @@ from app.robots.simulated.world import OUT_OF_REACH_GROUP, WORLD_GROUP
 
 FAN_S = 0.0035
 """The longest time one fan of rays stands for: at 1 rad/s the base turns less than one ray's step in it."""
+_MARGIN_RAD = math.radians(1.0)
+"""The base nods and sways a little, and the fan with it."""
 REACH_M = 0.25
 """How far above and below its plane the laser may look, for all the base's nodding: what is beyond is left out."""
 
@@ -43,6 +47,7 @@ class Laser:
         self._directions_L = np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)], axis=-1)
         self._groups = np.array([group in (WORLD_GROUP, LASER_GROUP) for group in range(6)], dtype=np.uint8)
         _leave_out_of_reach(simulation, float(X_BL.translation[2]))
+        self._sight = _Sight(simulation)
         fans = max(1, math.ceil(config.sweep_s / FAN_S))
         self._fans = np.linspace(0, config.rays, fans + 1).astype(int)
         self._distances = np.zeros(config.rays)
@@ -76,11 +81,12 @@ class Laser:
         rotation: NDArray[np.float64] = data.xmat[self._body].reshape(3, 3)
         directions = self._directions_L[first:last] @ rotation.T
         self._directions_W[first:last] = directions
-        mujoco.mj_multiRay(
-            self._simulation.model, data, data.xpos[self._body], directions.ravel(), self._groups, True, -1,
-            self._geoms[first:last], self._distances[first:last], self._normals[first:last].reshape(-1),
-            last - first, self._config.range_max_m,
-        )  # fmt: skip
+        with self._sight.limited(data.xpos[self._body], directions[0], directions[-1], self._config.range_max_m):
+            mujoco.mj_multiRay(
+                self._simulation.model, data, data.xpos[self._body], directions.ravel(), self._groups, True, -1,
+                self._geoms[first:last], self._distances[first:last], self._normals[first:last].reshape(-1),
+                last - first, self._config.range_max_m,
+            )  # fmt: skip
 
     def _scan(self) -> LaserScan:
         c, d = self._config, self._distances
@@ -101,6 +107,50 @@ class Laser:
             duration_s=c.sweep_s,
             X_BL=self._X_BL,
         )
+
+
+class _Sight:
+    """Keeps shapes that a fan of rays cannot meet out of its casting, which asks every shape for every ray.
+
+    Of the shapes that stand in the world for good; what moves is always asked.
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        model, data = simulation.model, simulation.data
+        self._groups = model.geom_group
+        standing = (model.geom_group == WORLD_GROUP) & (model.geom_bodyid == 0) & (model.geom_rbound > 0)
+        self._geoms = np.flatnonzero(standing)
+        corners = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, 8).T
+        center, half = model.geom_aabb[self._geoms, :3], model.geom_aabb[self._geoms, 3:]
+        rotation = data.geom_xmat[self._geoms].reshape(-1, 3, 3)
+        boxes = center[:, None] + half[:, None] * corners
+        places = np.einsum("gij,gcj->gci", rotation, boxes)[..., :2]
+        self._middles = data.geom_xpos[self._geoms, :2]
+        self._radii = np.hypot(places[..., 0], places[..., 1]).max(axis=1)
+
+    @contextlib.contextmanager
+    def limited(
+        self, origin: NDArray[np.float64], first: NDArray[np.float64], last: NDArray[np.float64], range_m: float
+    ) -> Iterator[None]:
+        """Leave out meanwhile what lies outside the fan from ``origin`` that turns left from ``first`` to ``last``."""
+        left, right = math.atan2(last[1], last[0]), math.atan2(first[1], first[0])
+        half = 0.5 * (left - right) % math.pi + _MARGIN_RAD
+        middle = right + half - _MARGIN_RAD
+        if half >= 0.5 * math.pi:
+            yield
+            return
+        x, y = self._middles[:, 0] - origin[0], self._middles[:, 1] - origin[1]
+        c, s = math.cos(middle), math.sin(middle)
+        ahead, aside = c * x + s * y, c * y - s * x
+        # Outside is what lies, as a disc, on the far side of the nearer one of the fan's edges, or too far ahead
+        outside = math.cos(half) * np.abs(aside) - math.sin(half) * ahead > self._radii
+        outside |= ahead > range_m + self._radii
+        hidden = self._geoms[outside]
+        self._groups[hidden] = OUT_OF_REACH_GROUP
+        try:
+            yield
+        finally:
+            self._groups[hidden] = WORLD_GROUP
 
 
 def _leave_out_of_reach(simulation: Simulation, height_m: float) -> None:

@@ -71,6 +71,7 @@ class LivingWorld:
         self.robot = robot
         self.eye_rngs = {"kinect": kinect_rng, "imv": imv_rng}
         self.stage = Stage(scenario or ScenarioConfig(name="nobody"))
+        self._inhabited = scenario is not None
         self.wanted = set(wanted)
         self.sounds: Callable[[float, float], tuple[SoundTruth, ...]] = lambda _time_s, _stamp: ()
         self._send_out = send
@@ -134,7 +135,7 @@ class LivingWorld:
             self.state = guard.step(self.state, action, self._limits, TIMESTEP_S)
             simulation.drive(self.state.applied)
             simulation.step()
-            if self.stage.advance(simulation.time_s, simulation.true_pose()):
+            if self._inhabited and self.stage.advance(simulation.time_s, simulation.true_pose()):
                 self._people.pose(simulation.data)
             self._sense(stamp)
             also(stamp)

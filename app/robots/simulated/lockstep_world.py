@@ -41,6 +41,7 @@ class LockstepWorld(LivingWorld):
     def lockstep(self, now: float, began: float) -> None:
         """Take every step that is due at ``now``, the first one ``TIMESTEP_S`` after ``began``."""
         action = self.turn(now, self._stamps(now, began), self._also)
+        self.contacts.look(now)
         self.report(now, action, lambda: 1.0)
 
     def close(self) -> None:
@@ -56,7 +57,6 @@ class LockstepWorld(LivingWorld):
             yield stamp
 
     def _also(self, stamp: float) -> None:
-        self.contacts.look(stamp)
         for stream in self.eyes:
             if (snapshot := self.look(stream, stamp)) is None:
                 continue

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 
 import numpy as np
@@ -13,7 +14,7 @@ from app.robots.config import HokuyoConfig, RobotConfig, StartPose
 from app.robots.guard import Velocity
 from app.robots.model import load_model
 from app.robots.simulated.body import TIMESTEP_S, Simulation, build_simulation
-from app.robots.simulated.laser import Laser
+from app.robots.simulated.laser import Laser, _Sight
 from app.robots.simulated.odometry import TrueBase
 from app.robots.simulated.world_config import WorldConfig
 from tests.robots.conftest import make_hall
@@ -94,3 +95,23 @@ def test_the_same_seed_gives_the_same_scan(robot: RobotConfig, hall: WorldConfig
     first, second, third = (sweep(*setup(robot, hall, seed)[:2]).ranges for seed in (3, 3, 4))
     np.testing.assert_array_equal(first, second)
     assert not np.array_equal(first, third)
+
+
+@pytest.mark.parametrize("heading_deg", [37, 260])
+def test_shapes_left_out_of_a_fan_are_none_that_it_meets(
+    robot: RobotConfig, lab: WorldConfig, heading_deg: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hokuyo = HokuyoConfig(fov_deg=270, noise_m=0.0, sweep_s=0.01875)
+    start = StartPose(x=11.0, y=8.0, heading_deg=heading_deg)
+    simulation = build_simulation(robot.model_copy(update={"start": start}), lab, TrueBase(0.10, 0.10, 0.44))
+    X_BL = load_model(robot.model).pose("hokuyo_link")
+    limited = sweep(simulation, Laser(simulation, hokuyo, X_BL, np.random.default_rng(1)))
+    groups = simulation.model.geom_group.copy()
+
+    simulation = build_simulation(robot.model_copy(update={"start": start}), lab, TrueBase(0.10, 0.10, 0.44))
+    with monkeypatch.context() as context:
+        context.setattr(_Sight, "limited", lambda *_: contextlib.nullcontext())
+        everything = sweep(simulation, Laser(simulation, hokuyo, X_BL, np.random.default_rng(1)))
+    np.testing.assert_array_equal(limited.ranges, everything.ranges)
+    np.testing.assert_array_equal(limited.intensities, everything.intensities)
+    np.testing.assert_array_equal(groups, simulation.model.geom_group)  # and all are asked again afterwards
