@@ -119,6 +119,25 @@ class RecordParameters(BaseModel):
     )
 
 
+class GoToParameters(BaseModel):
+    """Parameters of a desire of class GoTo."""
+
+    model_config = ConfigDict(extra="forbid", title="Go to a place", allow_inf_nan=False)
+
+    x: float = Field(title="x", description="Where to, in metres on the map.")
+    y: float = Field(title="y", description="Where to, in metres on the map.")
+    heading: float | None = Field(
+        None, ge=-7, le=7, title="Heading", description="How to stand there, in rad on the map; none: any way."
+    )
+    tolerance_m: float = Field(
+        0.25, ge=0.05, le=5, title="Near enough", description="So many metres from there will do."
+    )
+    tolerance_rad: float = Field(
+        0.2, ge=0.05, le=3.2, title="Turned enough", description="So many rad from the heading will do."
+    )
+    speed: float = Field(1.0, gt=0, le=1, title="Speed", description="Share of the robot's greatest speeds, 0 to 1.")
+
+
 def desire_classes() -> tuple[DesireClass, ...]:
     """Every desire class that modules of this program serve, in the order the console shows them."""
     return (
@@ -145,6 +164,17 @@ def desire_classes() -> tuple[DesireClass, ...]:
             title="Locate voices",
             description="Tell where voices and other sounds come from (in base_link), and hear each by itself.",
             parameters=LocateVoicesParameters,
+        ),
+        DesireClass(
+            name="SLAM",
+            title="Map and know where it is",
+            description="Map the place with the laser, close loops, and tell where the robot is on the map (m).",
+        ),
+        DesireClass(
+            name="GoTo",
+            title="Go to a place",
+            description="Go to a place on the map, around what stands in the way.",
+            parameters=GoToParameters,
         ),
         DesireClass(
             name="Teleoperation",
