@@ -90,6 +90,7 @@ class System:
         services: dict[type[object], object] = {
             RobotLink: self.link,
             IntentionWorkspace: self.workspace,
+            Timeline: self.timeline,
             RecordingLibrary: self.recordings,
             RecorderControl: self.recorder,
             MapLibrary: self.maps,

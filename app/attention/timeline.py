@@ -20,6 +20,7 @@ EventKind = Literal[
     "capacity",
     "module",
     "stale",
+    "goal",
 ]
 
 _log = logging.getLogger(__name__)

@@ -1,0 +1,242 @@
+"""ProgressSupervisor: the motivation that ends what is reached, and feels distress where nothing is.
+
+    ┌─────────────────────────────────────────────────────────────────────────────────────────┐
+    │ ProgressSupervisor  in   navigation    NavigationStatus, as they come                    │
+    │                     in   going_toward  NavigationStatus, as they come; may be absent     │
+    │                     in   exploitation  Exploitation, 10 Hz                               │
+    │                     edits desires of class GoTo, and inhibits others for a time          │
+    └─────────────────────────────────────────────────────────────────────────────────────────┘
+
+A desire of class GoTo whose goal is reached is removed: it is fulfilled. While a goal is not neared (``distress.py``),
+the robot first *insists*: the desire gets ``intensity`` and desired ``utility``, so that attention chooses the best way
+of going there that it has. Then it *inhibits* the classes ``inhibits``, which compete for the computer's time, by
+desires of utility 0; security desires cannot be silenced so. Both end when the robot gets on, or the goal is gone; the
+inhibiting desires expire by themselves, too. In the end the goal is given up and people are asked for help. People who
+drive by hand meanwhile are no distress.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Self
+
+from pydantic import Field, model_validator
+
+from app.attention.desires import SCALE, Desire, Source
+from app.attention.timeline import Timeline
+from app.attention.workspace import IntentionWorkspace, UnknownDesire
+from app.geometry import Pose2
+from app.messages import Exploitation, NavigationStatus
+from app.modules.motivations.distress import (
+    Act,
+    Arrived,
+    Distress,
+    Errand,
+    GiveUp,
+    Level,
+    Patience,
+    Raise,
+    Restore,
+    decide,
+    same_goal,
+    status_of,
+)
+from app.runtime.module import Module, ModuleContext, Settings
+
+GO_TO = "GoTo"
+_BEAT_S = 0.25
+#: Who drives, as the arbiter said this long ago at most, drives.
+_FRESH_S = 0.5
+
+
+class ProgressSupervisorSettings(Settings):
+    """Settings of ProgressSupervisor; times in s without progress."""
+
+    insist_s: float = Field(20.0, gt=0, description="the robot insists on its goal")
+    inhibit_s: float = Field(40.0, gt=0, description="what competes with it is inhibited")
+    give_up_s: float = Field(90.0, gt=0, description="the goal is given up, and people are asked for help")
+    unreachable_s: float = Field(5.0, ge=0, description="a goal called unreachable for so long is given up")
+    relief_s: float = Field(20.0, gt=0, description="what was done about distress stands so long at least")
+    intensity: float = Field(SCALE, gt=0, le=SCALE, description="of the desire insisted on")
+    utility: float = Field(SCALE, gt=0, le=SCALE, description="desired of the class insisted on")
+    inhibits: tuple[str, ...] = Field((), description="desire classes that are inhibited, of those there are")
+    by_hand: str = Field("Teleop", description="the behavior that people drive by")
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if not self.insist_s <= self.inhibit_s <= self.give_up_s:
+            raise ValueError("insist_s, inhibit_s and give_up_s follow each other: none may be shorter than the former")
+        return self
+
+    def patience(self) -> Patience:
+        """The times alone."""
+        return Patience(self.insist_s, self.inhibit_s, self.give_up_s, self.unreachable_s, self.relief_s)
+
+
+@dataclass(frozen=True, slots=True)
+class _Insisted:
+    """A desire before and after it was insisted on."""
+
+    before: Desire
+    after: Desire
+
+
+class ProgressSupervisor(Module):
+    """Removes desires that are fulfilled, and does something about those that do not come nearer."""
+
+    title = "Progress supervisor"
+    Settings = ProgressSupervisorSettings
+    settings: ProgressSupervisorSettings
+
+    _workspace: IntentionWorkspace
+    _timeline: Timeline
+
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.navigation = self.input("navigation", NavigationStatus, capacity=4)
+        self.going_toward = self.input("going_toward", NavigationStatus, capacity=4)
+        self.exploitation = self.input("exploitation", Exploitation)
+        self.on(self.navigation, self._hear)
+        self.on(self.going_toward, self._hear)
+        self.on(self.exploitation, self._notice)
+        self.every(_BEAT_S, self._supervise)
+        self._statuses: dict[str, NavigationStatus] = {}
+        self._exploited: Exploitation | None = None
+        self._distress = Distress()
+        #: When each GoTo desire's parameters were given, by id: a status from before is not about them.
+        self._given: dict[str, tuple[Pose2, float]] = {}
+        self._insisted: _Insisted | None = None
+        self._inhibiting: list[str] = []
+
+    async def start(self) -> None:
+        """Find the workspace and the timeline."""
+        self._workspace = self.service(IntentionWorkspace)
+        self._timeline = self.service(Timeline)
+
+    async def stop(self) -> None:
+        """Leave desires as people gave them."""
+        if self._insisted is not None or self._inhibiting:
+            self._restore()
+
+    async def _hear(self, status: NavigationStatus) -> None:
+        self._statuses[status.behavior] = status
+        await self._supervise()
+
+    async def _notice(self, exploitation: Exploitation) -> None:
+        self._exploited = exploitation
+
+    async def _supervise(self) -> None:
+        now = self.clock.now()
+        desire = self._workspace.strongest().get(GO_TO)
+        if desire is not None and desire.utility == 0:
+            desire = None  # somebody inhibits the class
+        errand = None if desire is None else self._errand(desire)
+        exploited = self._exploited
+        fresh = exploited is not None and now - exploited.stamp <= _FRESH_S
+        by_hand = exploited is not None and fresh and exploited.behavior == self.settings.by_hand
+        self._distress, acts = decide(now, errand, self._distress, self.settings.patience(), by_hand=by_hand)
+        for act in acts:
+            self._do(act, desire)
+
+    def _errand(self, desire: Desire) -> Errand:
+        goal = goal_of(desire)
+        known = self._given.get(desire.id)
+        if known is None or not same_goal(known[0], goal):
+            # Desires keep their creation when they are changed to another goal.
+            given = desire.created if known is None else self.clock.now()
+            self._given = {d.id: self._given[d.id] for d in self._workspace.desires() if d.id in self._given}
+            self._given[desire.id] = known = goal, given
+        exploited = self._exploited
+        return Errand(
+            goal,
+            known[1],
+            status_of(goal, known[1], self._statuses.values()),
+            "" if exploited is None else exploited.limited,
+        )
+
+    def _do(self, act: Act, desire: Desire | None) -> None:
+        match act:
+            case Restore(why):
+                self._restore()
+                self._timeline.add("goal", GO_TO, f"Distress is over, {why}: desires are as they were before")
+            case Raise(level, stuck_s) if desire is not None:
+                self._raise(level, stuck_s, desire)
+            case Arrived() if desire is not None:
+                self._remove_all(goal_of(desire))
+                text = f"Arrived at {place(desire)}: {desire.source.name}'s desire is fulfilled"
+                self._timeline.add("goal", GO_TO, text, {"desire": desire.id, "arrived": True})
+            case GiveUp(why) if desire is not None:
+                self._remove_all(goal_of(desire))
+                text = f"Gave up going to {place(desire)}: {why}. Please help, or send it elsewhere"
+                self.log.warning("%s", text)
+                self._timeline.add("goal", GO_TO, text, {"desire": desire.id, "arrived": False, "why": why})
+
+    def _raise(self, level: Level, stuck_s: float, desire: Desire) -> None:
+        with self._workspace.transaction():
+            if self._insisted is None:
+                after = self._workspace.change(
+                    desire.id,
+                    intensity=max(desire.intensity, self.settings.intensity),
+                    utility=max(desire.utility, self.settings.utility),
+                )
+                self._insisted = _Insisted(desire, after)
+            silenced = self._inhibit() if level is Level.INHIBITING else []
+        text = f"Distress: {place(desire)} has come no nearer for {stuck_s:.0f} s; insists on it"
+        if silenced:
+            text += f" and inhibits {' and '.join(silenced)}"
+        self.log.info("%s", text)
+        self._timeline.add("goal", GO_TO, text, {"desire": desire.id, "stuck_s": round(stuck_s, 1)})
+
+    def _inhibit(self) -> list[str]:
+        strongest = self._workspace.strongest()
+        silenced = [cls for cls in self.settings.inhibits if cls in strongest and not strongest[cls].security]
+        for cls in silenced:
+            # Should this module not live to take it back, it ends by itself.
+            until_s = self.settings.give_up_s - self.settings.inhibit_s + self.settings.relief_s
+            source = Source("motivation", self.name)
+            added = self._workspace.add(cls, intensity=SCALE, utility=0.0, ttl=until_s, source=source)
+            self._inhibiting.append(added.id)
+        return silenced
+
+    def _restore(self) -> None:
+        insisted, self._insisted = self._insisted, None
+        inhibiting, self._inhibiting = self._inhibiting, []
+        with self._workspace.transaction():
+            for desire_id in inhibiting:
+                self._remove(desire_id)
+            if insisted is None:
+                return
+            before, after = insisted.before, insisted.after
+            try:
+                now = self._workspace.get(before.id)
+            except UnknownDesire:
+                return
+            # What somebody else has changed since is theirs.
+            if (now.intensity, now.utility) == (after.intensity, after.utility):
+                self._workspace.change(before.id, intensity=before.intensity, utility=before.utility)
+
+    def _remove_all(self, goal: Pose2) -> None:
+        """Everybody's desire for this goal: who wants the same has the same."""
+        with self._workspace.transaction():
+            for desire in self._workspace.desires():
+                if desire.cls == GO_TO and desire.utility > 0 and same_goal(goal_of(desire), goal):
+                    self._remove(desire.id)
+
+    def _remove(self, desire_id: str) -> None:
+        try:
+            self._workspace.remove(desire_id)
+        except UnknownDesire:
+            self.log.info("desire %s was already gone", desire_id)
+
+
+def goal_of(desire: Desire) -> Pose2:
+    """Where a desire of class GoTo wants to go, on the map; NaN for a heading that it does not ask for."""
+    heading = desire.params.get("heading")
+    return Pose2(float(desire.params["x"]), float(desire.params["y"]), math.nan if heading is None else float(heading))
+
+
+def place(desire: Desire) -> str:
+    """A goal in words."""
+    goal = goal_of(desire)
+    return f"({goal.x:.2f}, {goal.y:.2f})"
