@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import math
 import time
 from pathlib import Path
 
+import mujoco
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from app.errors import ConfigError
 from app.messages import GroundTruth, Image, LaserScan
-from app.robots.config import RobotConfig, load_robot_config
+from app.robots.config import RobotConfig, StartPose, check_footprint, circle, load_robot_config
 from app.robots.factory import create_link
+from app.robots.simulated.body import Simulation, build_simulation
+from app.robots.simulated.odometry import TrueBase
+from tests.robots.conftest import make_hall
 
 
 def write(tmp_path: Path, text: str) -> Path:
@@ -76,3 +83,74 @@ def test_names_the_model_has_not_are_refused(tmp_path: Path, robot: RobotConfig,
     path = write(tmp_path, f"model: {robot.model}\nworld: {robot.world}\n{change}\n")
     with pytest.raises(ConfigError, match=complaint):
         create_link(load_robot_config(path), 0.0)
+
+
+SQUARE = [(0.3, -0.2), (0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2)]
+
+
+def test_a_sound_footprint_is_taken_as_it_is() -> None:
+    assert check_footprint(tuple(SQUARE)) == tuple(SQUARE)
+    assert check_footprint(circle(0.28)) == circle(0.28)
+    on_an_edge = (*SQUARE[:2], (0.0, 0.2), *SQUARE[2:])
+    assert check_footprint(on_an_edge) == on_an_edge
+
+
+@pytest.mark.parametrize(
+    ("corners", "words"),
+    [
+        (SQUARE[::-1], "clockwise"),
+        ([*SQUARE[:2], (0.1, 0.0), *SQUARE[2:]], "not convex"),
+        ([SQUARE[0], SQUARE[2], SQUARE[1], SQUARE[3]], "not convex"),
+        ([*SQUARE, *SQUARE], "not convex"),  # twice round
+        ([(x + 0.5, y) for x, y in SQUARE], "does not lie inside"),
+        ([(x + 0.3, y) for x, y in SQUARE], "does not lie inside"),
+        ([*SQUARE, SQUARE[-1]], "the same"),
+        (SQUARE[:2], "at least 3"),
+    ],
+)
+def test_a_footprint_that_cannot_be_is_refused_with_its_line(
+    tmp_path: Path, robot: RobotConfig, corners: list[tuple[float, float]], words: str
+) -> None:
+    text = f"model: {robot.model}\nworld: {robot.world}\nfootprint: {[list(corner) for corner in corners]}\n"
+    with pytest.raises(ConfigError, match=words) as refused:
+        load_robot_config(write(tmp_path, text))
+    assert refused.value.line == 3
+
+
+@pytest.mark.parametrize("name", ["irl1_tr", "jackal"])
+def test_the_footprint_covers_all_of_the_body_and_no_more(name: str) -> None:
+    config = load_robot_config(Path(__file__).parents[2] / "config" / "robots" / f"{name}.yaml")
+    config = config.model_copy(update={"start": StartPose()})
+    model = build_simulation(config, make_hall(), TrueBase(0.1, 0.1, config.base.track_m))
+    corners = np.array(config.footprint)
+    edges = np.roll(corners, -1, axis=0) - corners
+    outward = np.stack([edges[:, 1], -edges[:, 0]], axis=1) / np.linalg.norm(edges, axis=1, keepdims=True)
+    reach = (outward * corners).sum(axis=1)
+    points = points_of_the_body(model)
+    beyond = points[:, :2] @ outward.T - reach
+    assert beyond.max() < 0.004
+    assert (beyond.max(axis=0) > -0.008).all()  # and every side of it is touched: there is no margin
+    assert config.height_m == pytest.approx(points[:, 2].max(), abs=0.02)
+
+
+def points_of_the_body(simulation: Simulation) -> NDArray[np.float64]:
+    """Points (N, 3) on the outside of every shape of the body that is a box, a cylinder or a ball."""
+    model, data = simulation.model, simulation.data
+    found = []
+    turn = np.linspace(0, 2 * math.pi, 32, endpoint=False)
+    ring = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    for geom in range(model.ngeom):
+        if model.body_rootid[model.geom_bodyid[geom]] != simulation.base_body:
+            continue
+        a, b, c = model.geom_size[geom]
+        match model.geom_type[geom]:
+            case mujoco.mjtGeom.mjGEOM_BOX:
+                local = np.array(np.meshgrid([-a, a], [-b, b], [-c, c])).reshape(3, 8).T
+            case mujoco.mjtGeom.mjGEOM_CYLINDER:
+                local = np.concatenate([np.column_stack([a * ring, np.full(len(ring), z)]) for z in (-b, b)])
+            case _:
+                local = np.concatenate(
+                    [a * np.insert(ring, axis, 0.0, axis=1) for axis in range(3)],
+                )
+        found.append(local @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom])
+    return np.concatenate(found)
