@@ -78,7 +78,7 @@ describe("the way", () => {
   const told = (some: Partial<Navigation>) => wayWords(going(some), goal, [row({})]);
 
   test("is told with what is left of it", () => {
-    expect(told({})).toEqual({ tone: "good", text: "Going to (3, 4), 4.2 m left", more: "" });
+    expect(told({})).toEqual({ tone: "good", text: "Going to (3.0, 4.0), 4.2 m left", more: "" });
   });
 
   test("to the start is called so", () => {
@@ -95,7 +95,7 @@ describe("the way", () => {
     expect(told({ state: "recovering", recoveries: 2 })!.text).toMatch(/attempt 2/);
     expect(told({ state: "unreachable", reason: "walls all around" })).toEqual({
       tone: "bad",
-      text: "No way to (3, 4)",
+      text: "No way to (3.0, 4.0)",
       more: "Walls all around.",
     });
   });
@@ -105,7 +105,7 @@ describe("the way", () => {
   });
 
   test("is over on arrival, though the desire is gone", () => {
-    expect(wayWords(going({ state: "arrived" }), null, [])!.text).toBe("Arrived at (3, 4)");
+    expect(wayWords(going({ state: "arrived" }), null, [])!.text).toBe("Arrived at (3.0, 4.0)");
     expect(wayWords(going({ state: "idle", goal: null }), null, [])).toBeNull();
   });
 
@@ -113,7 +113,7 @@ describe("the way", () => {
     const other = goalOf([desire({ params: { x: -2, y: 0 } })]);
     expect(wayWords(going({ state: "arrived" }), other, [row({})])).toMatchObject({
       tone: "busy",
-      text: "Sets out for (−2, 0)…",
+      text: "Sets out for (−2.0, 0.0)…",
     });
   });
 
@@ -121,7 +121,7 @@ describe("the way", () => {
     const refused = row({ state: "unfulfilled", divisor: null, text: "unfulfilled: needs 20 % more cpu" });
     expect(wayWords(null, goal, [refused])).toEqual({
       tone: "warn",
-      text: "Does not go to (3, 4)",
+      text: "Does not go to (3.0, 4.0)",
       more: "Needs 20 % more cpu.",
     });
   });

@@ -40,7 +40,7 @@ export function goalOf(desires: readonly Desire[] | null): Goal | null {
 
 /** "the start", "(3.2, −1)". */
 export function placeWords({ x, y }: { x: number; y: number }): string {
-  return Math.hypot(x, y) < START_M ? "the start" : `(${number(x, 1)}, ${number(y, 1)})`;
+  return Math.hypot(x, y) < START_M ? "the start" : `(${coordinate(x)}, ${coordinate(y)})`;
 }
 
 /** What the behavior on its way is about; null: nobody goes anywhere, and nothing is to be told of a way. */
@@ -148,7 +148,11 @@ export function lengthWords(metres: number): string {
 }
 
 function leftWords(metres: number | null): string {
-  return metres === null ? "" : `, ${number(metres, 1)} m left`;
+  return metres === null ? "" : `, ${metres.toFixed(1)} m left`;
+}
+
+function coordinate(metres: number): string {
+  return metres.toFixed(1).replace("-", "−");
 }
 
 function attempts(count: number): string {
