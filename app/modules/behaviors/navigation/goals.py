@@ -69,7 +69,7 @@ def plan(field: CostField, start: Pose2, goal: Pose2, settings: PlanSettings | N
         return _none("outside", f"the goal is off the map, which covers {covers}")
     said, out = "", np.empty((0, 2), dtype=np.int64)
     if not np.isfinite(field.cost[start_cell]):
-        out = _way_out(field, start_cell, settings)
+        out = _way_out(field, start_cell, goal_cell, settings)
         if not len(out):
             return _none("start_stuck", f"the robot cannot get free: {_what_is_at(field, start, start_cell)}")
         said = f"first gets free: {_what_is_at(field, start, start_cell)}"
@@ -179,12 +179,24 @@ def _nearest(
     return None
 
 
-def _way_out(field: CostField, cell: tuple[int, int], settings: PlanSettings) -> NDArray[np.int64]:
+def _way_out(
+    field: CostField, start: tuple[int, int], goal: tuple[int, int], settings: PlanSettings
+) -> NDArray[np.int64]:
+    """Cells (N, 2) from a lethal ``start`` to one that is not; none if none is near enough."""
     from app.modules.behaviors.navigation.lines import escape
 
-    zone = field.layers[cell] & AT_KEEP_OUT
-    reach = (settings.leave_zone_m if zone else settings.free_start_m) / field.frame.resolution_m
-    cells, count = escape(field.layers, field.cost, *cell, reach, OCCUPIED)
+    bits = int(field.layers[start])
+    if bits & AT_KEEP_OUT and not bits & (AT_OCCUPIED | AT_TEMPORARY):
+        # Out of a zone on the side that leads to the goal, if there is one
+        reached = explore(field, start, goal, passable=AT_KEEP_OUT)
+        if reached.has(goal):
+            cells = reached.way(goal)
+            free = np.isfinite(field.cost[cells[:, 0], cells[:, 1]])
+            first = int(free.argmax())
+            if free[first:].all():
+                return cells[: first + 1]
+    reach = (settings.leave_zone_m if bits & AT_KEEP_OUT else settings.free_start_m) / field.frame.resolution_m
+    cells, count = escape(field.layers, field.cost, *start, reach, OCCUPIED)
     return cells[:count]
 
 
