@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2
+from app.geometry import Pose2, wrap_angle
 from app.modules.perception.slam.local_map import STALE_M, LocalMap, local_map
 from app.modules.perception.slam.loop_closure import LoopJob, LoopMemory, LoopOutcome, Submap, pose_array
 from app.modules.perception.slam.matching import NOISE_M, Fit, fitted
@@ -29,6 +29,8 @@ _RESCUE_LEVELS = 4
 _RESCUE_SCORE = 0.45
 #: Another pose is taken where this share more of the scan lies on the map.
 _RESCUE_GAIN = 0.03
+#: ... and this more for each (standard deviation of what odometry says)^2.
+_RESCUE_PRICE = 0.015
 #: Of the edges between keyframes of a submap (m, rad), for a whole scan on it.
 _MATCH_SIGMAS = (0.02, 0.005)
 #: An edge of so small a share of the scan says little, and one of no share next to nothing.
@@ -92,6 +94,7 @@ class Slam:
         self._X_KB = Pose2()
         self._rested = 0
         self._last_fit: Fit | None = None
+        self._before = self._covariance
         self._local: LocalMap | None = None
         self._placed = False
         self.place(X_MB or Pose2())
@@ -241,17 +244,27 @@ class Slam:
             submap.pyramid = Pyramid(submap.grid, _RESCUE_LEVELS)
             submap.pyramid_of = len(submap.keyframes)
         # What is not known since the scans fitted last is looked through, too.
-        window_m = 0.5 + math.hypot(step.x, step.y) + 2.0 * math.sqrt(self._covariance[:2, :2].trace())
-        window_rad = 0.25 + abs(step.theta) + 2.0 * math.sqrt(self._covariance[2, 2])
+        window_m = 0.5 + math.hypot(step.x, step.y) + 2.0 * math.sqrt(self._before[:2, :2].trace())
+        window_rad = 0.25 + abs(step.theta) + 2.0 * math.sqrt(self._before[2, 2])
         window_m, window_rad = min(window_m, _RESCUE_MOST[0]), min(window_rad, _RESCUE_MOST[1])
         found = sought(submap.pyramid, scan.points, prior, window_m, window_rad, _RESCUE_SCORE)
         if found is None:
             return fit
         loose = (sigmas[0] * math.sqrt(5.0), sigmas[1] * math.sqrt(5.0))
         other = fitted(submap.grid, scan.points, found[0], prior, loose)
-        return other if other.inliers > fit.inliers + _RESCUE_GAIN else fit
+        # What looks alike a door further on fits, too: the farther from where odometry leads, the better it must fit.
+        X_MS = self._poses[submap.keyframes[0]]
+        dearer = _RESCUE_PRICE * (self._unlikely(X_MS @ other.X_SB) - self._unlikely(X_MS @ fit.X_SB))
+        return other if other.inliers > fit.inliers + _RESCUE_GAIN + dearer else fit
+
+    def _unlikely(self, X_MB: Pose2) -> float:
+        """Square of how many standard deviations ``X_MB`` is from where the robot was led by odometry."""
+        expected = self._X_MB
+        off = np.array([X_MB.x - expected.x, X_MB.y - expected.y, wrap_angle(X_MB.theta - expected.theta)])
+        return float(off @ np.linalg.solve(self._covariance, off))
 
     def _predict(self, step: Pose2, sigma_m: float, sigma_rad: float) -> None:
+        self._before = self._covariance
         before = self._X_MB
         self._X_MB = before @ step
         swing = np.eye(3)
