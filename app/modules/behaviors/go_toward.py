@@ -44,8 +44,8 @@ from app.runtime.module import Module, ModuleContext, Settings
 
 #: The straight line is drawn anew so often, s.
 _AIM_S = 1.0
-#: Fewer samples than where the whole computer is spent on it.
-_CHEAP = DynamicWindowSettings(samples=(7, 13), horizon_s=1.5)
+#: Fewer samples than where the whole computer is spent on it; and the line is only where to look for the goal.
+_CHEAP = DynamicWindowSettings(samples=(7, 15), horizon_s=2.0, ahead_m=2.5, weights=(0.05, 1.0, 0.03, 0.25))
 
 
 class GoTowardSettings(Settings):

@@ -30,7 +30,7 @@ class DynamicWindowSettings:
     horizon_s: float = 2.0
     ahead_m: float = 1.5
     weights: tuple[float, float, float, float] = (1.2, 1.0, 0.02, 0.25)
-    margin_m: float = 0.03
+    margin_m: float = 0.04
     sight_m: float = 0.6
     strict: bool = False
     speed_mps: float = math.inf
@@ -45,7 +45,7 @@ PUBLISHED = DynamicWindowSettings(
     horizon_s=2.0,
     ahead_m=2.5,
     weights=(0.75, 1.0, 0.005, 0.0),
-    margin_m=0.0,
+    margin_m=0.02,
     sight_m=0.3,
     strict=True,
     speed_mps=0.5,

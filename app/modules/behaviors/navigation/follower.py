@@ -53,7 +53,7 @@ class FollowerSettings:
     look_ahead_s: float = 3.0
     least_ahead_m: float = 1.5
     aim: float = 0.6
-    spare_m: float = 0.02
+    spare_m: float = 0.03
     back_mps: float = 0.15
     turn_radps: float = 0.8
 

@@ -13,6 +13,11 @@ from numpy.typing import NDArray
 from app.geometry import Pose2
 from app.link import BaseLimits
 
+#: Between neighbours of an outline, at most: what ``rollouts`` counts on (m).
+_SPACING_M = 0.02
+#: The outline's second line, within the body: what is thin enough to slip between two steps does not hide there.
+_INNER = 0.85
+
 Limits = tuple[float, float, float, float, float, float]
 
 
@@ -20,8 +25,7 @@ Limits = tuple[float, float, float, float, float, float]
 class Body:
     """What a controller knows of the body.
 
-    ``outline`` (P, 2) float64, m in ``base_link``: points on its edge and in it, no further than ``spacing`` apart
-    along the edge. ``radii``: of the largest circle about ``base_link`` within it, and of the smallest around it.
+    ``outline`` (P, 2) float64, m in ``base_link``: points of its edge, and as many of a line within it. ``radii``: of the largest circle about ``base_link`` within it, and of the smallest around it.
     ``limits``: least and greatest linear velocity (m/s), greatest angular (rad/s), linear and angular acceleration
     (m/s^2, rad/s^2), linear braking (m/s^2). ``front_m``: how far its edge reaches ahead.
     """
@@ -54,7 +58,8 @@ class Body:
         corners = np.stack(
             [np.linalg.solve(normals[[i, j]], reach[[i, j]]) for i, j in zip(range(len(corners)), before, strict=True)]
         )
-        outline = np.concatenate([_edge(share * corners, 0.04) for share in (1.0, 0.85)])
+        edge = _edge(corners, _SPACING_M)
+        outline = np.concatenate((edge, _INNER * edge))
         return cls(
             outline=np.ascontiguousarray(outline),
             radii=(float(reach.min()), float(np.linalg.norm(corners, axis=1).max())),

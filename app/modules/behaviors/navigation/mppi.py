@@ -24,20 +24,27 @@ from app.modules.behaviors.navigation.motion import Body, Choice, Field, Motion,
 #: Different noise for so many cycles in a row.
 _BANKS = 16
 _KNOTS = 7
+#: Shares of the best command that are tried until the body can stop after one.
+_SLOWER = (1.0, 0.7, 0.45, 0.2)
+#: A command may stand so much longer than a cycle before it is followed by another, s.
+_REACTION_S = 0.05
 
 
 @dataclass(frozen=True, slots=True)
 class MppiSettings:
     """How far is looked ahead, how often it is varied (0: not at all, pursuits alone), and what counts how much.
 
+    ``steps`` of a length (s) such that they reach ``reach_m`` at full speed, if the two limits of it allow.
     ``weights``: of the offset from the path (1/m^2), of nearness, its reach (m), speed (m/s) at no clearance and its
     growth with it (1/s), of excess speed, of heading away from the path, of turning, of going back.
     """
 
     steps: int = 24
-    step_s: float = 0.1
+    least_step_s: float = 0.1
+    longest_step_s: float = 0.2
+    reach_m: float = 2.0
     rollouts: int = 480
-    margin_m: float = 0.02
+    margin_m: float = 0.04
     temperature: float = 0.05
     sigma: tuple[float, float] = (0.25, 0.4)
     weights: tuple[float, float, float, float, float, float, float, float, float] = (
@@ -45,6 +52,7 @@ class MppiSettings:
     )  # fmt: skip
     looks_ahead_m: tuple[float, ...] = (0.25, 0.5, 0.9)
     shares: tuple[float, ...] = (1.0, 0.6, 0.3, 0.12)
+    asides_m: tuple[float, ...] = (0.45, 0.9)
     #: A pursuit replaces what was planned last time only if it is so much (s) better: no wavering.
     loyalty: float = 0.05
 
@@ -67,40 +75,58 @@ class Mppi:
 
         s = self.settings
         scene = (field.distances, field.frame, body.outline, body.radii, body.limits, motion.state)
-        costing = (s.step_s, s.margin_m, s.weights)
+        following = (way.points, way.spacing)
+        # A slow body looks as far ahead as a fast one, and so for longer.
+        step_s = min(max(s.reach_m / (s.steps * body.limits[1]), s.least_step_s), s.longest_step_s)
+        costing = (step_s, s.margin_m, s.weights)
         best, least = np.zeros((s.steps, 2)), np.inf
         if self._plan is not None:
-            best = moved_on(self._plan, period_s / s.step_s)
-            least = rollouts.cost_of(*scene, way.points, way.spacing, best, *costing) - s.loyalty
+            best = moved_on(self._plan, period_s / step_s)
+            least = rollouts.cost_of(*scene, *following, best, *costing) - s.loyalty
         tried = np.empty((s.steps, 2))
-        for share in s.shares:
-            for ahead_m in s.looks_ahead_m:
-                rollouts.pursue(
-                    body.limits, motion.state, way.points, way.spacing, max(ahead_m, 0.4 * share * body.limits[1]),
-                    share, tried, s.step_s,
-                )  # fmt: skip
-                cost = rollouts.cost_of(*scene, way.points, way.spacing, tried, *costing)
-                if cost < least:
-                    best, least = tried.copy(), cost
+        for share, ahead_m, aside_m in proposals(s):
+            points = way.points if aside_m == 0.0 else beside(way.points, aside_m)
+            ahead_m = max(ahead_m, 0.4 * share * body.limits[1])
+            rollouts.pursue(body.limits, motion.state, points, way.spacing, ahead_m, share, tried, step_s)
+            cost = rollouts.cost_of(*scene, *following, tried, *costing)
+            if cost < least:
+                best, least = tried.copy(), cost
         if s.rollouts:
             bank = _noise(s.rollouts)[self._cycle % _BANKS]
             self._cycle += 1
             sigma = (s.sigma[0] * body.limits[1], s.sigma[1] * min(body.limits[2], 2.0))
-            least = rollouts.improve(*scene, way.points, way.spacing, best, bank, sigma, *costing, s.temperature)
+            rollouts.improve(*scene, *following, best, bank, sigma, *costing, s.temperature)
         self._plan = best
-        return self._safe(rollouts, scene, body, best, least, motion, way, period_s)
-
-    def _safe(self, rollouts, scene, body, plan, cost, motion, way, period_s) -> Choice:  # type: ignore[no-untyped-def]
-        linear, angular = (float(value) for value in plan[0])
+        # No faster than the way allows, or than braking towards that goes.
+        allowed = max(float(way.points[0, 4]), motion.linear_mps - body.limits[5] * period_s)
+        linear, angular = min(float(best[0, 0]), allowed), float(best[0, 1])
         clearance = rollouts.clearance_at(*scene[:4], motion.pose.x, motion.pose.y, motion.pose.theta)
-        for share in (1.0, 0.7, 0.45, 0.2, 0.0):
-            if rollouts.can_stop(*scene, share * linear, share * angular, period_s + 0.05, self.settings.margin_m):
-                linear, angular = share * linear, share * angular
-                break
-        else:
-            return Choice(0.0, 0.0, True, clearance)
-        still = abs(linear) < 0.02 and abs(angular) < 0.05 and float(way.points[-1, 3]) > 0.1
-        return Choice(linear, angular, still or share == 0.0, clearance)
+        for share in _SLOWER:
+            if rollouts.can_stop(*scene, share * linear, share * angular, period_s + _REACTION_S, s.margin_m):
+                still = abs(share * linear) < 0.02 and abs(share * angular) < 0.05 and float(way.points[-1, 3]) > 0.1
+                return Choice(share * linear, share * angular, still, clearance)
+        return Choice(0.0, 0.0, True, clearance)
+
+
+def proposals(settings: MppiSettings) -> list[tuple[float, float, float]]:
+    """Share of the speed, look ahead (m) and offset to the left of the way (m) of each pursuit to be tried."""
+    straight = [(share, ahead_m, 0.0) for share in settings.shares for ahead_m in settings.looks_ahead_m]
+    return straight + [
+        (share, settings.looks_ahead_m[-1], side * aside_m)
+        for share in settings.shares[:2]
+        for aside_m in settings.asides_m
+        for side in (-1.0, 1.0)
+    ]
+
+
+def beside(points: NDArray[np.float64], aside_m: float) -> NDArray[np.float64]:
+    """The way ``points`` (N, 5), led over to ``aside_m`` to its left within a metre, and back at its end."""
+    moved = points.copy()
+    length = points[:, 3]
+    offset = aside_m * np.clip(np.minimum(length, length[-1] - length) / 0.6, 0.0, 1.0)
+    moved[:, 0] -= offset * np.sin(points[:, 2])
+    moved[:, 1] += offset * np.cos(points[:, 2])
+    return moved
 
 
 def moved_on(plan: NDArray[np.float64], steps: float) -> NDArray[np.float64]:

@@ -20,8 +20,9 @@ from app.modules.behaviors.navigation.way import SpeedAt
 
 #: What strategies may choose from.
 CONTROLLERS = ("mppi", "pursuit", "dwa", "dwa_published")
-#: The published baseline pads a smaller body than the true one to 0.62 x 0.53 m: this much around the true one.
-_PUBLISHED_PADDING_M = 0.05
+#: The published baseline pads a smaller body than the true one to 0.62 x 0.53 m: 0.05 m around the true one, of which
+#: the margin within which a rollout counts as touching is a part.
+_PUBLISHED_PADDING_M = 0.03
 
 
 def controller_named(name: str, mppi: MppiSettings | None = None) -> Controller:

@@ -2,8 +2,8 @@
 
 *field* (H, W) float32: at each cell's middle the distance (m) to the nearest obstacle; *frame*: x and y of its lower
 left corner (m) and 1 / resolution. Places beyond its edge read as the nearest cell inside. Poses and paths are in the
-field's own coordinates. *outline* (P, 2) float64: points of the body's edge and of its inside (m in ``base_link``),
-close to each other; *radii*: of the largest circle about ``base_link`` that the body covers, and of the smallest that
+field's own coordinates. *outline* (P, 2) float64: points of the body's edge, and as many of a line within it (m in
+``base_link``), neighbours at most ``SPACING_M`` apart; *radii*: of the largest circle about ``base_link`` that the body covers, and of the smallest that
 covers the body. *limits*: least and greatest linear velocity (m/s), greatest turn (rad/s), linear and angular
 acceleration (m/s^2, rad/s^2), linear braking (m/s^2). *state*: x, y, theta, linear and angular velocity. *path* (N,
 5) float64, evenly ``spacing`` m apart: x, y, heading, length so far (m), greatest speed there (m/s). Clearances are
@@ -20,6 +20,8 @@ import numpy as np
 
 from app.compiled import kernel
 
+#: Between neighbours of a body's outline, at most (m).
+SPACING_M = 0.02
 #: Of a rollout that touches something: more than any other costs together.
 COLLISION = 1e4
 
@@ -45,7 +47,8 @@ def distance_at(field, frame, x, y):
 def clearance_at(field, frame, outline, radii, x, y, theta):
     """Distance (m) from the body's edge to the nearest obstacle; under zero where one reaches deep into it.
 
-    Exact to about a cell near obstacles; further off than the body is large, a distance that is surely free.
+    Exact to about a cell near obstacles (a thin one between two points of the outline reads as half their spacing away);
+    further off than the body is large, a distance that is surely free.
     """
     middle = distance_at(field, frame, x, y)
     if middle <= radii[0]:
@@ -54,9 +57,15 @@ def clearance_at(field, frame, outline, radii, x, y, theta):
         return middle - radii[1]
     least = middle - radii[0]
     c, s = math.cos(theta), math.sin(theta)
-    for k in range(len(outline)):
-        px, py = outline[k, 0], outline[k, 1]
-        least = min(least, distance_at(field, frame, x + c * px - s * py, y + s * px + c * py))
+    ring = len(outline) // 2
+    for first in (0, ring):
+        k = first
+        while k < first + ring:
+            px, py = outline[k, 0], outline[k, 1]
+            here = distance_at(field, frame, x + c * px - s * py, y + s * px + c * py)
+            least = min(least, here)
+            # A distance falls by at most the way gone: so many neighbours are further off than the nearest so far.
+            k += 1 + int((here - least) / SPACING_M)
     return least
 
 
@@ -91,7 +100,7 @@ def can_stop(field, frame, outline, radii, limits, state, linear, angular, hold_
     Where the body is nearer already, it may go where it gets no nearer still.
     """
     x, y, theta, v, w = state
-    margin = min(margin, clearance_at(field, frame, outline, radii, x, y, theta) - 1e-3)
+    margin = min(margin, clearance_at(field, frame, outline, radii, x, y, theta))
     held = 0.0
     # Braking from the greatest speed at the least braking ends by then.
     for _ in range(400):
@@ -192,7 +201,7 @@ def cost_of(field, frame, outline, radii, limits, state, path, spacing, controls
     begin = path[at, 3]
     window = int(limits[1] * time_s / spacing) + 3
     start_clear = clearance_at(field, frame, outline, radii, state[0], state[1], state[2])
-    margin = min(margin, start_clear - 1e-3)
+    margin = min(margin, start_clear)
     before_v, before_w = state[3], state[4]
     for t in range(len(controls)):
         v, w = controls[t, 0], controls[t, 1]
