@@ -212,8 +212,8 @@ class Module:
     async def compute_behind(self, function: Callable[..., T], *args: Any) -> T:
         """As :meth:`compute`, in a second thread of this module: for work that may take long and holds up no message.
 
-        What it shares with :meth:`compute` must bear two threads. It has the priority of all others: a thread of a lower
-        one that holds the interpreter's lock would hold up everybody while the computer is busy.
+        What it shares with :meth:`compute` must bear two threads. It has the priority of all others: a thread of less
+        that holds the interpreter's lock would hold up everybody while the computer is busy.
         """
         loop = asyncio.get_running_loop()
         with self._context.activity.one():

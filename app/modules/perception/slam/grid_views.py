@@ -1,0 +1,109 @@
+"""Keyframes of a map that has none: what a laser would see from places all over a grid that another program made."""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from app.compiled import kernel
+from app.geometry import Pose2
+from app.messages import OccupancyGrid
+from app.modules.perception.slam.field import FREE, OCCUPIED
+from app.modules.perception.slam.scans import Beams, prepared
+from app.modules.perception.slam.values import Keyframe, SlamState
+
+#: Places are about so far (m) apart, and what stands further than this (m) is not seen from them.
+APART_M, REACH_M = 1.5, 12.0
+#: They have so much room around them (m) where there is that much.
+ROOM_M = 0.3
+RAYS = 720
+THINNED_M = 0.03
+
+
+def state_of(grid: OccupancyGrid) -> SlamState:
+    """Keyframes all over the free floor of ``grid``, with the views a laser would have from there all around.
+
+    Ends lie in the middle of occupied cells. Without edges: nothing can be mapped on from it.
+    """
+    occupied = (grid.cells >= OCCUPIED).astype(np.uint8)
+    unknown = (grid.cells < 0).astype(np.uint8)
+    angles = np.arange(RAYS, dtype=np.float64) * (math.tau / RAYS) - math.pi
+    beams = Beams(angles, 0.02, REACH_M)
+    keyframes: list[Keyframe] = []
+    poses: list[Pose2] = []
+    for x, y in _places(grid).tolist():
+        column, row = (x - grid.origin[0]) / grid.resolution_m, (y - grid.origin[1]) / grid.resolution_m
+        ranges = cast_grid(occupied, unknown, column, row, angles, REACH_M / grid.resolution_m) * grid.resolution_m
+        scan = prepared(ranges, beams, (0.0, 0.0), 0.0, REACH_M, THINNED_M)
+        if not len(scan.points):
+            continue
+        id = len(keyframes)
+        keyframes.append(Keyframe(id, grid.stamp, scan.points, scan.ends, scan.hits, scan.origin, 0.0))
+        poses.append(Pose2(x, y, 0.0))
+    return SlamState(tuple(keyframes), tuple(poses), (), ())
+
+
+def _places(grid: OccupancyGrid) -> NDArray[np.float64]:
+    """x, y (N, 2) of the roomiest place in every square of free floor of APART_M on a side."""
+    free = ((grid.cells >= 0) & (grid.cells <= FREE)).astype(np.uint8)
+    room = np.asarray(cv2.distanceTransform(np.pad(free, 1), cv2.DIST_L2, cv2.DIST_MASK_PRECISE))[1:-1, 1:-1]
+    # More room than enough is no better: the middle of the square is, then.
+    side = max(1, round(APART_M / grid.resolution_m))
+    enough = ROOM_M / grid.resolution_m
+    found = []
+    for top in range(0, free.shape[0], side):
+        for left in range(0, free.shape[1], side):
+            here = np.minimum(room[top : top + side, left : left + side], enough)
+            if here.max() < 1.0:
+                continue
+            rows, columns = np.nonzero(here >= here.max())
+            middle = np.argmin(np.hypot(rows - side / 2, columns - side / 2))
+            found.append((left + columns[middle] + 0.5, top + rows[middle] + 0.5))
+    places = np.array(found, np.float64).reshape(-1, 2)
+    return np.asarray(places * grid.resolution_m + np.array(grid.origin), np.float64)
+
+
+@kernel("float32[::1](uint8[:,::1], uint8[:,::1], float64, float64, float64[::1], float64)")
+def cast_grid(
+    occupied: NDArray[np.uint8],
+    unknown: NDArray[np.uint8],
+    column: float,
+    row: float,
+    angles: NDArray[np.float64],
+    reach: float,
+) -> NDArray[np.float32]:
+    """How far (cells) rays from ``column``, ``row`` go until half through an occupied one; ``reach`` where they meet
+    none, NaN where they are lost in the unknown.
+    """
+    height, width = occupied.shape
+    ranges = np.empty(len(angles), np.float32)
+    for k in range(len(angles)):
+        c, s = math.cos(angles[k]), math.sin(angles[k])
+        ranges[k] = reach
+        i, j = math.floor(column), math.floor(row)
+        # Amanatides and Woo: from one side of a cell to the next.
+        si, sj = (1 if c > 0 else -1), (1 if s > 0 else -1)
+        di = abs(1.0 / c) if c != 0.0 else 1e30
+        dj = abs(1.0 / s) if s != 0.0 else 1e30
+        ti = ((i + 1 - column) if c > 0 else (column - i)) * di
+        tj = ((j + 1 - row) if s > 0 else (row - j)) * dj
+        gone = 0.0
+        while gone < reach:
+            if i < 0 or j < 0 or i >= width or j >= height or unknown[j, i]:
+                ranges[k] = np.nan
+                break
+            if occupied[j, i]:
+                ranges[k] = gone + 0.5 * (min(ti, tj) - gone)
+                break
+            if ti < tj:
+                gone = ti
+                ti += di
+                i += si
+            else:
+                gone = tj
+                tj += dj
+                j += sj
+    return ranges

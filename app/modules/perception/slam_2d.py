@@ -1,0 +1,402 @@
+"""SLAM2D: the map of a place, and where the robot is on it (thesis 4.2, 4.3: SLAM 2D).
+
+    ┌─────────────────────────────────────────────────────────────────────────────────────────┐
+    │ SLAM2D    in   scans         LaserScan, 40 Hz / φ, in X_BL; the newest alone              │
+    │           in   odometry      Odometry, 100 Hz, X_OB in odom; never filtered              │
+    │           out  localization  Localization, one for each scan taken: X_MO, X_MB           │
+    │           out  map           OccupancyGrid in map, when it changed, every 1 s at most    │
+    │           out  zones         Zones in map, when they change                              │
+    │           is the MapKeeper: save, load, begin, place, search, mark                       │
+    └─────────────────────────────────────────────────────────────────────────────────────────┘
+
+Each scan is matched in the module's thread (slam/mapper.py), from where odometry says the robot has gone since the last
+one: at any φ, and after the scans were closed for a while. Loops are closed, the grid is drawn and the robot is looked
+for in a second thread, so that these delay no pose::
+
+    X_MO = X_MB @ X_OB(stamp)^-1
+
+On a map that was loaded and stays, the pose is followed (``tracking``); where the scans do not fit for a while, the
+robot is ``lost`` and looks for itself (``searching``), believing nothing before motion tells (slam/relocalization.py).
+On a map that grows, odometry leads over places where scans do not fit. ``mapping`` (false: the map stays as it is,
+though it could grow) is a parameter of the strategies.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from pydantic import Field
+
+from app import compiled
+from app.geometry import Pose2
+from app.maps.control import MapControl, MapUnavailable
+from app.maps.library import MapLibrary
+from app.messages import LaserScan, Localization, OccupancyGrid, Odometry, Zone, Zones, read_only
+from app.modules.perception.pose_at import PoseAt
+from app.modules.perception.slam.keeper import Keeper
+from app.modules.perception.slam.place import FITS, FITS_NOT, empty_grid, spread_of
+from app.runtime.module import Module, ModuleContext, Settings
+
+if TYPE_CHECKING:  # compiled, or loaded, when they are imported: that is left to the module's thread
+    from app.modules.perception.slam.drawing import Glance
+    from app.modules.perception.slam.relocalization import Place, PlaceSearch
+    from app.modules.perception.slam.session import Followed, KeptMap, MapSession
+    from app.modules.perception.slam.values import Match
+
+#: What an instance leaves to the next: the name of the map in use, and whether it grows.
+_MAP, _GROWS = "map", "grows"
+#: Scans wait so long (s) for odometry to come as far.
+_PATIENCE_S = 0.2
+
+
+class SLAM2DSettings(Settings):
+    """Settings of SLAM2D."""
+
+    map: str = Field("", description="the map that is taken into use at the start; none: an empty one is begun")
+    extend: bool = Field(False, description="whether that map goes on growing")
+    cell_m: float = Field(0.05, ge=0.01, le=1, description="side of a cell of the map")
+    side_m: float = Field(50.0, ge=1, le=500, description="side of an empty map; it grows beyond where it must")
+    publish_s: float = Field(1.0, ge=0.1, description="the map is told no more often than this")
+    lost_after_s: float = Field(1.0, gt=0, description="scans that do not fit for so long: the robot is lost")
+    search_after_s: float = Field(
+        2.0, gt=0, description="... and for so long, on a map that stays: it looks for itself"
+    )
+    sure_after_s: float = Field(1.0, gt=0, description="it stops looking when scans fit again for so long after all")
+
+
+class SLAM2D(Module):
+    """Maps, follows the robot, and keeps maps."""
+
+    title = "SLAM 2D"
+    Settings = SLAM2DSettings
+    settings: SLAM2DSettings
+
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self._poses = PoseAt(self.clock)
+        self._odometry: Odometry | None = None
+        self._poseless = False
+        self._mapping = True
+        self._session: MapSession | None = None
+        self._name = ""
+        self._zones: tuple[Zone, ...] = ()
+        self._told: Localization | None = None
+        #: When scans last fitted, and last did not fit well; None before the first.
+        self._fitted: float | None = None
+        self._misfitted: float | None = None
+        #: Looking for the robot: asked for, under way, and where it may be by now.
+        self._search_due = False
+        self._search: PlaceSearch | None = None
+        self._places: tuple[Place, ...] = ()
+        self._sighting: tuple[LaserScan, Pose2] | None = None
+        #: For the second thread: loops to close, looks to draw, the version that is drawn.
+        self._followed: Followed | None = None
+        self._glances: list[Glance] = []
+        self._drawn = -1
+        self._draw_due = False
+        self._version = 0
+        self._wake = asyncio.Event()
+        self._working: asyncio.Task[None] | None = None
+        self._detach: Callable[[], None] = lambda: None
+        self.scans = self.input("scans", LaserScan)
+        self.odometry = self.input("odometry", Odometry, capacity=200, always_open=True)
+        self.localization = self.output("localization", Localization)
+        self.map = self.output("map", OccupancyGrid)
+        self.zones = self.output("zones", Zones)
+        self.on(self.scans, self._see)
+        self.on(self.odometry, self._remember)
+        self.every(self.settings.publish_s, self._let_draw)
+
+    async def start(self) -> None:
+        """Load the kernels, and the map to begin with: the one in use before a restart, or as configured."""
+        await self.compute(self._load_kernels)
+        keeper = Keeper(self, self.service(MapLibrary))
+        await self._take_first()
+        self._working = asyncio.create_task(self._metered(self._work()), name=f"{self.name}, behind")
+        self._working.add_done_callback(self._ended)
+        self._detach = self.service(MapControl).attach(keeper)
+
+    async def stop(self) -> None:
+        """Keep no maps any more."""
+        self._detach()
+        if self._working is not None:
+            self._working.cancel()
+            await asyncio.wait({self._working})
+
+    def configure(self, parameters: Mapping[str, Any]) -> None:
+        """Take ``mapping`` from the intention."""
+        self._mapping = bool(parameters.get("mapping", True))
+
+    # --- The robot's place -----------------------------------------------------------------------------------------
+
+    async def _remember(self, odometry: Odometry) -> None:
+        self._odometry = odometry
+        self._poses.add(odometry)
+
+    async def _see(self, scan: LaserScan) -> None:
+        X_OB = await self._poses.at(scan.stamp, _PATIENCE_S)
+        if (X_OB is None) != self._poseless:
+            self._poseless = X_OB is None
+            if self._poseless:
+                self.log.warning("scans are of no use: odometry does not reach their stamps")
+            else:
+                self.log.info("odometry reaches the stamps of scans again")
+        session = self._session
+        if X_OB is None or session is None:
+            return
+        if self._search is not None:
+            self._sighting = scan, X_OB
+            self._wake.set()
+        odometry = self._odometry
+        twist = (0.0, 0.0) if odometry is None else (odometry.linear_mps, odometry.angular_radps)
+        maps = self._mapping and self._search is None and not self._search_due
+        followed = await self.compute(session.follow, scan, X_OB, twist, maps)
+        if session is not self._session:
+            return
+        if followed is not None:
+            self._take(session, followed)
+        if followed is None or self._search is not None:
+            self._tell_search(scan.stamp, X_OB)
+        else:
+            match, state = followed.match, self._state(session, followed.match)
+            self._tell(Localization(scan.stamp, match.X_MO, match.X_MB, match.covariance, state, match.overlap, ""))
+
+    def _take(self, session: MapSession, followed: Followed) -> None:
+        """Note what is to be done for a scan that was matched, and whether it fitted."""
+        if followed.job is not None:
+            self._followed = followed
+            self._wake.set()
+        if followed.glance is not None:
+            self._glances.append(followed.glance)
+        match = followed.match
+        if self._fitted is None or (match.matched if session.grows else match.inliers >= FITS_NOT):
+            self._fitted = match.stamp
+        if self._misfitted is None or match.inliers < FITS:
+            self._misfitted = match.stamp
+        if self._search is not None and match.stamp - self._misfitted > self.settings.sure_after_s:
+            self.log.info("the robot is where it was thought to be, after all")
+            self._end_search()
+
+    def _state(self, session: MapSession, match: Match) -> str:
+        assert self._fitted is not None
+        unfit_s = match.stamp - self._fitted
+        if unfit_s > self.settings.search_after_s and not session.grows and not self._search_due:
+            self.log.warning("scans do not fit the map where the robot should be: it looks for itself")
+            self._search_due = True
+            self._wake.set()
+        if unfit_s > self.settings.lost_after_s:
+            return "lost"
+        return "mapping" if session.grows and self._mapping else "tracking"
+
+    def _tell_search(self, stamp: float, X_OB: Pose2) -> None:
+        """Tell that the robot looks for itself, and where it likeliest is."""
+        grid = None if self._session is None else self._session.grid
+        best = self._places[0] if self._places else None
+        last = Pose2() if self._told is None else self._told.X_MO
+        X_MO = last if best is None else best.X_MO
+        overlap = 0.0 if best is None else max(0.0, best.score)
+        covariance = spread_of([place.X_MO @ X_OB for place in self._places], grid)
+        self._tell(Localization(stamp, X_MO, X_MO @ X_OB, covariance, "searching", overlap, ""))
+
+    def _tell(self, place: Localization) -> None:
+        covariance = read_only(np.array(place.covariance, np.float64))
+        self._told = replace(place, covariance=covariance, map=self._name)
+        self.localization.publish(self._told)
+
+    def _end_search(self) -> None:
+        self._search, self._sighting, self._places, self._search_due = None, None, (), False
+        self._fitted = self._misfitted = None
+
+    # --- Behind ----------------------------------------------------------------------------------------------------
+
+    async def _let_draw(self) -> None:
+        self._draw_due = True
+        self._wake.set()
+
+    async def _work(self) -> None:
+        """What the second thread does, one thing after the other."""
+        while True:
+            await self._wake.wait()
+            self._wake.clear()
+            session = self._session
+            if session is None:
+                continue
+            await self._look(session)
+            await self._close_loops(session)
+            if self._draw_due:
+                self._draw_due = False
+                await self._draw(session)
+
+    async def _look(self, session: MapSession) -> None:
+        """Begin to look for the robot, or go on with it."""
+        if self._search_due and self._search is None:
+            search = await self.compute_behind(session.begin_search)
+            if session is self._session:
+                self._search, self._search_due = search, False
+        search, sighting, self._sighting = self._search, self._sighting, None
+        if search is None or sighting is None:
+            return
+        X_MO, places = await self.compute_behind(_looked, search, *sighting)
+        if search is not self._search:
+            return
+        self._places = places
+        if X_MO is not None:
+            at = X_MO @ sighting[1]
+            self.log.info("the robot found itself at x %.2f m, y %.2f m on the map", at.x, at.y)
+            await self.compute(session.place, X_MO)
+            self._end_search()
+
+    async def _close_loops(self, session: MapSession) -> None:
+        followed, self._followed = self._followed, None
+        if followed is not None and followed.job is not None:
+            outcome = await self.compute_behind(followed.job.run)
+            await self.compute(session.take, followed.slam, outcome)
+
+    async def _draw(self, session: MapSession) -> None:
+        """Draw what changed, and tell the map if its cells did."""
+        if not session.grows:
+            return
+        snapshot = await self.compute(session.snapshot)
+        while await self.compute_behind(session.draw, snapshot):
+            await self._close_loops(session)
+        glances, self._glances = self._glances, []
+        grid = await self.compute_behind(session.drawn, glances, self.clock.now(), self._version + 1)
+        if grid is not None and session is self._session:
+            self._version = grid.version
+            self.map.publish(grid)
+
+    def _ended(self, working: asyncio.Task[None]) -> None:
+        error = None if working.cancelled() else working.exception()
+        if isinstance(error, Exception):
+            self.fail(error)
+
+    # --- The map in use: what the keeper asks for ------------------------------------------------------------------
+
+    @property
+    def session(self) -> MapSession:
+        """The map in use."""
+        assert self._session is not None
+        return self._session
+
+    @property
+    def X_OB(self) -> Pose2:
+        """Where odometry says that the robot is now."""
+        return Pose2() if self._odometry is None else self._odometry.X_OB
+
+    @property
+    def map_name(self) -> str:
+        """The name of the map in use; "" while it has none."""
+        return self._name
+
+    def call(self, name: str) -> None:
+        """The map in use has this name from now on."""
+        self._name = name
+        self.kept[_MAP] = name
+
+    @property
+    def known_zones(self) -> tuple[Zone, ...]:
+        """The zones of the map in use."""
+        return self._zones
+
+    def new_session(self, kept: KeptMap | None, X_MO: Pose2 | None, grows: bool) -> MapSession:
+        """*Behind.* A session on a map that was kept, or an empty one."""
+        from app.modules.perception.slam.session import MapSession
+
+        settings = self.settings
+        grid, state = (None, None) if kept is None else (kept.grid, kept.state)
+        return MapSession(grid, state, grows=grows, X_MO=X_MO, cell_m=settings.cell_m, side_m=settings.side_m)
+
+    def use(self, session: MapSession, name: str, zones: tuple[Zone, ...]) -> None:
+        """Take a map into use, and tell it with its zones and where the robot is on it."""
+        self._session = session
+        self._followed, self._glances = None, []
+        self.call(name)
+        self.kept[_GROWS] = session.grows
+        now, settings = self.clock.now(), self.settings
+        grid = session.grid or empty_grid(settings.cell_m, settings.side_m)
+        self._version += 1
+        self.map.publish(replace(grid, stamp=now, version=self._version))
+        self.mark(zones)
+        self._end_search()
+        if session.lost:
+            self.search()
+            self._tell_search(now, self.X_OB)
+
+    def mark(self, zones: tuple[Zone, ...]) -> None:
+        """Tell the zones of the map in use."""
+        self._zones = zones
+        self.zones.publish(Zones(self.clock.now(), zones))
+
+    def placed(self) -> None:
+        """The robot was placed: it is not looked for any more."""
+        self._end_search()
+
+    def search(self) -> None:
+        """Look for the robot on the map in use."""
+        self._end_search()
+        self._search_due = True
+        self._wake.set()
+
+    async def finish(self, session: MapSession) -> None:
+        """Correct and draw all that is known by now."""
+        settling = await self.compute(session.settling)
+        if settling is not None:
+            slam, job = settling
+            await self.compute(session.take, slam, await self.compute_behind(job.run))
+        await self._draw(session)
+
+    # --- The beginning ---------------------------------------------------------------------------------------------
+
+    def _load_kernels(self) -> None:
+        if not compiled.is_ready():
+            self.log.info("compiles what it computes with, once on this computer: that takes a minute or two")
+            compiled.make_ready()
+        import app.modules.perception.slam.session  # noqa: F401
+
+    async def _take_first(self) -> None:
+        """The map to begin with."""
+        channel = self.map.channel
+        shown = None if channel is None else channel.latest
+        last = None if self.localization.channel is None else self.localization.channel.latest
+        zones = None if self.zones.channel is None else self.zones.channel.latest
+        self._version = 0 if shown is None else shown.version
+        self._told = last
+        X_MO = None if last is None else last.X_MO
+        name, grows = self.kept.get(_MAP, self.settings.map), self.kept.get(_GROWS, self.settings.extend)
+        if name:
+            try:
+                kept = await self.compute_behind(_kept, self.service(MapLibrary), name)
+                session = await self.compute_behind(self.new_session, kept, X_MO, grows and kept.state is not None)
+            except MapUnavailable as refusal:
+                self.log.error("the map cannot be taken into use, an empty one is begun: %s", refusal)
+            else:
+                self.use(session, name, kept.zones)
+                return
+        if shown is not None and last is not None and (shown.cells >= 0).any():
+            # It was drawn before a restart, or is shown at some place of a recording.
+            session = await self.compute_behind(_following, shown, X_MO)
+            self.use(session, last.map, () if zones is None else zones.zones)
+            return
+        self.use(await self.compute_behind(self.new_session, None, None, True), "", ())
+
+
+def _kept(library: MapLibrary, name: str) -> KeptMap:
+    from app.modules.perception.slam.session import kept_map
+
+    return kept_map(library, name)
+
+
+def _following(grid: OccupancyGrid, X_MO: Pose2 | None) -> MapSession:
+    from app.modules.perception.slam.session import MapSession
+
+    return MapSession(grid, grows=False, X_MO=X_MO)
+
+
+def _looked(search: PlaceSearch, scan: LaserScan, X_OB: Pose2) -> tuple[Pose2 | None, tuple[Place, ...]]:
+    from app.modules.perception.slam.session import look
+
+    return look(search, scan, X_OB)
