@@ -80,6 +80,7 @@ render(
   </AppContext.Provider>,
   document.getElementById("app")!,
 );
+drive.onHome = () => void map.returnToStart();
 map.start(); // before the hands on the wheel: Escape gives up what is begun on the map first
 drive.start();
 recordings.start();

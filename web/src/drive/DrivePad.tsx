@@ -4,6 +4,7 @@ import { useApp } from "../state/context";
 import { number } from "../ui/format";
 import { KeyboardIcon, WheelIcon } from "../ui/icons";
 import { PRESETS } from "./controller";
+import { Limited } from "./Limited";
 import { Stick } from "./Stick";
 
 export function DrivePad() {
@@ -62,6 +63,7 @@ export function DrivePad() {
         ) : (
           <Hint />
         )}
+        <Limited />
       </div>
     </section>
   );

@@ -5,7 +5,7 @@ import type { PlaybackController } from "../playback/controller";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
 import { type PadReading, readPads } from "./gamepad";
-import { DRIVE_KEYS, SLOW_KEYS } from "./keys";
+import { DRIVE_KEYS, OVERRIDE_KEYS, SLOW_KEYS } from "./keys";
 import { type Axes, type DriveState, flush, initialDrive, type Input, step, TICK_MS } from "./machine";
 
 export const PRESETS = [
@@ -27,6 +27,9 @@ export class DriveController {
   readonly refusal: ReadonlySignal<string | null>;
   private chosenPad: PadReading["chosen"] = null;
   private padStop = false;
+  private padHome = false;
+  /** What a gamepad's button for it does: send the robot back to the start. */
+  onHome: () => void = () => {};
   private polling = false;
   private beatAt = 0;
 
@@ -127,7 +130,7 @@ export class DriveController {
       event.stopPropagation();
       if (!event.repeat && this.refusal.peek()) this.explain();
       this.input({ type: "key", code: event.code, down: true, repeat: event.repeat });
-    } else if (SLOW_KEYS.has(event.code))
+    } else if (SLOW_KEYS.has(event.code) || OVERRIDE_KEYS.has(event.code))
       this.input({ type: "key", code: event.code, down: true, repeat: event.repeat });
   }
 
@@ -174,12 +177,14 @@ export class DriveController {
     this.polling = true;
     const frame = () => {
       const pads = navigator.getGamepads();
-      const { chosen, axes, stop } = readPads(pads, this.chosenPad);
+      const { chosen, axes, override, stop, home } = readPads(pads, this.chosenPad);
       if (this.chosenPad && !chosen) this.release();
       this.chosenPad = chosen;
-      this.input({ type: "pad", axes: document.hasFocus() ? axes : null });
+      this.input({ type: "pad", axes: document.hasFocus() ? axes : null, override });
       if (stop && !this.padStop && !this.store.replay.peek()) this.session.eStop();
       this.padStop = stop;
+      if (home && !this.padHome && document.hasFocus() && !this.store.replay.peek()) this.onHome();
+      this.padHome = home;
       this.polling = pads.some((pad) => pad !== null);
       if (this.polling) requestAnimationFrame(frame);
     };

@@ -14,7 +14,8 @@ function pad(over: Partial<PadSnapshot> & { held?: number; pressed?: number[] } 
 }
 
 test("a pad drives only with a shoulder held", () => {
-  expect(readPads([pad({ axes: [0, -1, 0, 0] })], null)).toEqual({ chosen: null, axes: null, stop: false });
+  const none = { chosen: null, axes: null, override: false, stop: false, home: false };
+  expect(readPads([pad({ axes: [0, -1, 0, 0] })], null)).toEqual(none);
   const reading = readPads([null, pad({ axes: [0, -1, 0, 0], pressed: [5] })], null);
   expect(reading.chosen).toEqual({ id: "Pad A", index: 0 });
   expect(reading.axes).toEqual({ linear: 1, angular: 0 });
@@ -29,15 +30,24 @@ test("the pad in use is kept, whatever another does, until it is gone", () => {
   const other = pad({ axes: [0, -1, 0, 0], pressed: [4] });
   const chosen = { id: "Pad B", index: 1 };
   expect(readPads([other, mine], chosen).axes).toEqual({ linear: 0, angular: 1 });
-  expect(readPads([other], chosen)).toEqual({ chosen: null, axes: null, stop: false });
+  expect(readPads([other], chosen)).toMatchObject({ chosen: null, axes: null, stop: false });
 });
 
 test("either stick turns, the further one wins", () => {
   expect(readPads([pad({ axes: [0.2, 0, -1, 0], pressed: [4] })], null).axes!.angular).toBe(1);
 });
 
-test("the stop button counts on any pad, held or not", () => {
-  expect(readPads([pad({ pressed: [1] })], null).stop).toBe(true);
+test("the buttons to stop and to return count on any pad, held or not", () => {
+  expect(readPads([pad({ pressed: [1] })], null)).toMatchObject({ stop: true, home: false });
+  expect(readPads([pad({ pressed: [3] })], null)).toMatchObject({ stop: false, home: true });
+});
+
+test("a trigger of the pad in use overrides, no other pad's", () => {
+  const mine = pad({ pressed: [4, 7] });
+  expect(readPads([mine], null).override).toBe(true);
+  const idle = pad({ id: "Pad B", index: 1, pressed: [6] });
+  expect(readPads([pad({ pressed: [4] }), idle], null).override).toBe(false);
+  expect(readPads([idle], null).override).toBe(false);
 });
 
 test("the curve is still in the deadband, odd, rising and full at the edge", () => {

@@ -16,25 +16,37 @@ export interface PadReading {
   chosen: { id: string; index: number } | null;
   /** Null while the dead-man is not held. */
   axes: Axes | null;
-  /** The stop button (B or circle) is down. */
+  /** A trigger is held: what stands in the way stops nothing. */
+  override: boolean;
+  /** The stop button (B or circle) is down, on any pad. */
   stop: boolean;
+  /** The button that sends the robot back to the start (Y or triangle) is down, on any pad. */
+  home: boolean;
 }
 
 const DEADBAND = 0.12;
 const EXPO = 0.6;
 const DEAD_MAN_BUTTONS = [4, 5]; // the shoulders
+const OVERRIDE_BUTTONS = [6, 7]; // the triggers
 const STOP_BUTTON = 1;
+const HOME_BUTTON = 3;
 
 export function readPads(pads: readonly (PadSnapshot | null)[], chosen: PadReading["chosen"]): PadReading {
   const usable = pads.filter(
     (pad): pad is PadSnapshot => !!pad && pad.connected && pad.axes.length >= 2 && pad.buttons.length > 5,
   );
-  const stop = usable.some((pad) => pad.buttons[STOP_BUTTON]?.pressed);
+  const anywhere = (button: number) => usable.some((pad) => pad.buttons[button]?.pressed);
+  const buttons = { stop: anywhere(STOP_BUTTON), home: anywhere(HOME_BUTTON) };
   const pad = chosen
     ? usable.find((candidate) => candidate.id === chosen.id && candidate.index === chosen.index)
     : usable.find(deadManHeld);
-  if (!pad) return { chosen: null, axes: null, stop };
-  return { chosen: { id: pad.id, index: pad.index }, axes: deadManHeld(pad) ? axesOfPad(pad) : null, stop };
+  if (!pad) return { chosen: null, axes: null, override: false, ...buttons };
+  return {
+    chosen: { id: pad.id, index: pad.index },
+    axes: deadManHeld(pad) ? axesOfPad(pad) : null,
+    override: held(pad, OVERRIDE_BUTTONS),
+    ...buttons,
+  };
 }
 
 /** Deadband, then a curve that is gentle near the centre and reaches 1 at the edge. */
@@ -46,7 +58,11 @@ export function shape(value: number): number {
 }
 
 function deadManHeld(pad: PadSnapshot): boolean {
-  return DEAD_MAN_BUTTONS.some((button) => pad.buttons[button]?.pressed);
+  return held(pad, DEAD_MAN_BUTTONS);
+}
+
+function held(pad: PadSnapshot, buttons: readonly number[]): boolean {
+  return buttons.some((button) => pad.buttons[button]?.pressed);
 }
 
 /** Left stick forward and back; turning with whichever stick is pushed further sideways. Sticks point down and right. */

@@ -9,6 +9,8 @@ const RIGHT = ["KeyD", "ArrowRight"];
 
 export const DRIVE_KEYS: ReadonlySet<string> = new Set([...FORWARD, ...BACK, ...LEFT, ...RIGHT]);
 export const SLOW_KEYS: ReadonlySet<string> = new Set(["ShiftLeft", "ShiftRight"]);
+/** Held while driving: what stands in the way stops nothing, and the robot crawls. */
+export const OVERRIDE_KEYS: ReadonlySet<string> = new Set(["KeyO"]);
 
 /** Forward and left of the keys held; null when none of them drives. Opposite keys cancel but still hold. */
 export function axesOfKeys(keys: ReadonlySet<string>): Axes | null {

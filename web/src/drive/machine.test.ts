@@ -159,6 +159,56 @@ describe("gamepad", () => {
   });
 });
 
+describe("override", () => {
+  const hold: Input = { type: "override", held: true };
+  const drop: Input = { type: "override", held: false };
+  const said = (inputs: Input[], start?: DriveState) => run(inputs, start).sent.map((c) => [c.held, c.override]);
+
+  test("by itself does nothing; with the dead-man it is said at once, each tick, and when it ends", () => {
+    expect(said([hold, tick, drop, down("KeyO"), tick])).toEqual([]);
+    expect(said([down("KeyW"), hold, tick, drop, tick])).toEqual([
+      [true, false],
+      [true, true],
+      [true, true],
+      [true, false],
+      [true, false],
+    ]);
+  });
+
+  test("a key, a trigger and the button on screen are the same, whichever hand drives", () => {
+    const stick: Input = { type: "stick-start", axes: { linear: 1, angular: 0 } };
+    expect(said([stick, down("KeyO")]).at(-1)).toEqual([true, true]);
+    expect(said([down("KeyO"), down("KeyW")])).toEqual([[true, true]]);
+    const pad: Input = { type: "pad", axes: { linear: 1, angular: 0 }, override: true };
+    expect(said([pad])).toEqual([[true, true]]);
+    expect(said([pad, { ...pad, override: false }])).toEqual([
+      [true, true],
+      [true, false],
+    ]);
+  });
+
+  test("letting go of the dead-man says neither", () => {
+    expect(said([hold, down("KeyW"), up("KeyW"), tick])).toEqual([
+      [true, true],
+      [false, false],
+      [false, false],
+    ]);
+  });
+
+  test("a release ends it: it must be pressed anew", () => {
+    const { state } = run([hold, down("KeyO"), down("KeyW"), { type: "release" }]);
+    expect(said([down("KeyO", true), down("KeyW")], state)).toEqual([[true, false]]);
+    const pad: Input = { type: "pad", axes: { linear: 1, angular: 0 }, override: true };
+    const after = run([pad, { type: "release" }, pad, down("KeyW")]);
+    expect(after.sent.map((c) => c.override)).toEqual([true, false, false]);
+  });
+
+  test("it is not held before driving is allowed", () => {
+    const { sent } = run([hold, { type: "allow", allowed: true }, down("KeyW")], initialDrive(1));
+    expect(sent.map((c) => c.override)).toEqual([false]);
+  });
+});
+
 test("flush says every release still owed at once", () => {
   const { state } = run([down("KeyW"), { type: "release" }]);
   const { send, state: after } = flush(state);
@@ -180,6 +230,8 @@ test("whatever is pressed and lost: a release always ends in not held, with sequ
     { type: "stick-end" },
     { type: "pad", axes: { linear: 1, angular: 1 } },
     { type: "pad", axes: null },
+    { type: "override", held: true },
+    down("KeyO"),
     { type: "allow", allowed: false },
     { type: "allow", allowed: true },
     tick,
@@ -191,6 +243,7 @@ test("whatever is pressed and lost: a release always ends in not held, with sequ
     const chosen = Array.from({ length: 30 }, () => inputs[Math.floor(random() * inputs.length)]!);
     const { state, sent } = run([...chosen, { type: "release" }]);
     expect(state.command.held).toBe(false);
+    expect(sent.every((command) => command.held || !command.override)).toBe(true);
     expect(state.source).toBeNull();
     sent.forEach((command, i) => expect(command.seq).toBe(i + 1));
   }

@@ -5,9 +5,12 @@
  * (blur, hidden tab, lost pointer, unplugged pad, stale view) forgets everything that is held, and what was held must
  * be let go and pressed anew before it drives again. A command goes out at once on every change and with every
  * `tick` (50 ms) while held; a release is said three times.
+ *
+ * The override is a hold of its own beside the dead-man (a key, a trigger, a button on screen): by itself it does
+ * nothing, and a release ends it likewise.
  */
 
-import { axesOfKeys, DRIVE_KEYS, SLOW_KEYS } from "./keys";
+import { axesOfKeys, DRIVE_KEYS, OVERRIDE_KEYS, SLOW_KEYS } from "./keys";
 
 export type Source = "stick" | "gamepad" | "keyboard";
 
@@ -20,6 +23,7 @@ export interface Axes {
 export interface Command extends Axes {
   seq: number;
   held: boolean;
+  override: boolean;
 }
 
 export type Input =
@@ -27,7 +31,8 @@ export type Input =
   | { type: "stick-start"; axes: Axes }
   | { type: "stick-move"; axes: Axes }
   | { type: "stick-end" }
-  | { type: "pad"; axes: Axes | null }
+  | { type: "pad"; axes: Axes | null; override?: boolean }
+  | { type: "override"; held: boolean }
   | { type: "preset"; factor: number }
   | { type: "allow"; allowed: boolean }
   | { type: "release" }
@@ -40,6 +45,9 @@ export interface DriveState {
   readonly pad: Axes | null;
   /** The pad's dead-man was held through a release: it counts again once it has been let go. */
   readonly padSpent: boolean;
+  /** The override is held on the pad, on screen. */
+  readonly padOverride: boolean;
+  readonly screenOverride: boolean;
   readonly factor: number;
   /** Which hand drives; the first to be held keeps the wheel until it lets go. */
   readonly source: Source | null;
@@ -64,9 +72,11 @@ export function initialDrive(factor: number): DriveState {
     stick: null,
     pad: null,
     padSpent: false,
+    padOverride: false,
+    screenOverride: false,
     factor,
     source: null,
-    command: { seq: 0, held: false, linear: 0, angular: 0 },
+    command: { seq: 0, held: false, linear: 0, angular: 0, override: false },
     farewells: 0,
   };
 }
@@ -98,7 +108,11 @@ function take(state: DriveState, input: Exclude<Input, { type: "tick" }>): Drive
     case "stick-end":
       return state.stick ? { ...state, stick: null } : state;
     case "pad":
-      return takePad(state, input.axes);
+      return takePad(state, input.axes, input.override ?? false);
+    case "override":
+      return input.held === state.screenOverride || (input.held && !state.allowed)
+        ? state
+        : { ...state, screenOverride: input.held };
     case "preset":
       return { ...state, factor: clamp(input.factor, 0, 1) };
     case "allow":
@@ -110,7 +124,7 @@ function take(state: DriveState, input: Exclude<Input, { type: "tick" }>): Drive
 }
 
 function takeKey(state: DriveState, input: { code: string; down: boolean; repeat?: boolean }): DriveState {
-  if (!DRIVE_KEYS.has(input.code) && !SLOW_KEYS.has(input.code)) return state;
+  if (![DRIVE_KEYS, SLOW_KEYS, OVERRIDE_KEYS].some((keys) => keys.has(input.code))) return state;
   if (input.down === state.keys.has(input.code)) return state;
   // A repeat of a key we do not know as held was pressed before a release: it must be pressed anew.
   if (input.down && (input.repeat || !state.allowed)) return state;
@@ -120,25 +134,37 @@ function takeKey(state: DriveState, input: { code: string; down: boolean; repeat
   return { ...state, keys };
 }
 
-function takePad(state: DriveState, axes: Axes | null): DriveState {
-  if (axes === null) return state.pad || state.padSpent ? { ...state, pad: null, padSpent: false } : state;
+function takePad(state: DriveState, axes: Axes | null, override: boolean): DriveState {
+  if (axes === null)
+    return state.pad || state.padSpent ? { ...state, pad: null, padSpent: false, padOverride: false } : state;
   if (!state.allowed) return state.padSpent ? state : { ...state, padSpent: true };
   if (state.padSpent) return state;
   const pad = clampAxes(axes);
-  return state.pad && same(state.pad, pad) ? state : { ...state, pad };
+  const unchanged = state.pad && same(state.pad, pad) && state.padOverride === override;
+  return unchanged ? state : { ...state, pad, padOverride: override };
 }
 
 function letGo(state: DriveState): DriveState {
-  return { ...state, keys: new Set(), stick: null, pad: null, padSpent: state.padSpent || state.pad !== null };
+  return {
+    ...state,
+    keys: new Set(),
+    stick: null,
+    pad: null,
+    padSpent: state.padSpent || state.pad !== null,
+    padOverride: false,
+    screenOverride: false,
+  };
 }
 
 function settle(before: DriveState, taken: DriveState): Step {
   const source = chooseSource(taken);
   const axes = source ? scale(axesOf(taken, source), factorOf(taken)) : { linear: 0, angular: 0 };
   const held = source !== null;
-  const changed = held !== before.command.held || !same(axes, before.command);
-  if (!changed) return { state: { ...taken, source }, send: [] };
-  const command = { seq: before.command.seq + 1, held, ...axes };
+  const override = held && overrides(taken);
+  const { command: last } = before;
+  if (held === last.held && override === last.override && same(axes, last))
+    return { state: { ...taken, source }, send: [] };
+  const command = { seq: last.seq + 1, held, ...axes, override };
   const farewells = held ? 0 : FAREWELLS - 1;
   return { state: { ...taken, source, command, farewells }, send: [command] };
 }
@@ -150,7 +176,7 @@ function tick(state: DriveState): Step {
 }
 
 function farewell(state: DriveState): Step {
-  const command = { seq: state.command.seq + 1, held: false, linear: 0, angular: 0 };
+  const command = { seq: state.command.seq + 1, held: false, linear: 0, angular: 0, override: false };
   return { state: { ...state, command, farewells: state.farewells - 1 }, send: [command] };
 }
 
@@ -167,6 +193,11 @@ function axesOfSource(state: DriveState, source: Source): Axes | null {
 
 function axesOf(state: DriveState, source: Source): Axes {
   return axesOfSource(state, source) ?? { linear: 0, angular: 0 };
+}
+
+/** Whether any hand holds the override, whichever drives. */
+export function overrides(state: DriveState): boolean {
+  return state.padOverride || state.screenOverride || [...OVERRIDE_KEYS].some((key) => state.keys.has(key));
 }
 
 function factorOf(state: DriveState): number {

@@ -443,6 +443,8 @@ export interface DriveCommand {
   held: boolean;
   linear: number;
   angular: number;
+  /** Held too: what stands in the way stops nothing, and the robot crawls. */
+  override?: boolean;
 }
 
 export type ToRobot =

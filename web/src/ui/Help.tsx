@@ -7,6 +7,7 @@ import { CloseIcon } from "./icons";
 const KEYS: [string[], string][] = [
   [["W", "A", "S", "D"], "Drive while held; so do the arrow keys"],
   [["Shift"], "Held: slowly"],
+  [["O"], "Held while driving: crawl, whatever stands in the way. Only your eyes stop the robot then"],
   [["Space"], "Stop driving: every key must be pressed anew"],
   [
     ["Esc"],
@@ -18,6 +19,8 @@ const KEYS: [string[], string][] = [
 const PAD: [string[], string][] = [
   [["L1", "R1"], "Hold one of them to drive (the dead-man)"],
   [["Left stick"], "Forward, backward, turn; the right stick turns too"],
+  [["L2", "R2"], "Held while driving: crawl, whatever stands in the way"],
+  [["Y", "△"], "Return to where the map began"],
   [["B", "○"], "Emergency stop"],
   [["Y", "△"], "Return to the start"],
 ];

@@ -1,0 +1,42 @@
+/** Why the robot does not drive as it is told, in words; and the hold on screen that has it crawl all the same. */
+
+import { useApp } from "../state/context";
+import { overrides } from "./machine";
+
+export function Limited() {
+  const { drive, store } = useApp();
+  const limited = (store.live.value && store.status.value?.limited) || "";
+  const { source, screenOverride } = drive.state.value;
+  const held = overrides(drive.state.value);
+  const mine = store.status.value?.driver?.mine ?? false;
+  // The hold stays under the finger that holds it, whatever the robot says meanwhile.
+  const offered = drive.refusal.value === null && (held || (limited !== "" && (mine || source !== null)));
+  const hold = (on: boolean) => drive.input({ type: "override", held: on });
+  if (!limited && !offered) return null;
+  return (
+    <div class="drive-limited" data-testid="limited" data-override={held}>
+      <p role="status">{limited ? `${limited[0]!.toUpperCase()}${limited.slice(1)}.` : "Held: nothing stops it."}</p>
+      {offered && (
+        <button
+          type="button"
+          class={`button quiet hold ${held ? "held" : ""}`}
+          data-testid="override"
+          aria-pressed={screenOverride}
+          title="Hold, or hold O or a trigger, and drive: the robot crawls, whatever stands in the way"
+          onPointerDown={(event) => {
+            if (event.button !== 0) return;
+            event.preventDefault(); // the keys go on driving
+            event.currentTarget.setPointerCapture(event.pointerId);
+            hold(true);
+          }}
+          onPointerUp={() => hold(false)}
+          onPointerCancel={() => hold(false)}
+          onLostPointerCapture={() => hold(false)}
+          onContextMenu={(event) => event.preventDefault()}
+        >
+          Hold to crawl <kbd class="only-wide">O</kbd>
+        </button>
+      )}
+    </div>
+  );
+}
