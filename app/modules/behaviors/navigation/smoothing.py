@@ -9,22 +9,33 @@ from numpy.typing import NDArray
 
 from app.modules.behaviors.navigation.inflation import CostField
 
+#: How a way is bent until it costs least: pieces (m), then strides to the side (m) and how often at most. What is
+#: further ahead than ``_BENT_M`` is planned again before the robot gets there.
+_BENDING = ((0.4, (0.2, 0.1, 0.05), 12), (0.1, (0.05, 0.025), 6))
+_BENT_M = 60.0
 #: How often a point is drawn to its neighbours' middle: corners are rounded over some eight poses to each side. And by
 #: what share a place may be dearer for that.
 _ROUNDS = 60
-_SLACK = 0.15
+_SLACK = 0.6
 
 
 def smooth(field: CostField, points: NDArray[np.float64], spacing_m: float) -> NDArray[np.float64]:
     """Points (M, 2) float64 x, y (m), about ``spacing_m`` apart, from the first to the last of ``points`` (N >= 1, 2),
-    which are free and lead along free cells: so does what is returned, and it costs no more."""
-    from app.modules.behaviors.navigation.lines import relax, shortcuts
+    which are free and lead along free cells: so does what is returned. It costs less, or hardly more, being round."""
+    from app.modules.behaviors.navigation.lines import refine, relax, shortcuts
 
     frame = field.frame
     corner = np.array([frame.y, frame.x])
     cells = np.ascontiguousarray((points[:, ::-1] - corner) / frame.resolution_m - 0.5)
     kept = cells[shortcuts(field.cost, cells)]
-    dense = np.ascontiguousarray(_divided(kept, spacing_m / frame.resolution_m))
+    along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(kept, axis=0).T)))) * frame.resolution_m
+    count = int(np.searchsorted(along, _BENT_M)) + 1
+    near, far = kept[:count], kept[count:]
+    for piece_m, strides_m, rounds in _BENDING:
+        near = _divided(near, piece_m / frame.resolution_m)
+        for stride_m in strides_m:
+            refine(field.cost, near, stride_m / frame.resolution_m, rounds)
+    dense = np.ascontiguousarray(_divided(np.concatenate((near, far)), spacing_m / frame.resolution_m))
     relax(field.cost, dense, _ROUNDS, _SLACK)
     return np.ascontiguousarray(((dense + 0.5) * frame.resolution_m + corner)[:, ::-1])
 

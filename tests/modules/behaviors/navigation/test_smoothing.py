@@ -50,7 +50,7 @@ def test_in_the_open_the_way_is_straight() -> None:
 
 def test_corners_are_rounded() -> None:
     field = cost_field(office(), ROUND)
-    cells = cheapest_way(field, (12, 12), (150, 12))
+    cells = cheapest_way(field, (12, 12), (145, 12))
     assert cells is not None
     poses = with_headings(smooth(field, middles(cells), 0.05), 0.0, math.nan)
     turns = np.abs((np.diff(poses[:, 2]) + np.pi) % (2 * np.pi) - np.pi)
