@@ -14,6 +14,7 @@ from app import paths
 from app.console.description import describe
 from app.console.live.endpoint import live
 from app.console.live.hub import Hub
+from app.console.live.protocol import COSTMAP
 from app.console.page import install_page
 from app.console.problems import install_problem_handlers
 from app.console.replays import Replays
@@ -55,7 +56,7 @@ def create_app(
     started from here listen. ``early_view``: start the 3D view with the program rather than with the first who looks.
     """
     hub = Hub(system, playback)
-    view = View(system, hub.percepts, early=early_view, playback=playback)
+    view = View(system, hub.percepts, lambda: hub.is_shown(COSTMAP), early=early_view, playback=playback)
     door = Door(token)
     replays = Replays(host, token)
 

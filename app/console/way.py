@@ -24,6 +24,8 @@ STATUSES = ("navigation", "going_toward")
 PATH = "path"
 LOCALIZATION = "localization"
 ZONES = "zones"
+MAP = "map"
+COSTMAP = "local_costmap"
 #: A path has at most so many points when it is told.
 MOST_POINTS = 200
 _HEADING_STEP = 0.01
@@ -125,20 +127,33 @@ class WayReport:
         """As in docs/live-stream.md; None in a program where nobody goes anywhere."""
         if not self.goes:
             return None
-        graph = self._system.graph
-        statuses = [latest for name in STATUSES if (latest := reports.latest(graph, name)) is not None]
-        status = at_work(statuses)
-        planner: NavigationStatus | None = reports.latest(graph, STATUSES[0])
-        path = self._path() if status is planner and status is not None and status.state in UNDER_WAY else []
-        return navigation_json(status, path, self.desire())
+        return navigation_json(self._status(), self._path_points(), self.desire())
 
     def desire(self) -> Desire | None:
         """The strongest desire to go somewhere."""
         desire = self._system.workspace.strongest().get(GO_TO)
         return desire if desire is not None and desire.utility > 0 else None
 
-    def _path(self) -> list[list[float]]:
-        path: PlannedPath | None = reports.latest(self._system.graph, PATH)
+    def path(self) -> PlannedPath | None:
+        """The path that is being followed."""
+        status, planner = self._status(), reports.latest(self._system.graph, STATUSES[0])
+        follows = status is not None and status is planner and status.state in UNDER_WAY
+        path: PlannedPath | None = reports.latest(self._system.graph, PATH) if follows else None
+        return path
+
+    def goal(self) -> tuple[float, float, float | None] | None:
+        """Where a behavior is going, or cannot go: x, y (m) and heading (rad, None: any) on the map."""
+        status = self._status()
+        if status is None or status.goal is None or status.state not in (*UNDER_WAY, "unreachable"):
+            return None
+        return status.goal.x, status.goal.y, status.goal.theta if math.isfinite(status.goal.theta) else None
+
+    def _status(self) -> NavigationStatus | None:
+        graph = self._system.graph
+        return at_work(latest for name in STATUSES if (latest := reports.latest(graph, name)) is not None)
+
+    def _path_points(self) -> list[list[float]]:
+        path = self.path()
         localization: Localization | None = reports.latest(self._system.graph, LOCALIZATION)
         X_MP: Pose2 | None = Pose2()
         if path is not None and path.frame == "odom":

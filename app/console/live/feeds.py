@@ -13,6 +13,8 @@ from app.console.live.protocol import CAMERA, COSTMAP, MAP, PANORAMA, picture_fr
 from app.console.live.viewer import Viewer
 from app.console.presence import Presence, Spectators
 from app.console.taps import Tap
+from app.console.way import COSTMAP as COSTMAP_CHANNEL
+from app.console.way import MAP as MAP_CHANNEL
 from app.messages import Audio, EncodedImage
 
 if TYPE_CHECKING:
@@ -35,7 +37,10 @@ class GridKind:
     period_s: float
 
 
-GRIDS = {MAP: GridKind("map", "map_info", 0.5), COSTMAP: GridKind("local_costmap", "costmap_info", 0.2)}
+GRIDS = {
+    MAP: GridKind(MAP_CHANNEL, "map_info", 0.5),
+    COSTMAP: GridKind(COSTMAP_CHANNEL, "costmap_info", 0.2),
+}
 #: So many frames of sound may come while the loop does something else.
 BURST = 16
 

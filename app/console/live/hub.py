@@ -175,6 +175,10 @@ class Hub:
         """A map may stay as it is, and where time may stand, no picture may follow: whoever comes is given the last."""
         self._feeds.show_standing(viewer, kind, of_camera=self._playback is not None)
 
+    def is_shown(self, kind: int) -> bool:
+        """Whether any page shows pictures of ``kind``."""
+        return any(kind in viewer.shows for viewer in self._viewers.values())
+
     def notify(self, session: str, level: Level, text: str) -> None:
         """Tell one viewer something."""
         viewer = self._viewers.get(session)

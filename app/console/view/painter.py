@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from app.console.view.pace import Pace
 from app.console.view.world import World
 from app.runtime.worker import ModuleWorker
 
@@ -28,15 +29,15 @@ class PainterStatistics:
 class Painter:
     """Starts viser and draws, in a daemon thread of its own, since a call of viser that hangs must hold up nobody.
 
-    ``admitted`` is called in viser's thread; ``pace`` gives each viewer's points and period (s) and is called in the
-    painter's, as is ``ready(port)``, once viser listens.
+    ``admitted`` is called in viser's thread; ``pace`` says what each viewer bears and is called in the painter's, as is
+    ``ready(port)``, once viser listens.
     """
 
     def __init__(
         self,
         model: Path,
         admitted: Callable[[int], str | None],
-        pace: Callable[[], Mapping[str, tuple[int, float]]],
+        pace: Callable[[], Mapping[str, Pace]],
         ready: Callable[[int], None],
     ) -> None:
         self._model = model

@@ -31,6 +31,23 @@ _PROTOCOL = "viser-v"
 _INJECTED = (Path(__file__).parent / "inject.html").read_text(encoding="utf-8")
 
 
+class Layers(msgspec.Struct, tag_field="type", tag="layers"):
+    """What a viewer wants to see besides what all see; None: what the pages show."""
+
+    costmap: bool | None = None
+
+
+_layers = msgspec.json.Decoder(Layers)
+
+
+def wished_layers(frame: str | bytes) -> Layers | None:
+    """The layers that a frame of the pulse asks for; None if it is none such."""
+    try:
+        return _layers.decode(frame)
+    except msgspec.DecodeError:
+        return None
+
+
 class _Typed(msgspec.Struct):
     """The part of viser's messages that tells what they are."""
 
@@ -88,7 +105,11 @@ def view_router(view: View) -> APIRouter:
         await websocket.accept()
         look = view.enter(_viewer(websocket))
         try:
-            await _pulse(websocket, lambda round_trip_s, frames_s: view.answered(look, round_trip_s, frames_s))
+            await _pulse(
+                websocket,
+                lambda round_trip_s, frames_s: view.answered(look, round_trip_s, frames_s),
+                lambda layers: view.set_layers(look, layers.costmap),
+            )
         except WebSocketDisconnect:
             return
         finally:
@@ -176,8 +197,13 @@ async def _received(websocket: WebSocket) -> str | bytes | None:
     return frame
 
 
-async def _pulse(websocket: WebSocket, answered: Callable[[float | None, float], None]) -> None:
-    """Ask the page again and again for an answer two frames on, and time it; ends with the connection."""
+async def _pulse(
+    websocket: WebSocket, answered: Callable[[float | None, float], None], wished: Callable[[Layers], None]
+) -> None:
+    """Ask the page again and again for an answer two frames on, and time it; ends with the connection.
+
+    In between the page may say which layers it wants to see.
+    """
     number = 0
     while True:
         number += 1
@@ -188,6 +214,8 @@ async def _pulse(websocket: WebSocket, answered: Callable[[float | None, float],
                 while (frames_s := _answer(frame := await _received(websocket), number)) is None:
                     if frame is None:
                         return
+                    if (layers := wished_layers(frame)) is not None:
+                        wished(layers)
         except TimeoutError:
             answered(None, 0.0)
             continue

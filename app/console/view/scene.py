@@ -1,8 +1,9 @@
-"""What is drawn: floor, robot, laser, clouds, posters, people. Lives in one worker thread: viser is slow.
+"""What is drawn: floor, map, way, robot, laser, clouds, posters, people. Lives in one worker thread: viser is slow.
 
 Each viewer has a scene of its own (viser keeps nothing of what it was sent, and each is drawn at its own pace). The
 camera follows the robot without being moved: everything of the world hangs below a frame with the robot's inverse pose,
-so the robot stays at the origin and orbit and zoom stay the viewer's. Node names are fixed, nothing is removed.
+so the robot stays at the origin and orbit and zoom stay the viewer's. That world is odometry's, in which nothing jumps:
+where the robot is on the map moves the map below it. Node names are fixed, nothing is removed.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ from numpy.typing import NDArray
 
 from app.console.view.body import Body
 from app.console.view.drawing import colors_along_x, moved, point_size, pose_arrays, scan_points, thinned
+from app.console.view.ground import FloorLayers, Ground
+from app.console.view.pace import AT_LEAST, Pace
 from app.console.view.people import People
 from app.console.view.world import World
 from app.geometry import Pose2
@@ -43,7 +46,7 @@ def set_stage(server: viser.ViserServer) -> None:
 class ViewerScene:
     """The scene of one viewer, drawn on its ``client``."""
 
-    def __init__(self, client: viser.ClientHandle, body: Body) -> None:
+    def __init__(self, client: viser.ClientHandle, body: Body, layers: FloorLayers) -> None:
         self._client = client
         self._drawn = World()
         self._posters: list[tuple[viser.BoxHandle, viser.LabelHandle]] = []
@@ -66,6 +69,7 @@ class ViewerScene:
             self._body = body.add_to(scene, "/base_link")
             self._scan = self._points("scan", _SCAN_SIZE_M)
             self._cloud = self._points("cloud", point_size(0))
+            self._ground = Ground(client, WORLD, layers)
         self._people = People(client, WORLD)
 
     def _points(self, name: str, size: float) -> viser.PointCloudHandle:
@@ -81,8 +85,8 @@ class ViewerScene:
             visible=False,
         )
 
-    def draw(self, world: World, points: int) -> int:
-        """Bring the scene up to ``world``, in one step, with at most so many ``points`` of the cloud.
+    def draw(self, world: World, now: float, pace: Pace) -> int:
+        """Bring the scene up to ``world``, in one step, as ``pace`` allows; ``now`` (s) on any clock.
 
         Returns how many parts were new.
         """
@@ -107,12 +111,13 @@ class ViewerScene:
                 if before.cloud is not None:
                     self._cloud.visible = False
             elif world.cloud is not before.cloud:
-                chosen = thinned(len(world.cloud.points), points)
+                chosen = thinned(len(world.cloud.points), pace.points)
                 self._cloud.point_size = point_size(len(chosen))
                 _place(self._cloud, world.cloud.points[chosen], world.cloud.colors[chosen], world.cloud.X_OB)
                 new += 1
             if world.perceived is not None and world.perceived is not before.perceived:
                 new += self._people.draw(world.perceived)
+            new += self._ground.draw(world, now, pace)
             if world.robot is not None and moved(before.robot, world.robot):
                 wxyz, position = pose_arrays(world.robot.inverse())
                 self._world.wxyz, self._world.position = np.array(wxyz), np.array(position)
@@ -154,12 +159,13 @@ class Scene:
     def __init__(self, server: viser.ViserServer, body: Body) -> None:
         set_stage(server)
         self._body = body
+        self._layers = FloorLayers()
         self._viewers: dict[str, ViewerScene] = {}
         self._due: dict[str, float] = {}
 
     def viewer_came(self, viewer: str, client: viser.ClientHandle) -> None:
         """Give a new viewer its scene."""
-        self._viewers[viewer] = ViewerScene(client, self._body)
+        self._viewers[viewer] = ViewerScene(client, self._body, self._layers)
         self._due[viewer] = 0.0
 
     def viewer_left(self, viewer: str) -> None:
@@ -167,15 +173,15 @@ class Scene:
         self._viewers.pop(viewer, None)
         self._due.pop(viewer, None)
 
-    def draw(self, world: World, now: float, pace: Mapping[str, tuple[int, float]]) -> int:
-        """Draw for each viewer whose time has come; ``pace`` gives its points and the period (s) between two updates.
+    def draw(self, world: World, now: float, paces: Mapping[str, Pace]) -> int:
+        """Draw for each viewer whose time has come; ``paces`` says what each bears.
 
         Returns how many parts were drawn.
         """
         drawn = 0
         for viewer, scene in self._viewers.items():
-            points, period_s = pace.get(viewer, (0, 1.0))
+            pace = paces.get(viewer, AT_LEAST)
             if now >= self._due[viewer]:
-                self._due[viewer] = now + period_s
-                drawn += scene.draw(world, points)
+                self._due[viewer] = now + pace.period_s
+                drawn += scene.draw(world, now, pace)
         return drawn

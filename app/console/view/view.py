@@ -7,6 +7,7 @@ import logging
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from app.console import reports
@@ -14,10 +15,12 @@ from app.console.perceived import Perceived
 from app.console.percepts import Percepts
 from app.console.taps import Tap
 from app.console.view.budget import PointBudget, measured, silent
+from app.console.view.pace import Pace
 from app.console.view.painter import Painter
 from app.console.view.world import World
+from app.console.way import COSTMAP, LOCALIZATION, MAP, ZONES, WayReport
 from app.geometry import Pose2
-from app.messages import JointState, Landmarks, LaserScan, Odometry, PointCloud
+from app.messages import JointState, Landmarks, LaserScan, OccupancyGrid, Odometry, PointCloud
 from app.pose_buffer import PoseBuffer
 
 if TYPE_CHECKING:
@@ -34,21 +37,34 @@ STOP_WITHIN_S = 0.8
 
 @dataclass(slots=True, eq=False)
 class Look:
-    """One open view. ``drain_s`` is how long its last frame waited for room towards it."""
+    """One open view. ``drain_s`` is how long its last frame waited for room towards it. ``costmap``: whether it shows
+    the local costmap; None: if any page does."""
 
     viewer: str
     budget: PointBudget = field(default_factory=PointBudget)
     drain_s: float = 0.0
     sent_bytes: int = 0
     connections: int = 0
+    costmap: bool | None = None
 
 
 class View:
     """``open`` with the program, ``close`` at its end. viser starts with the first look, or at once if ``early``."""
 
-    def __init__(self, system: System, percepts: Percepts, *, early: bool, playback: Playback | None = None) -> None:
+    def __init__(
+        self,
+        system: System,
+        percepts: Percepts,
+        costmap_asked: Callable[[], bool] = lambda: False,
+        *,
+        early: bool,
+        playback: Playback | None = None,
+    ) -> None:
+        """``costmap_asked()`` tells whether any page shows the local costmap."""
         self._system = system
         self._percepts = percepts
+        self._costmap_asked = costmap_asked
+        self._way = WayReport(system)
         self._playback = playback
         self._early = early
         self._looks: dict[str, Look] = {}
@@ -68,6 +84,8 @@ class View:
         self._joints: JointState | None = None
         self._cloud: PointCloud | None = None
         self._landmarks: Landmarks | None = None
+        self._costmap: Tap[OccupancyGrid] | None = None
+        self._pages_show_costmap = False
 
     # --- Life --------------------------------------------------------------------------------------------------------
 
@@ -123,12 +141,16 @@ class View:
         """Every open view."""
         return tuple(self._looks.values())
 
-    def pace(self) -> dict[str, tuple[int, float]]:
-        """By viewer, how many points of a cloud it bears, and how long (s) to wait between two updates.
-
-        May be asked in any thread.
-        """
-        return {look.viewer: (int(look.budget.points), look.budget.period_s) for look in self.looks}
+    def pace(self) -> dict[str, Pace]:
+        """By viewer, what it bears and wants. May be asked in any thread."""
+        return {
+            look.viewer: Pace(
+                int(look.budget.points),
+                look.budget.period_s,
+                self._pages_show_costmap if look.costmap is None else look.costmap,
+            )
+            for look in self.looks
+        }
 
     def enter(self, viewer: str) -> Look:
         """A connection of ``viewer`` opens; there may be several (scene and pulse)."""
@@ -153,6 +175,10 @@ class View:
     def dismiss(self, port: int) -> None:
         """That connection is over."""
         self._ports.pop(port, None)
+
+    def set_layers(self, look: Look, costmap: bool | None) -> None:
+        """The viewer wants to see the local costmap, or not; None: as the pages do."""
+        look.costmap = costmap
 
     def answered(self, look: Look, round_trip_s: float | None, frames_s: float = 0.0) -> None:
         """The viewer answered a pulse two frames on, which took it ``frames_s``, or not in time (None)."""
@@ -179,12 +205,16 @@ class View:
                 # Of a recording that stands, nothing else may come.
                 if channel.latest is not None and (name == "landmarks" or self._playback is not None):
                     handler(channel.latest)
-        for name in self._percepts.channels:
+        places = (*self._way.channels, *([MAP] if MAP in graph.channels else []))
+        for name in (*self._percepts.channels, *places):
             self._watching.callback(Tap(graph.channel(name), f"console.view.{name}", lambda _: None).close)
         self._feeding = asyncio.create_task(self._feed(), name="console view")
 
     def _stop_feeding(self) -> None:
         self._watching.close()
+        if self._costmap is not None:
+            self._costmap.close()
+            self._costmap = None
         if self._feeding is not None:
             self._feeding.cancel()
             self._feeding = None
@@ -211,6 +241,16 @@ class View:
     def _on_landmarks(self, message: Landmarks) -> None:
         self._landmarks = message
 
+    def _look_for_costmap(self) -> None:
+        """Take the local costmap as long as any view shows it: whoever makes it may rest else."""
+        self._pages_show_costmap = self._costmap_asked()
+        wanted = any(pace.costmap for pace in self.pace().values())
+        if wanted and self._costmap is None and COSTMAP in self._system.graph.channels:
+            self._costmap = Tap(self._system.graph.channel(COSTMAP), f"console.view.{COSTMAP}", lambda _: None)
+        elif not wanted and self._costmap is not None:
+            self._costmap.close()
+            self._costmap = None
+
     async def _feed(self) -> None:
         beat = 0
         joints: JointState | None = None
@@ -224,6 +264,22 @@ class View:
                 if self._scan is not None and (pose := self._poses.at(self._scan.stamp)) is not None:
                     self._placed = (self._scan, pose)
             robot = None if self._odometry is None else self._odometry.X_OB
+            self._look_for_costmap()
             if self._painter is not None:
-                self._painter.show(World(robot, joints, self._placed, self._cloud, self._landmarks, perceived))
+                latest = partial(reports.latest, self._system.graph)
+                world = World(
+                    robot,
+                    joints,
+                    self._placed,
+                    self._cloud,
+                    self._landmarks,
+                    perceived,
+                    latest(LOCALIZATION),
+                    latest(MAP),
+                    latest(ZONES),
+                    self._way.path(),
+                    self._way.goal(),
+                    latest(COSTMAP),
+                )
+                self._painter.show(world)
             await self._system.pace.sleep(PERIOD_S)

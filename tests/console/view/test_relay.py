@@ -154,7 +154,7 @@ async def test_a_cloud_is_thinned_to_what_its_viewer_bears(url: str, system: Sys
         before = look.sent_bytes
         system.graph.channel("point_cloud").publish(cloud)
         await viewer.until(("SetPositionMessage", "/odom/cloud"))
-        assert look.sent_bytes - before < 9 * view.pace()["abc"][0] + 4_000
+        assert look.sent_bytes - before < 9 * view.pace()["abc"].points + 4_000
 
 
 async def test_the_laser_is_listened_to_only_while_somebody_looks(url: str, system: System, view: View) -> None:
