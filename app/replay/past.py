@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from typing import Any
 
-from app.messages import JointState, Landmarks, Odometry
+from app.messages import JointState, Landmarks, Localization, OccupancyGrid, Odometry, Zones
 from app.recording.damage import skipping
 from app.recording.log import Log, Logged
 
 #: How the body moved and stood belongs to whatever was seen meanwhile: every such message is taken, not the last alone.
 MOTION = (Odometry, JointState)
 #: Messages that tell everything found since the beginning: modules that begin anew cannot know it.
-ACCUMULATED = (Landmarks,)
+ACCUMULATED = (Landmarks, OccupancyGrid, Localization, Zones)
 
 #: The body's motion is given from this long before what was seen, so that poses can be interpolated there.
 LEAD_S = 0.1

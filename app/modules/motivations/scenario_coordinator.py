@@ -8,8 +8,8 @@
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
 At start it posts its desires in one transaction, when it stops it takes back those that still stand. By default the
-thesis's desires at the start of the tour-guide configuration, of the classes that there are: FindQRCodes, LocateFaces
-and DetectNoises (i 8, u 1) and Teleoperation (i 8, u 1, security). A code found for the first time is logged.
+thesis's desires at the start of the tour-guide configuration, of the classes that there are: FindQRCodes, LocateFaces,
+DetectNoises and SLAM (i 8, u 1) and Teleoperation (i 8, u 1, security). A code found for the first time is logged.
 
 A loud noise makes it desire LocateVoices (i 8, u 1) for ``listen_s``; for as long as a voice is located meanwhile, that
 is renewed (thesis 4.4): a cheap ear that is always open wakes a dear one.
@@ -49,6 +49,7 @@ USUAL = (
     DesireSettings(cls="FindQRCodes"),
     DesireSettings(cls="LocateFaces"),
     DesireSettings(cls="DetectNoises"),
+    DesireSettings(cls="SLAM"),
     DesireSettings(cls="Teleoperation", security=True),
 )
 

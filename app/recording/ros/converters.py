@@ -6,11 +6,24 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from app.messages import EncodedImage, Image, JointState, Landmarks, LaserScan, LogLine, Odometry, PointCloud, Twist
+from app.messages import (
+    EncodedImage,
+    Image,
+    JointState,
+    Landmarks,
+    LaserScan,
+    LogLine,
+    OccupancyGrid,
+    Odometry,
+    PlannedPath,
+    PointCloud,
+    Twist,
+)
 from app.recording.ros.camera import EncodedImageConverter, ImageConverter
 from app.recording.ros.cloud import PointCloudConverter
 from app.recording.ros.landmarks import LandmarksConverter
 from app.recording.ros.laser import LaserScanConverter
+from app.recording.ros.navigation import OccupancyGridConverter, PlannedPathConverter
 from app.recording.ros.plain import (
     GeneratedConverter,
     JointStateConverter,
@@ -40,7 +53,9 @@ CONVERTERS: Mapping[type[Any], Callable[[str, Options], Converter]] = {
     Landmarks: lambda channel, _: LandmarksConverter(channel),
     LaserScan: lambda channel, options: LaserScanConverter(channel, options.rate_hz),
     LogLine: lambda channel, _: LogLineConverter(channel),
+    OccupancyGrid: lambda channel, _: OccupancyGridConverter(channel),
     Odometry: lambda channel, _: OdometryConverter(channel),
+    PlannedPath: lambda channel, _: PlannedPathConverter(channel),
     PointCloud: lambda channel, _: PointCloudConverter(channel),
     Twist: lambda channel, _: TwistConverter(channel),
 }

@@ -22,7 +22,7 @@ class Nothing(BaseModel):
     """Parameters of a class that has none."""
 
 
-USUAL = {"FindQRCodes", "LocateFaces", "DetectNoises", "Teleoperation"}
+USUAL = {"FindQRCodes", "LocateFaces", "DetectNoises", "SLAM", "Teleoperation"}
 CLASSES = {c.name: c for c in desire_classes()} | {
     name: DesireClass(name=name, title=name, description=f"{name}.", parameters=Nothing)
     for name in ("LocateFaces", "DetectNoises", "LocateVoices")
@@ -71,6 +71,7 @@ def test_the_thesiss_desires_stand_while_it_lives() -> None:
                 "FindQRCodes": (8, 1, False),
                 "LocateFaces": (8, 1, False),
                 "DetectNoises": (8, 1, False),
+                "SLAM": (8, 1, False),
                 "Teleoperation": (8, 1, True),
             }
             assert {d.source for d in desires.values()} == {Source("motivation", "Tested")}

@@ -13,7 +13,17 @@ from hypothesis.extra import numpy as arrays
 
 from app import messages
 from app.geometry import CameraModel, FisheyeModel, Pose2, Pose3
-from app.messages import EncodedImage, Image, JointState, LaserScan, LogLine, Odometry, PointCloud
+from app.messages import (
+    EncodedImage,
+    Image,
+    JointState,
+    LaserScan,
+    LogLine,
+    OccupancyGrid,
+    Odometry,
+    PlannedPath,
+    PointCloud,
+)
 
 #: Stamps as the robot's clock gives them: from there on float64 and nanoseconds say the same.
 STAMPS = st.floats(2**23, 2**31 - 1)
@@ -116,12 +126,27 @@ def _clouds(draw: st.DrawFn) -> PointCloud:
     return PointCloud(draw(STAMPS), draw(points), draw(colors), draw(instances(Pose2)))
 
 
+@st.composite
+def _grids(draw: st.DrawFn) -> OccupancyGrid:
+    cells = draw(arrays.arrays(np.int8, st.tuples(st.integers(0, 9), st.integers(0, 9)), elements=st.integers(-1, 100)))
+    figures = draw(st.floats(1e-3, 10)), (draw(_LENGTHS), draw(_LENGTHS)), draw(st.integers(0, 2**62))
+    return OccupancyGrid(draw(STAMPS), draw(_FRAMES), cells, *figures)
+
+
+@st.composite
+def _paths(draw: st.DrawFn) -> PlannedPath:
+    poses = draw(arrays.arrays(np.float64, (draw(st.integers(0, 9)), 3), elements=_LENGTHS))
+    return PlannedPath(draw(STAMPS), draw(_FRAMES), poses)
+
+
 _SPECIAL: dict[type[Any], st.SearchStrategy[Any]] = {
     Pose3: _POSES,
     Image: _images(),
     LaserScan: _scans(),
     JointState: _joint_states(),
     PointCloud: _clouds(),
+    OccupancyGrid: _grids(),
+    PlannedPath: _paths(),
     Odometry: st.builds(
         Odometry, STAMPS, st.builds(Pose2, _LENGTHS, _LENGTHS, st.floats(-6.28, 6.28)), _FLOATS, _FLOATS
     ),
