@@ -57,7 +57,7 @@ const panorama = new PictureFeed(
 panorama.canvas = document.createElement("canvas");
 const listening = new Listening(store, session);
 const map = new MapControl(store, session);
-const maps = new MapLibrary(store, session.rest, map.shown);
+const maps = new MapLibrary(store, session.rest, map.shown, () => map.desireMap());
 const grid = {
   map: new GridFeed(session, "map", map.shown),
   costmap: new GridFeed(

@@ -17,7 +17,7 @@ export function MapPanel({ place }: { place: "tab" | "view" }) {
       class={`map in-${place}`}
       data-testid="map"
       data-place={place}
-      data-state={grid.map.picture.value ? "shown" : "empty"}
+      data-state={grid.map.picture.value?.known ? "shown" : "empty"}
       aria-label="Map"
     >
       {!store.replay.value && <Tools />}
@@ -170,6 +170,7 @@ function Way() {
           </button>
         </p>
       )}
+      <Asleep />
       {tool !== "look" && (
         <p class="map-way hint" data-testid="map-hint">
           <span>{HINTS[tool]}</span>
@@ -179,5 +180,22 @@ function Way() {
         </p>
       )}
     </div>
+  );
+}
+
+/** There is a map, but nobody wants the robot to follow itself on it. */
+function Asleep() {
+  const { map, store, grid } = useApp();
+  const lane = store.rows.value.find((row) => row.class === "SLAM");
+  if (lane?.state !== "undesired" || !grid.map.picture.value?.known || store.replay.value) return null;
+  return (
+    <p class="map-way warn" data-testid="map-asleep">
+      <span>SLAM is not running: nobody desires it.</span>
+      {map.allowed.value && (
+        <button type="button" class="button small" data-testid="map-desire" onClick={() => void map.desireMap()}>
+          Run it
+        </button>
+      )}
+    </p>
   );
 }

@@ -64,7 +64,8 @@ function Where() {
   const { store } = useApp();
   const localization = store.localization.value;
   if (!localization) return null;
-  const { tone, text, more } = poseWords(localization);
+  const lane = store.rows.value.find((row) => row.class === "SLAM");
+  const { tone, text, more } = poseWords(localization, store.replay.value ? undefined : lane);
   const trouble = tone !== "good";
   return (
     <p
@@ -154,7 +155,7 @@ function ViewButtons() {
 
 function Empty() {
   const { store, map, grid } = useApp();
-  if (grid.map.picture.value) return null;
+  if (grid.map.picture.value?.known) return null;
   const lane = store.rows.value.find((row) => row.class === "SLAM");
   const slam = store.hello.value?.channels.map === false ? undefined : lane;
   const { text, more, desire } = emptyWords(store.live.value, store.replay.value, slam, store.localization.value);

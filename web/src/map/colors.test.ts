@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { palette, recolor } from "./colors";
+import { drawnBox, palette, recolor } from "./colors";
 
 const light = (colors: Uint8ClampedArray, value: number) => colors[4 * value + 1]!;
 
@@ -23,4 +23,15 @@ test("every pixel gets its value's colour", () => {
   const pixels = new Uint8ClampedArray([0, 0, 0, 255, 100, 100, 100, 255, 255, 255, 255, 255]);
   recolor(pixels, colors);
   expect([...pixels]).toEqual([...colors.slice(0, 4), ...colors.slice(400, 404), ...colors.slice(1020, 1024)]);
+});
+
+test("what is known of a map is found, and that nothing is", () => {
+  const pixels = new Uint8ClampedArray(4 * 5 * 4);
+  expect(drawnBox(pixels, 5)).toBeNull();
+  for (const [column, row] of [
+    [1, 2],
+    [3, 1],
+  ] as const)
+    pixels[4 * (row * 5 + column) + 3] = 255;
+  expect(drawnBox(pixels, 5)).toEqual({ left: 1, top: 1, right: 4, bottom: 3 });
 });

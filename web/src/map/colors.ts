@@ -39,6 +39,24 @@ export function recolor(pixels: Uint8ClampedArray, colors: Uint8ClampedArray): v
   for (let i = 0; i < to.length; i++) to[i] = from[pixels[4 * i]!]!;
 }
 
+/** Where in a picture of `width` px anything is drawn; null: nowhere. `right` and `bottom` are the first beyond. */
+export function drawnBox(
+  pixels: Uint8ClampedArray,
+  width: number,
+): { left: number; top: number; right: number; bottom: number } | null {
+  const height = pixels.length / 4 / width;
+  let [left, right, top, bottom] = [width, 0, height, 0];
+  for (let row = 0; row < height; row++)
+    for (let column = 0; column < width; column++)
+      if (pixels[4 * (row * width + column) + 3]! > 0) {
+        if (column < left) left = column;
+        if (column >= right) right = column + 1;
+        if (row < top) top = row;
+        bottom = row + 1;
+      }
+  return right > left ? { left, top, right, bottom } : null;
+}
+
 function mapColor(value: number): Rgba {
   if (value === UNKNOWN_CELL) return NOTHING;
   const share = Math.min(100, value) / 100;

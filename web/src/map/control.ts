@@ -9,7 +9,6 @@ import type { MapPlace, Store } from "../state/store";
 import { AT_REST, busy, type Hands, type Input, type Sight, step, type Tool, type Wish } from "./hands";
 import type { GridPicture } from "./feed";
 import {
-  type Bounds,
   composed,
   FIRST_VIEW,
   fitted,
@@ -145,15 +144,14 @@ export class MapControl {
   fit(map: GridPicture | null): void {
     this.follow.value = false;
     const robot = this.robot.peek();
-    const bounds = map
-      ? knownOf(map)
-      : robot && { left: robot.x - 4, right: robot.x + 4, bottom: robot.y - 4, top: robot.y + 4 };
+    const around = robot && { left: robot.x, right: robot.x, bottom: robot.y, top: robot.y };
+    const bounds = map?.known ?? around;
     if (bounds) this.view.value = fitted(this.view.peek(), this.size, bounds, MARGINS[this.on]);
   }
 
-  /** With the first picture of a map that is more than a room, all of it is shown. */
+  /** The first picture on which anything is known is shown wholly. */
   met(map: GridPicture | null): void {
-    if (!map || !this.fresh || this.size.width === 0) return;
+    if (!map?.known || !this.fresh || this.size.width === 0) return;
     this.fresh = false;
     const following = this.follow.peek();
     this.fit(map);
@@ -183,7 +181,9 @@ export class MapControl {
     await this.ask("search", () => this.session.rest.searchRobot());
   }
 
+  /** Has the robot map, or follow itself on its map, unless somebody wants that anyway. */
   async desireMap(): Promise<void> {
+    if (this.store.rows.peek().find((row) => row.class === "SLAM")?.state !== "undesired") return;
     const wish = { class: "SLAM", intensity: 6, utility: 1 };
     await this.ask("desire", () => this.session.rest.addDesire(wish, `slam-${Date.now()}`));
   }
@@ -285,30 +285,6 @@ export class MapControl {
 function robotOn(localization: Localization | null, odometry: Pose | null): Pose | null {
   if (!localization) return null;
   return odometry ? composed(localization.X_MO, odometry) : localization;
-}
-
-/** What of a map's picture is known: the rest of it is margin. */
-export function knownOf({ info, canvas }: GridPicture): Bounds {
-  const { width, height } = canvas;
-  const pixels = canvas.getContext("2d")!.getImageData(0, 0, width, height).data;
-  let [left, right, top, bottom] = [width, 0, height, 0];
-  for (let row = 0; row < height; row++)
-    for (let column = 0; column < width; column++)
-      if (pixels[4 * (row * width + column) + 3]! > 0) {
-        left = Math.min(left, column);
-        right = Math.max(right, column + 1);
-        top = Math.min(top, row);
-        bottom = row + 1;
-      }
-  if (right <= left) [left, right, top, bottom] = [0, width, 0, height];
-  const [x, y] = info.origin;
-  const cell = info.resolution_m;
-  return {
-    left: x + left * cell,
-    right: x + right * cell,
-    bottom: y + (height - bottom) * cell,
-    top: y + (height - top) * cell,
-  };
 }
 
 /** A corner of the selected zone under a point of the screen. */

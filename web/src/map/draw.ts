@@ -74,7 +74,7 @@ export function draw(context: Context, size: Size, view: MapView, shown: Shown):
   for (const zone of shown.zones) drawZone(context, moving(zone, shown.act), at, zone.name === shown.selected);
   if (shown.sketch.length > 0)
     drawSketch(context, shown.sketch.map(at), shown.tool === "slow" ? colors.SLOW : colors.KEEP_OUT);
-  drawStart(context, at({ x: 0, y: 0 }));
+  if (shown.map?.known) drawStart(context, at({ x: 0, y: 0 }));
   for (const poster of shown.posters) drawPoster(context, at(poster));
   drawPath(
     context,

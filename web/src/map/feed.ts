@@ -4,11 +4,14 @@ import { effect, type ReadonlySignal, signal } from "@preact/signals";
 import { COSTMAP, MAP, parsePicture } from "../protocol/picture";
 import type { GridInfo } from "../protocol/types";
 import type { Session } from "../state/session";
-import { palette, recolor } from "./colors";
+import { drawnBox, palette, recolor } from "./colors";
+import type { Bounds } from "./projection";
 
 export interface GridPicture {
   info: GridInfo;
   canvas: HTMLCanvasElement;
+  /** What is known of it, in its frame; null: nothing. */
+  known: Bounds | null;
 }
 
 const KINDS = { map: MAP, costmap: COSTMAP } as const;
@@ -59,12 +62,12 @@ export class GridFeed {
     const picture = parsePicture(frame);
     if (!picture) return;
     const info = this.info?.seq === picture.seq ? this.info : null;
-    const canvas = info && (await this.drawn(picture.data));
-    if (info && canvas) this.picture.value = { info, canvas };
+    const drawn = info && (await this.drawn(picture.data, info));
+    if (drawn) this.picture.value = drawn;
     this.session.send({ type: "ack", kind: picture.kind, seq: picture.seq });
   }
 
-  private async drawn(png: Uint8Array<ArrayBuffer>): Promise<HTMLCanvasElement | null> {
+  private async drawn(png: Uint8Array<ArrayBuffer>, info: GridInfo): Promise<GridPicture | null> {
     let bitmap: ImageBitmap;
     try {
       // The grey values are figures: no colour management may touch them.
@@ -81,6 +84,19 @@ export class GridFeed {
     const image = context.getImageData(0, 0, canvas.width, canvas.height);
     recolor(image.data, this.colors);
     context.putImageData(image, 0, 0);
-    return canvas;
+    return { info, canvas, known: boundsOf(drawnBox(image.data, canvas.width), canvas.height, info) };
   }
+}
+
+/** The picture's top row has the greatest y. */
+function boundsOf(box: ReturnType<typeof drawnBox>, height: number, info: GridInfo): Bounds | null {
+  if (!box) return null;
+  const [x, y] = info.origin;
+  const cell = info.resolution_m;
+  return {
+    left: x + box.left * cell,
+    right: x + box.right * cell,
+    bottom: y + (height - box.bottom) * cell,
+    top: y + (height - box.top) * cell,
+  };
 }

@@ -20,6 +20,8 @@ export class MapLibrary {
     private readonly store: Store,
     private readonly rest: Rest,
     private readonly shown: ReadonlySignal<boolean>,
+    /** Has the robot map, or follow itself on its map. */
+    private readonly awaken: () => Promise<void>,
   ) {}
 
   start(): void {
@@ -35,7 +37,7 @@ export class MapLibrary {
   }
 
   load(name: string, options: { pose?: Place; extend: boolean }): Promise<boolean> {
-    return this.ask(`Loading ${name}…`, () => this.rest.loadMap(name, options), `${name} is in use.`);
+    return this.ask(`Loading ${name}…`, () => this.awake(this.rest.loadMap(name, options)), `${name} is in use.`);
   }
 
   rename(name: string, to: string): Promise<boolean> {
@@ -47,7 +49,7 @@ export class MapLibrary {
   }
 
   begin(): Promise<boolean> {
-    return this.ask("Beginning a new map…", () => this.rest.beginMap(), "A new map has begun.");
+    return this.ask("Beginning a new map…", () => this.awake(this.rest.beginMap()), "A new map has begun.");
   }
 
   async refresh(): Promise<void> {
@@ -60,6 +62,12 @@ export class MapLibrary {
     } finally {
       this.reading = false;
     }
+  }
+
+  /** Whoever takes a map into use wants to see the robot on it. */
+  private async awake(taken: Promise<void>): Promise<void> {
+    await taken;
+    await this.awaken();
   }
 
   private async ask(doing: string, request: () => Promise<void>, done: string): Promise<boolean> {

@@ -38,6 +38,8 @@ export const NORTH = Math.PI / 2;
 export const FIRST_VIEW: MapView = { x: 0, y: 0, scale: 28, up: NORTH };
 const CLOSEST = 400;
 const FARTHEST = 1.5;
+/** m; nothing less is spread over the screen. */
+const LEAST = 6;
 const EVEN = { left: 18, top: 18, right: 18, bottom: 18 };
 
 export function toScreen(view: MapView, size: Size, point: Point): Point {
@@ -101,7 +103,7 @@ export interface Margins {
 /** All of `bounds`, within the margins. */
 export function fitted(view: MapView, size: Size, bounds: Bounds, margins: Margins = EVEN): MapView {
   const { cos, sin } = turnOf(view);
-  const [wide, high] = [Math.max(1, bounds.right - bounds.left), Math.max(1, bounds.top - bounds.bottom)];
+  const [wide, high] = [Math.max(LEAST, bounds.right - bounds.left), Math.max(LEAST, bounds.top - bounds.bottom)];
   const across = Math.abs(cos) * wide + Math.abs(sin) * high;
   const upright = Math.abs(sin) * wide + Math.abs(cos) * high;
   const [room, height] = [size.width - margins.left - margins.right, size.height - margins.top - margins.bottom];

@@ -137,6 +137,12 @@ test.each([
   expect(poseWords(place({ state, map }))).toMatchObject({ text, tone });
 });
 
+test("what nobody looks at any more is past", () => {
+  const told = poseWords(place({}), row({ class: "SLAM", divisor: null, state: "unfulfilled" }));
+  expect(told).toMatchObject({ tone: "warn", text: "Was on lab" });
+  expect(poseWords(place({}), row({ class: "SLAM", divisor: 4 })).tone).toBe("good");
+});
+
 test("how sure it is", () => {
   expect(poseWords(place({})).more).toBe("±3 cm, ±0.6°");
   expect(lengthWords(0.05)).toBe("5 cm");

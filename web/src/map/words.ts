@@ -86,9 +86,11 @@ export function wayWords(navigation: Navigation | null, goal: Goal | null, rows:
   }
 }
 
-/** Where the robot believes to be. */
-export function poseWords(localization: Localization): Told {
+/** Where the robot believes to be; `slam`: the lane of the class SLAM, that tells whether anybody still looks. */
+export function poseWords(localization: Localization, slam?: LaneRow): Told {
   const map = localization.map || "a new map";
+  if (slam && slam.divisor === null)
+    return { tone: "warn", text: `Was on ${map}`, more: "SLAM rests: since then the wheels alone tell." };
   const [sx, sy, st] = localization.sigma;
   const unsure = `±${lengthWords(Math.max(sx, sy))}, ±${number((st * 180) / Math.PI, 1)}°`;
   switch (localization.state) {

@@ -177,7 +177,10 @@ export function createStore() {
     showMap(place: MapPlace): void {
       this.mapPlace.value = place;
       this.tab.value = "map";
-      if (place === "tab") return;
+      if (place === "tab") {
+        if (!this.scene.value) this.camera.value = "large"; // as the view would be empty else
+        return;
+      }
       if (this.around.value === "large") this.around.value = "inset";
       if (this.camera.value === "large") this.camera.value = "inset";
     },
