@@ -15,7 +15,9 @@ from app.link import BaseLimits, RobotDescription
 from app.messages import LaserScan, Localization, OccupancyGrid, Odometry, Twist, read_only
 from ..fakes import STREAMS, Bench, FakeLink
 
-LIMITS = BaseLimits(0.40, 1.00, 0.40, 4.00)
+LIMITS = BaseLimits(0.80, 1.50, 0.80, 4.00)
+#: A tick of the world, s; with each comes odometry, with every fifth a scan and a localization.
+TICK_S = 0.02
 FOOTPRINT = ((0.25, -0.25), (0.25, 0.25), (-0.25, 0.25), (-0.25, -0.25))
 RESOLUTION = 0.05
 
@@ -77,7 +79,7 @@ class DrivenWorld:
         """Perfect: ``odom`` is the world."""
         return Odometry(stamp, self.pose, self.linear, self.angular)
 
-    def scan(self, stamp: float, fov: float = math.pi, rays: int = 361) -> LaserScan:
+    def scan(self, stamp: float, fov: float = math.pi, rays: int = 181) -> LaserScan:
         """What a laser in the body's middle sees."""
         angles = np.linspace(-fov / 2, fov / 2, rays)
         ranges = ray_ranges(self.segments, self.pose.x, self.pose.y, angles + self.pose.theta)
@@ -98,15 +100,15 @@ class DrivenWorld:
         while True:
             while twists.statistics().depth:
                 self.command = twists.receive_nowait()
-            self.move(0.01)
+            self.move(TICK_S)
             now = bench.clock.now()
             bench.feed("odometry", self.odometry(now))
             if tick % 5 == 0 and scans:
                 bench.feed("scans", self.scan(now))
-            if tick % 10 == 0 and localize:
+            if tick % 5 == 0 and localize:
                 bench.feed("localization", self.localization(now))
             tick += 1
-            await bench.clock.sleep(0.01)
+            await bench.clock.sleep(TICK_S)
 
 
 def mapped(segments: list[Segment], size: tuple[float, float, float, float], version: int = 1) -> OccupancyGrid:
@@ -143,7 +145,7 @@ async def until(bench: Bench, condition: Callable[[], bool], limit_s: float) -> 
     while bench.clock.now() < end:
         if condition():
             return True
-        await bench.clock.sleep(0.05)
+        await bench.clock.sleep(0.1)
     return False
 
 
@@ -154,6 +156,8 @@ class Living:
         self._coroutine = world.live(bench, **what)
 
     async def __aenter__(self) -> None:
+        # Where each future was made is of no use here, and would be most of the time of a drive.
+        asyncio.get_running_loop().set_debug(False)
         self._task = asyncio.create_task(self._coroutine)
 
     async def __aexit__(self, *error: object) -> None:

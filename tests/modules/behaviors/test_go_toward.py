@@ -7,6 +7,8 @@ import math
 import numpy as np
 import pytest
 
+import app.modules.behaviors.go_toward  # noqa: F401  # not on the loop: it brings OpenCV and SciPy
+
 from app.geometry import Pose2, wrap_angle
 from app.messages import LaserScan, Localization, NavigationStatus, Odometry, Twist, Zone, Zones
 from app.runtime.clock import in_virtual_time
@@ -14,7 +16,7 @@ from app.runtime.clock import in_virtual_time
 from ..fakes import Bench, drain
 from .driven_world import DrivenLink, DrivenWorld, Living, box, until
 
-ROOM = box(0.0, 0.0, 10.0, 6.0)
+ROOM = box(0.0, 0.0, 8.0, 5.0)
 
 
 class Drive:
@@ -57,28 +59,28 @@ class Drive:
 @in_virtual_time
 async def test_it_goes_straight_to_a_place_and_turns_to_the_heading_asked_for() -> None:
     world = DrivenWorld(ROOM, Pose2(1.0, 1.0, 0.0))
-    async with Drive(world, x=6.0, y=4.0, heading=math.pi, tolerance_m=0.2, tolerance_rad=0.15) as drive:
-        assert await drive.until("arrived", 60)
-    assert math.hypot(world.pose.x - 6.0, world.pose.y - 4.0) <= 0.2
+    async with Drive(world, x=3.0, y=2.5, heading=math.pi, tolerance_m=0.2, tolerance_rad=0.15) as drive:
+        assert await drive.until("arrived", 15)
+    assert math.hypot(world.pose.x - 3.0, world.pose.y - 2.5) <= 0.2
     assert abs(wrap_angle(world.pose.theta - math.pi)) <= 0.15
     assert world.linear == pytest.approx(0, abs=0.05)
-    assert world.driven_m < 1.15 * math.hypot(5.0, 3.0)
-    assert drive.statuses[-1].goal == Pose2(6.0, 4.0, math.pi)
+    assert world.driven_m < 1.15 * math.hypot(2.0, 1.5)
+    assert drive.statuses[-1].goal == Pose2(3.0, 2.5, math.pi)
 
 
 @in_virtual_time
 async def test_it_gets_round_a_pillar_in_the_open() -> None:
-    world = DrivenWorld([*ROOM, *box(4.0, 2.8, 4.4, 3.2)], Pose2(1.0, 3.0, 0.0))
-    async with Drive(world, x=8.0, y=3.1) as drive:
-        assert await drive.until("arrived", 60)
+    world = DrivenWorld([*ROOM, *box(2.5, 2.4, 2.7, 2.6)], Pose2(1.0, 2.5, 0.0))
+    async with Drive(world, x=4.0, y=2.55) as drive:
+        assert await drive.until("arrived", 15)
     assert world.nearest_m > 0.0
 
 
 @in_virtual_time
 async def test_before_a_wall_it_stands_and_says_that_it_knows_no_way() -> None:
-    world = DrivenWorld([*ROOM, (5.0, 0.0, 5.0, 5.0)], Pose2(2.0, 2.0, 0.0))
-    async with Drive(world, x=8.0, y=2.0) as drive:
-        assert not await drive.until("arrived", 40)
+    world = DrivenWorld([*ROOM, (3.0, 0.0, 3.0, 4.9)], Pose2(1.0, 2.0, 0.0))
+    async with Drive(world, x=5.0, y=2.0) as drive:
+        assert not await drive.until("arrived", 12)
     assert drive.statuses[-1].state == "waiting"
     assert "knows no way around" in drive.statuses[-1].reason
     assert world.nearest_m > 0.0
@@ -87,28 +89,28 @@ async def test_before_a_wall_it_stands_and_says_that_it_knows_no_way() -> None:
 
 @in_virtual_time
 async def test_it_keeps_out_of_a_zone() -> None:
-    zone = Zone("stairs", "keep_out", np.array([[4.0, 0.0], [6.0, 0.0], [6.0, 6.0], [4.0, 6.0]]), 1.0)
-    world = DrivenWorld(ROOM, Pose2(1.0, 3.0, 0.0))
-    async with Drive(world, (zone,), x=8.0, y=3.0) as drive:
-        assert not await drive.until("arrived", 30)
-    assert world.pose.x + 0.25 < 4.05
+    zone = Zone("stairs", "keep_out", np.array([[3.0, 0.0], [4.0, 0.0], [4.0, 5.0], [3.0, 5.0]]), 1.0)
+    world = DrivenWorld(ROOM, Pose2(1.0, 2.5, 0.0))
+    async with Drive(world, (zone,), x=6.0, y=2.5) as drive:
+        assert not await drive.until("arrived", 8)
+    assert 2.0 < world.pose.x + 0.25 < 3.05
 
 
 @in_virtual_time
 async def test_it_is_slow_in_a_slow_zone() -> None:
-    zone = Zone("ward", "slow", np.array([[3.0, 0.0], [9.0, 0.0], [9.0, 6.0], [3.0, 6.0]]), 0.25)
-    world = DrivenWorld(ROOM, Pose2(1.0, 3.0, 0.0))
-    async with Drive(world, (zone,), x=8.0, y=3.0) as drive:
-        await drive.until("arrived", 12)
-        assert world.pose.x > 3.0
-        assert world.linear == pytest.approx(0.1, abs=0.03)
+    zone = Zone("ward", "slow", np.array([[2.0, 0.0], [7.0, 0.0], [7.0, 5.0], [2.0, 5.0]]), 0.25)
+    world = DrivenWorld(ROOM, Pose2(1.0, 2.5, 0.0))
+    async with Drive(world, (zone,), x=6.0, y=2.5) as drive:
+        await drive.until("arrived", 5)
+        assert world.pose.x > 2.0
+        assert world.linear == pytest.approx(0.2, abs=0.04)
 
 
 @in_virtual_time
 async def test_without_scans_or_a_pose_it_does_not_move_and_says_why() -> None:
-    world = DrivenWorld(ROOM, Pose2(1.0, 3.0, 0.0))
+    world = DrivenWorld(ROOM, Pose2(1.0, 2.5, 0.0))
     for missing, said in (("scans", "laser"), ("localize", "where it is")):
-        async with Drive(world, x=8.0, y=3.0) as drive:
+        async with Drive(world, x=6.0, y=2.5) as drive:
             async with Living(world, drive.bench, **{missing: False}):
                 told = drive.bench.listen("status")
                 await drive.bench.clock.sleep(1.0)
@@ -120,10 +122,10 @@ async def test_without_scans_or_a_pose_it_does_not_move_and_says_why() -> None:
 
 @in_virtual_time
 async def test_its_last_word_is_a_stop() -> None:
-    world = DrivenWorld(ROOM, Pose2(1.0, 3.0, 0.0))
-    async with Drive(world, x=8.0, y=3.0) as drive:
+    world = DrivenWorld(ROOM, Pose2(1.0, 2.5, 0.0))
+    async with Drive(world, x=6.0, y=2.5) as drive:
         twists = drive.bench.listen("twist")
-        await drive.until("never", 3.0)
+        await drive.until("never", 2.0)
         assert drain(twists)[-1].linear_mps > 0.2
         drive.bench.graph.filters.apply({"Tested.twist": math.inf})
         assert [t.linear_mps for t in drain(twists)] == [0.0]
