@@ -35,7 +35,7 @@ class Patience:
     insist_s: float = 20.0
     inhibit_s: float = 40.0
     give_up_s: float = 90.0
-    unreachable_s: float = 5.0
+    unreachable_s: float = 10.0
     relief_s: float = 20.0
     unserved_s: float = 5.0
 

@@ -56,7 +56,7 @@ class ProgressSupervisorSettings(Settings):
     insist_s: float = Field(20.0, gt=0, description="the robot insists on its goal")
     inhibit_s: float = Field(40.0, gt=0, description="what competes with it is inhibited")
     give_up_s: float = Field(90.0, gt=0, description="the goal is given up, and people are asked for help")
-    unreachable_s: float = Field(5.0, ge=0, description="a goal called unreachable for so long is given up")
+    unreachable_s: float = Field(10.0, ge=0, description="a goal called unreachable for so long is given up")
     relief_s: float = Field(20.0, gt=0, description="what was done about distress stands so long at least")
     intensity: float = Field(SCALE, gt=0, le=SCALE, description="of the desire insisted on")
     utility: float = Field(SCALE, gt=0, le=SCALE, description="desired of the class insisted on")
