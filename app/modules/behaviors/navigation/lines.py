@@ -176,10 +176,14 @@ def relax(
     dearest = np.empty(n)
     for k in range(n):
         dearest[k] = cost[math.floor(points[k, 0] + 0.5), math.floor(points[k, 1] + 0.5)] * (1.0 + slack)
+    active = np.ones(n, dtype=np.uint8)
     moves = 0
     for _ in range(rounds):
         moved = 0
         for k in range(1, n - 1):
+            if not active[k]:
+                continue
+            active[k] = 0
             r = 0.5 * (points[k - 1, 0] + points[k + 1, 0])
             c = 0.5 * (points[k - 1, 1] + points[k + 1, 1])
             if abs(r - points[k, 0]) + abs(c - points[k, 1]) < 2e-3:
@@ -192,6 +196,7 @@ def relax(
             ):
                 continue
             points[k, 0], points[k, 1] = r, c
+            active[k - 1], active[k], active[k + 1] = 1, 1, 1
             moved += 1
         moves += moved
         if not moved:

@@ -35,8 +35,10 @@ def smooth(field: CostField, points: NDArray[np.float64], spacing_m: float) -> N
         near = _divided(near, piece_m / frame.resolution_m)
         for stride_m in strides_m:
             refine(field.cost, near, stride_m / frame.resolution_m, rounds)
-    dense = np.ascontiguousarray(_divided(np.concatenate((near, far)), spacing_m / frame.resolution_m))
-    relax(field.cost, dense, _ROUNDS, _SLACK)
+    near = _divided(near, spacing_m / frame.resolution_m)
+    dense = np.concatenate((near, _divided(np.concatenate((near[-1:], far)), spacing_m / frame.resolution_m)[1:]))
+    relax(field.cost, dense[: len(near)], _ROUNDS, _SLACK)
+    relax(field.cost, dense[len(near) - 1 :], _ROUNDS // 4, _SLACK)
     return np.ascontiguousarray(((dense + 0.5) * frame.resolution_m + corner)[:, ::-1])
 
 
