@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import time
 from collections.abc import Callable
 from typing import Any
@@ -16,6 +15,7 @@ from app.robots.devices.player import Player
 from app.robots.devices.reader import Reader
 from app.robots.devices.streams import Ear, Eye
 from app.robots.model import RobotModel
+from app.robots.receivers import Receivers
 
 NO_WHEELS = "This body has no wheels."
 _MOST_PICTURES, _MOST_FRAMES = 2, 94
@@ -27,9 +27,7 @@ class DevicesLink:
     def __init__(self, config: DevicesConfig, model: RobotModel, clock_offset: float) -> None:
         self._config = config
         self._offset = clock_offset
-        self._receivers: dict[str, list[Callable[[Any], None]]] = {}
         self._readers: dict[str, Reader[Any]] = {}
-        self._wanted: set[str] = set()
         self._tasks: list[asyncio.Task[None]] = []
         self._failure: asyncio.Future[LinkFailed] | None = None
         self._player = Player(config.loudspeaker) if config.loudspeaker is not None else None
@@ -42,19 +40,18 @@ class DevicesLink:
         if config.camera is not None:
             eye = Eye(config.camera, model.pose(config.camera.link), self._now)
             self._readers["camera"] = Reader(
-                "camera", eye.open, lambda image: self._deliver("camera", image),
+                "camera", eye.open, lambda image: self._receivers.deliver("camera", image),
                 pause_s=eye.pause_s, most_waiting=_MOST_PICTURES,
             )  # fmt: skip
             streams["camera"] = StreamDescription("camera", Image, config.camera.rate_hz or 15.0)
         if config.microphones is not None:
             ear = Ear(config.microphones, model.pose(config.microphones.link), self._now)
             self._readers["microphones"] = Reader(
-                "microphones", ear.open, lambda audio: self._deliver("microphones", audio),
+                "microphones", ear.open, lambda audio: self._receivers.deliver("microphones", audio),
                 pause_s=ear.pause_s, most_waiting=_MOST_FRAMES,
             )  # fmt: skip
             rate_hz = config.microphones.rate / config.microphones.frame_samples
             streams["microphones"] = StreamDescription("microphones", Audio, rate_hz)
-        self._receivers = {name: [] for name in streams}
         self._description = RobotDescription(
             config.name,
             config.model,
@@ -63,6 +60,7 @@ class DevicesLink:
             simulated=False,
             loudspeaker=config.loudspeaker is not None,
         )
+        self._receivers = Receivers(self._description)
 
     @property
     def description(self) -> RobotDescription:
@@ -77,7 +75,7 @@ class DevicesLink:
             await self._release()
             raise LinkFailed(f"{self._config.name} can neither see nor hear: {'; '.join(problems)}.")
         for name, reader in self._readers.items():
-            reader.want(name in self._wanted)
+            reader.want(name in self._receivers.wanted)
         for period_s, tell in (
             (1 / ODOMETRY_HZ, self._stand),
             (1 / JOINTS_HZ, self._pose),
@@ -99,20 +97,11 @@ class DevicesLink:
 
     def attach(self, stream: str, receive: Callable[[Any], None]) -> Callable[[], None]:
         """Call ``receive(message)`` on the loop for each message of ``stream``; returns the detacher."""
-        receivers = self._of(stream)
-        receivers.append(receive)
-
-        def detach() -> None:
-            with contextlib.suppress(ValueError):
-                receivers.remove(receive)
-
-        return detach
+        return self._receivers.attach(stream, receive)
 
     def demand(self, stream: str, wanted: bool) -> None:
         """Tell whether anybody listens to ``stream``: a device nobody wants is not read, and soon let go of."""
-        self._of(stream)
-        (self._wanted.add if wanted else self._wanted.discard)(stream)
-        if stream in self._readers:
+        if self._receivers.demand(stream, wanted) and stream in self._readers:
             self._readers[stream].want(wanted)
 
     def command(self, twist: Twist) -> None:
@@ -141,19 +130,14 @@ class DevicesLink:
         if self._player is not None:
             self._player.stop()
 
-    def _of(self, stream: str) -> list[Callable[[Any], None]]:
-        if stream not in self._receivers:
-            raise KeyError(f"{self._config.name} has no stream {stream!r}; it has {', '.join(self._receivers)}")
-        return self._receivers[stream]
-
     def _now(self) -> float:
         return time.monotonic() + self._offset
 
     def _stand(self) -> None:
-        self._deliver("odometry", Odometry(self._now(), Pose2(), 0.0, 0.0))
+        self._receivers.deliver("odometry", Odometry(self._now(), Pose2(), 0.0, 0.0))
 
     def _pose(self) -> None:
-        self._deliver("joints", JointState(self._now(), (), ()))
+        self._receivers.deliver("joints", JointState(self._now(), (), ()))
 
     def _report(self) -> None:
         now = self._now()
@@ -167,16 +151,7 @@ class DevicesLink:
             applied=Twist(now, 0.0, 0.0),
             world_rate=1.0,
         )
-        self._deliver("status", status)
-
-    def _deliver(self, stream: str, message: Any) -> None:
-        for receive in tuple(self._receivers[stream]):
-            try:
-                receive(message)
-            except Exception as failure:  # noqa: BLE001  # one receiver's fault must not cut the others off, nor pass in silence
-                asyncio.get_running_loop().call_exception_handler(
-                    {"message": f"a receiver of {stream} raised", "exception": failure}
-                )
+        self._receivers.deliver("status", status)
 
 
 async def _repeat(period_s: float, tell: Callable[[], None]) -> None:

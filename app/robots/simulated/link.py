@@ -28,11 +28,11 @@ from app.messages import (
     read_only,
 )
 from app.robots.config import RobotConfig
+from app.robots.receivers import Receivers
 from app.robots.simulated import wire
 from app.robots.simulated.gl import check_gl, gl_environment
 from app.robots.simulated.image_ring import ImageRings, create_memory, memory_bytes
 from app.robots.simulated.lenses import lenses, picture_formats
-from app.robots.simulated.receivers import Receivers
 from app.robots.simulated.scenario_config import ScenarioConfig
 from app.robots.simulated.world_config import WorldConfig
 

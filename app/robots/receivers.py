@@ -1,4 +1,4 @@
-"""Who listens to which stream of a body in its world: one table for every kind of simulated link."""
+"""Who listens to which stream of a body: one table for every kind of link whose streams come as they are."""
 
 from __future__ import annotations
 
