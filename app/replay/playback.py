@@ -15,6 +15,7 @@ from app.recording.log import Log, LogError, LogInfo
 from app.replay.places import Places
 from app.replay.playback_state import Phase, PlaybackState, checked_speed
 from app.replay.replay_body import ReplayBody
+from app.runtime.channel import Channel
 from app.runtime.filter import CLOSED
 from app.runtime.replay_clock import ReplayClock
 from app.system import System
@@ -60,6 +61,8 @@ class Playback:
         self._steps: list[asyncio.Future[None]] = []
         #: Channels that somebody began to want while time stands.
         self._unseen: set[str] = set()
+        #: Latched channels that somebody began to want: what they said last, perhaps long ago, still holds.
+        self._recalled: set[str] = set()
         self._changed = asyncio.Event()
         self._watching = ExitStack()
         self._opened: Set[str] = frozenset()
@@ -255,6 +258,8 @@ class Playback:
                 await self._seek_once()
             elif self._steps:
                 await self._step_once()
+            elif self._recalled:
+                await self._recall()
             elif self._playing and not self._ended:
                 await (self._advance() if self._speed is None else self._pass())
             elif self._unseen:
@@ -358,6 +363,10 @@ class Playback:
 
     def _want_one(self, channel: str, wanted: bool) -> None:
         self._want({channel} if wanted else frozenset())
+        latched = self.system.graph.specs[channel].latched
+        if wanted and latched and channel not in self._unseen and not self._jumping:
+            self._recalled.add(channel)
+            self._changed.set()
 
     def _on_intention(self, intention: Intention) -> None:
         opened = {name for name, divisor in intention.divisors.items() if divisor != CLOSED}
@@ -374,6 +383,19 @@ class Playback:
             await self._places.show(channels, lambda: self._playing or bool(self._steps) or self._target is not None)
         except LogError as failure:
             log.error("cannot show what stands here: %s", failure)
+
+    async def _recall(self) -> None:
+        """Say again what latched channels said last, unless they say something themselves meanwhile."""
+        channels, self._recalled = self._recalled, set()
+        for name in channels:
+            channel = self.system.graph.channels[name]
+            try:
+                await self._places.show({name}, partial(self._has_said_more, channel, channel.published))
+            except LogError as failure:
+                log.error("cannot show what stands here: %s", failure)
+
+    def _has_said_more(self, channel: Channel[Any], said: int) -> bool:
+        return channel.published != said or self._target is not None
 
 
 def _listed(observers: list[T], callback: T) -> Callable[[], None]:

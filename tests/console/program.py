@@ -206,32 +206,9 @@ def write_program(folder: Path, *, recorder: bool = False) -> Path:
     return folder / "program.yaml"
 
 
-def _add_goto() -> None:
-    import app.system
-    from app.attention.desires import DesireClass
-    from app.modules import desire_classes as m
-
-    if any(c.name == "GoTo" for c in app.system.desire_classes()):
-        return
-    from pydantic import BaseModel, ConfigDict, Field
-
-    class GoToParameters(BaseModel):
-        model_config = ConfigDict(extra="forbid")
-        x: float = Field(ge=-1000, le=1000)
-        y: float = Field(ge=-1000, le=1000)
-        heading: float | None = None
-        tolerance_m: float = 0.25
-        tolerance_rad: float = 0.2
-        speed: float = Field(1.0, gt=0, le=1)
-
-    classes = (*m.desire_classes(), DesireClass(name="GoTo", title="Go", description="Go.", parameters=GoToParameters))
-    app.system.desire_classes = lambda: classes  # type: ignore[attr-defined]
-
-
 def build(folder: Path, *, recorder: bool = False) -> tuple[System, Body]:
     """The program, not running yet; outside the event loop, since it reads its files."""
     body = Body()
-    _add_goto()
     configuration = load_configuration(write_program(folder, recorder=recorder))
     recordings, maps = RecordingLibrary(folder / "recordings"), MapLibrary(folder / "maps")
     return System(configuration, link=body, recordings=recordings, maps=maps), body

@@ -1,0 +1,90 @@
+"""Place, way and map on a recording: as they were told then, at the place in time that is played."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from app.geometry import Pose2
+from app.messages import Message
+from app.recording.log import Logged
+from tests.console.live.test_way import pictured
+from tests.console.live_client import page
+from tests.console.places import grid, localization, path, status, zone, zones
+from tests.console.rest.test_routes import is_problem
+from tests.console.test_recorded_percepts import manifest
+from tests.replay.logs import BEGIN, MemoryLog, lab_messages
+from tests.replay.playing import Played, prepare
+
+SECOND = Pose2(5.0, 0.0, 0.0)
+
+
+@pytest.fixture
+def prepared(tmp_path: Path) -> Any:
+    """Six seconds: a map at 0.2 s, another at 4 s; the robot goes somewhere from 1 s on; its place jumps at 4 s."""
+    told: list[tuple[str, Message]] = [
+        ("map", grid(BEGIN + 0.2, version=1)),
+        ("map", grid(BEGIN + 4.0, version=2, corner=50)),
+        ("zones", zones(BEGIN + 0.2, zone())),
+        ("path", path(BEGIN + 1.0)),
+        ("navigation", status(BEGIN + 1.0)),
+    ]
+    told += [
+        ("localization", localization(BEGIN + 0.1 * number, Pose2() if number < 40 else SECOND)) for number in range(59)
+    ]
+    messages = [*lab_messages(6.0), *(Logged(message.stamp, channel, message) for channel, message in told)]
+    return prepare(MemoryLog(sorted(messages, key=lambda logged: logged.at), manifest(tmp_path)))
+
+
+async def test_what_was_known_there_is_told_there(replay_url: str, play: Played) -> None:
+    async with page(replay_url) as ann:
+        hello = await ann.until("hello")
+        assert hello["channels"]["map"]
+        assert not hello["channels"]["costmap"]
+        await ann.send("view", map=True)
+        await play.playback.seek(BEGIN + 2.0)
+        await ann.until("jump")
+        place = await ann.until("localization", lambda m: m["stamp"] > BEGIN + 1.8)
+        assert (place["x"], place["X_MO"]["x"]) == (2.0, 0.0)
+        way = await ann.until("navigation", lambda m: m["state"] == "following")
+        assert way["path"] == [[0.0, 0.0], [0.2, 0.0]]
+        assert [z["name"] for z in (await ann.until("zones", lambda m: m["zones"]))["zones"]] == ["stairs"]
+    async with page(replay_url) as ann:
+        await ann.send("view", map=True)
+        assert (await pictured(ann, "map_info"))[0]["version"] == 1
+        await ann.send("ack", kind=3, seq=1)
+        await play.playback.seek(BEGIN + 5.0)
+        await ann.until("jump")
+        # In whichever order they come.
+        told: dict[str, Any] = {}
+        while not {"map_info", "localization"} <= told.keys():
+            frame = await ann.receive()
+            told |= {frame["type"]: frame} if isinstance(frame, dict) else {}
+        assert told["map_info"]["version"] == 2
+        assert told["localization"]["x"] == 7.0
+        # Before anything was known, nothing is.
+        await ann.send("ack", kind=3, seq=2)
+        await play.playback.seek(BEGIN + 0.05)
+        await ann.until("jump")
+        assert (await ann.until("zones"))["zones"] == []
+        assert (await ann.until("navigation"))["state"] == "idle"
+
+
+async def test_whoever_asks_for_the_map_while_time_goes_on_is_given_it(replay_url: str, play: Played) -> None:
+    """It was told once, seconds ago, while nobody asked."""
+    play.playback.play()
+    await play.clock.sleep_until(BEGIN + 1.0)
+    async with page(replay_url) as ann:
+        await ann.send("view", map=True)
+        info, _ = await pictured(ann, "map_info")
+        assert info["version"] == 1
+        assert play.clock.now() < BEGIN + 4.0
+
+
+async def test_a_recording_is_sent_nowhere(replay_url: str, play: Played) -> None:
+    async with httpx.AsyncClient(base_url=f"{replay_url}/api/v1") as rest:
+        is_problem(await rest.put("/goal", json={"x": 1, "y": 1}), 409, "a-recording")
+        assert (await rest.get("/goal")).status_code == 200
