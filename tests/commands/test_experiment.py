@@ -34,7 +34,7 @@ def barn_files(folder: Path) -> tuple[Path, Path]:
     world = {"id": 4, "cylinders": [], "start": [0, 0, 0], "goal": [3, 0], "path_length": 3.0}
     worlds.write_text(json.dumps({"worlds": [world]}))
     kept = KeptResults(folder / "out", plan(worlds).of())
-    kept.add(WorldResult("4", "success", 4.0, 1.5, 1.0, "", 0, 2.0, 0.1, ((0, 0, 0, 0), (4, 2, 0, 0))).document())
+    kept.add(WorldResult("4", "success", 4.0, 1.5, 1.0, "", 0, 2.0, 0.1, (), ((0, 0, 0, 0), (4, 2, 0, 0))).document())
     return worlds, folder / "out"
 
 

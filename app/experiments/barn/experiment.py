@@ -22,12 +22,16 @@ Told = Callable[[WorldResult, int, int], None]
 
 @dataclass(frozen=True, slots=True)
 class BarnPlan:
-    """What to run: the ``chosen`` worlds of a file by the program of ``config``, ``jobs`` at a time."""
+    """What to run: the ``chosen`` worlds of a file by the program of ``config``, ``jobs`` at a time.
+
+    ``digest`` tells whether it is the same program.
+    """
 
     worlds: Worlds
     chosen: tuple[BarnWorld, ...]
     config: Path
     jobs: int
+    digest: str
     seed: int = 1
     overrides: dict[str, dict[str, object]] = field(default_factory=dict)
 
@@ -37,7 +41,7 @@ class BarnPlan:
             "experiment": "barn",
             "worlds": self.worlds.digest,
             "program": str(self.config.resolve()),
-            "files": _digest(self.config),
+            "files": self.digest,
             "version": paths.version(),
             "seed": self.seed,
             "overrides": self.overrides,
@@ -58,7 +62,7 @@ def plan(
     config = config or paths.config_dir() / "jackal.yaml"
     if not config.is_file():
         raise ConfigError("there is no such file", str(config))
-    return BarnPlan(file, chosen(file, only), config, jobs, seed, overrides or {})
+    return BarnPlan(file, chosen(file, only), config, jobs, _digest(config), seed, overrides or {})
 
 
 def run(what: BarnPlan, kept: KeptResults, told: Told, drive: Drive = desire_goal) -> tuple[WorldResult, ...]:

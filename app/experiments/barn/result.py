@@ -15,8 +15,9 @@ OUTCOMES: tuple[Outcome, ...] = ("success", "collision", "timeout", "failed")
 class WorldResult:
     """One crossing. ``time_s`` since the goal was given; ``optimal_s`` is T*, the path's length at full speed.
 
-    ``reason``: what was hit, or what navigation said last. ``driven_m`` is the length of the way; ``trace`` has time
-    (s), x, y (m) and heading (rad) in the world, ten times a second. ``wall_s``: real seconds it took.
+    ``reason``: what was hit, or what navigation said last; ``story``: all that it said, with the time (s). ``driven_m``
+    is the length of the way; ``trace`` has time (s), x, y (m) and heading (rad) in the world, ten times a second.
+    ``wall_s``: real seconds it took.
     """
 
     world: str
@@ -28,6 +29,7 @@ class WorldResult:
     recoveries: int
     driven_m: float
     wall_s: float
+    story: tuple[tuple[float, str], ...] = ()
     trace: tuple[tuple[float, float, float, float], ...] = ()
 
     @property
@@ -46,6 +48,7 @@ class WorldResult:
         """Back from JSON. Raises KeyError, TypeError or ValueError for what is none."""
         fields = {name: document[name] for name in cls.__dataclass_fields__}
         fields["trace"] = tuple(tuple(float(v) for v in row) for row in fields["trace"])
+        fields["story"] = tuple((float(time_s), str(said)) for time_s, said in fields["story"])
         if fields["outcome"] not in OUTCOMES:
             raise ValueError(f"no outcome {fields['outcome']!r}")
         return cls(**fields)

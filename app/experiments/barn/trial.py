@@ -27,6 +27,7 @@ SETTLE_S = 1.0
 """The robot stands for so long, and sees where it is, before it is given its goal."""
 LOOK_S = 0.02
 TRACE_S = 0.1
+_STORY = 60
 _EXPERIMENT = Source("operator", "the experiment")
 
 
@@ -87,6 +88,9 @@ class _Watch:
         self._time_s = 0.0
         self._trace: list[tuple[float, float, float, float]] = []
         self._said: NavigationStatus | None = None
+        self._story: list[tuple[float, str]] = []
+        self._began = math.inf
+        self._wanted = False
 
     async def live(self, run: WorldRun, drive: Drive) -> None:
         """Settle, give the goal, and look until it is reached, something is hit or time is over."""
@@ -96,7 +100,7 @@ class _Watch:
         if "SLAM" in run.system.classes:
             run.system.workspace.add("SLAM", intensity=8, utility=1, source=_EXPERIMENT)
         await run.system.clock.sleep(SETTLE_S)
-        began = run.system.clock.now()
+        began = self._began = run.system.clock.now()
         driving = asyncio.ensure_future(drive(run, goal_on_the_map(self._world)))
         try:
             while not self._over(run, run.system.clock.now() - began):
@@ -120,6 +124,7 @@ class _Watch:
             recoveries=said.recoveries if said is not None else 0,
             driven_m=round(sum(math.dist(a[1:3], b[1:3]) for a, b in itertools.pairwise(trace)), 3),
             wall_s=round(wall_s, 2),
+            story=tuple(self._story),
             trace=tuple(trace),
         )
 
@@ -134,16 +139,35 @@ class _Watch:
             self._outcome = "success"
         elif time_s >= self._world.timeout_s:
             self._outcome = "timeout"
+        elif self._gave_up(run):
+            self._outcome, self._reason = "failed", "the goal was given up"
         else:
             return False
         self._note(pose)
         if self._outcome != "success" and self._said is not None:
-            told = f"{self._said.state}: {self._said.reason}".strip(": ")
+            told = _told(self._said)
             self._reason = f"{self._reason}; {told}" if self._reason else told
         return True
+
+    def _gave_up(self, run: WorldRun) -> bool:
+        """Whether the program has ended the desire that there was."""
+        wanted = any(desire.cls == "GoTo" for desire in run.system.workspace.desires())
+        self._wanted |= wanted
+        return self._wanted and not wanted
 
     def _note(self, pose: Pose2) -> None:
         self._trace.append((round(self._time_s, 3), round(pose.x, 3), round(pose.y, 3), round(pose.theta, 3)))
 
     def _hear(self, message: NavigationStatus) -> None:
+        before = self._said
+        if message.goal is None:
+            return  # before there is one, or after it was given up: what counts is what was said about it
         self._said = message
+        if len(self._story) >= _STORY:
+            return
+        if before is None or (before.state, before.reason) != (message.state, message.reason):
+            self._story.append((round(message.stamp - self._began, 2), _told(message)))
+
+
+def _told(status: NavigationStatus) -> str:
+    return f"{status.state}: {status.reason}".strip(": ")

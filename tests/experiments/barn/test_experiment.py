@@ -18,7 +18,7 @@ from tests.experiments.barn.conftest import straight_on
 
 def crossed(world: str, outcome: str = "success", time_s: float = 3.0, reason: str = "") -> WorldResult:
     trace = ((0.0, 0.0, 0.0, 1.57), (time_s, 0.0, 2.5, 1.57))
-    return WorldResult(world, outcome, time_s, 1.5, 0.5, reason, 1, 2.5, 0.1, trace)  # type: ignore[arg-type]
+    return WorldResult(world, outcome, time_s, 1.5, 0.5, reason, 1, 2.5, 0.1, ((0.0, "planning: a way"),), trace)  # type: ignore[arg-type]
 
 
 @pytest.mark.slow
