@@ -17,8 +17,8 @@ for in a second thread, so that these delay no pose::
 
 On a map that was loaded and stays, the pose is followed (``tracking``); where the scans do not fit for a while, the
 robot is ``lost`` and looks for itself (``searching``), believing nothing before motion tells (slam/relocalization.py).
-On a map that grows, odometry leads over places where scans do not fit. ``mapping`` (false: the map stays as it is,
-though it could grow) is a parameter of the strategies.
+On a map that grows, odometry leads over places where scans do not fit. ``rays`` (one in so many is looked at) and
+``mapping`` (false: the map stays as it is, though it could grow) are parameters of the strategies.
 """
 
 from __future__ import annotations
@@ -81,6 +81,7 @@ class SLAM2D(Module):
         self._odometry: Odometry | None = None
         self._poseless = False
         self._mapping = True
+        self._rays = 1
         self._session: MapSession | None = None
         self._name = ""
         self._zones: tuple[Zone, ...] = ()
@@ -128,8 +129,9 @@ class SLAM2D(Module):
             await asyncio.wait({self._working})
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take ``mapping`` from the intention."""
+        """Take ``mapping`` and ``rays`` from the intention."""
         self._mapping = bool(parameters.get("mapping", True))
+        self._rays = max(1, int(parameters.get("rays", 1)))
 
     # --- The robot's place -----------------------------------------------------------------------------------------
 
@@ -154,7 +156,7 @@ class SLAM2D(Module):
         odometry = self._odometry
         twist = (0.0, 0.0) if odometry is None else (odometry.linear_mps, odometry.angular_radps)
         maps = self._mapping and self._search is None and not self._search_due
-        followed = await self.compute(session.follow, scan, X_OB, twist, maps)
+        followed = await self.compute(session.follow, scan, X_OB, twist, maps, self._rays)
         if session is not self._session:
             return
         if followed is not None:

@@ -82,8 +82,8 @@ class PlaceField:
         return descend(self.far, points, pose, self.cell_m, self.origin[0], self.origin[1], rounds)
 
     def fit(self, points: NDArray[np.float64], pose: NDArray[np.float64], tolerance_m: float = 0.15) -> float:
-        """The share of ``points`` that lie on something, the body being at ``pose``; those on unknown ground do not count,
-        unless most of them lie there.
+        """The share of ``points`` that lie on something, the body being at ``pose``; those on unknown ground do not
+        count, unless most of them lie there.
         """
         return share_near(self.far, self.known, points, pose, self.cell_m, self.origin[0], self.origin[1], tolerance_m)
 

@@ -8,17 +8,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.errors import ConfigError
 from app.geometry import Pose2
 from app.maps.control import MapUnavailable
 from app.maps.library import GRAPH, MapLibrary
 from app.messages import LaserScan, OccupancyGrid, Zone, read_only
-from app.modules.perception.slam.drawing import Glance, MapDrawing
+from app.modules.perception.slam.drawing import GLANCES, Glance, MapDrawing
 from app.modules.perception.slam.field import PlaceField
 from app.modules.perception.slam.grid_views import state_of
 from app.modules.perception.slam.loop_closure import LoopJob, LoopOutcome
@@ -32,6 +33,8 @@ from app.modules.perception.slam.values import Keyframe, Match, SlamState
 
 #: One more look is taken from a keyframe when no other was made for so long (s).
 GLANCE_S = 1.0
+#: Something moved where more than this share of the rays are longer or shorter by this (m).
+MOVED_SHARE, MOVED_M = 0.015, 0.25
 #: Keyframes drawn before other work has its turn.
 _DRAWN_AT_ONCE = 50
 
@@ -111,13 +114,25 @@ class MapSession:
         #: Nobody knows where the robot is.
         self.lost = X_MO is None and grid is not None
         self._drawing = MapDrawing(OccupancyCounts(cell_m, side_m)) if grows else None
+        #: When a look was taken last, at what, and how many since something moved.
         self._glanced = -math.inf
+        self._looked_at: tuple[int, NDArray[np.float32]] | None = None
+        self._quiet = 0
         self._beams: tuple[object, Beams] | None = None
 
     # --- Ahead -----------------------------------------------------------------------------------------------------
 
-    def follow(self, scan: LaserScan, X_OB: Pose2, twist: tuple[float, float], maps: bool) -> Followed | None:
-        """*Ahead.* Take a scan; ``maps`` says whether the map may grow now. None while the robot's place is unknown."""
+    def follow(
+        self, scan: LaserScan, X_OB: Pose2, twist: tuple[float, float], maps: bool = True, rays: int = 1
+    ) -> Followed | None:
+        """*Ahead.* Take one in ``rays`` of a scan's rays, the body being at ``X_OB`` and moving with ``twist``.
+
+        ``maps`` says whether the map may grow now. None while the robot's place is unknown.
+        """
+        if rays > 1:
+            thin = read_only(scan.ranges[::rays].copy()), read_only(scan.intensities[::rays].copy())
+            increment = rays * scan.angle_increment
+            scan = replace(scan, ranges=thin[0], intensities=thin[1], angle_increment=increment)
         slam = self._slam
         frozen = not (self.grows and maps)
         if self._X_MO is not None:
@@ -173,12 +188,17 @@ class MapSession:
         return slam
 
     def _glance(self, scan: LaserScan, match: Match) -> Glance | None:
+        """One more look, if none was taken for a while and something moved not long ago."""
         if match.added:
             self._glanced = scan.stamp
         if scan.stamp - self._glanced < GLANCE_S or match.inliers < FITS:
             return None
         self._glanced = scan.stamp
-        return Glance(match.keyframe, match.X_KB, view_of(scan))
+        before, self._looked_at = self._looked_at, (match.keyframe, scan.ranges)
+        if before is None or before[0] != match.keyframe or differ(before[1], scan.ranges):
+            self._quiet = 0
+        self._quiet += 1
+        return Glance(match.keyframe, match.X_KB, view_of(scan)) if self._quiet <= GLANCES else None
 
     def _beams_of(self, scan: LaserScan) -> Beams:
         key = (
@@ -216,6 +236,15 @@ class MapSession:
         if self.grid is None or not (self.grid.cells >= 0).any():
             return None
         return PlaceSearch(PlaceField(self.grid))
+
+
+def differ(before: NDArray[np.float32], now: NDArray[np.float32]) -> bool:
+    """Whether two scans from the same place show something that moved: more than what noise does at edges."""
+    if before.shape != now.shape:
+        return True
+    with np.errstate(invalid="ignore"):
+        off = np.abs(before - now) > MOVED_M
+    return bool(np.count_nonzero(off) > MOVED_SHARE * len(now))
 
 
 def look(search: PlaceSearch, scan: LaserScan, X_OB: Pose2) -> tuple[Pose2 | None, tuple[Place, ...]]:
