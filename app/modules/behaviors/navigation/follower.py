@@ -26,6 +26,8 @@ from app.modules.behaviors.navigation.way import SpeedAt, Track
 STANDING = (0.03, 0.06)
 #: So much nearer to the goal is progress, m.
 _NEARER_M = 0.02
+#: So much nearer is getting on: to creep is not, m.
+_GETTING_ON_M = 0.1
 #: So much nearer, and what was wrong is over, m.
 _OUT_OF_TROUBLE_M = 0.3
 #: A plan may lengthen the way that remains so often without counting as a step back.
@@ -99,6 +101,7 @@ class Follower:
         self._troubled_at = math.inf
         self._detours = 0
         self._held_since: float | None = None
+        self._held_at = math.inf
         self._at_place = False
         self._arrived = False
         self._begin = Motion(Pose2(), 0.0, 0.0)
@@ -185,7 +188,8 @@ class Follower:
         distance = math.hypot(end.x - X_MB.x, end.y - X_MB.y)
         if self.remaining_m < self._least - _NEARER_M:
             self._least, self.progress_stamp = self.remaining_m, now
-            self._held_since = None
+            if self._least < self._held_at - _GETTING_ON_M:
+                self._held_since, self._held_at = None, self._least
             if self._least < self._troubled_at - _OUT_OF_TROUBLE_M:
                 self.recovery.succeeded()
                 self._troubled_at, self.opened_up = math.inf, False
@@ -216,7 +220,7 @@ class Follower:
     def _held(self, now: float, *, still: bool) -> bool:
         """Whether the body has not got on for so long that something must be done."""
         if self._held_since is None:
-            self._held_since = now
+            self._held_since, self._held_at = now, self._least
         # Standing still is seen at once; going to and fro takes longer to tell from going round something.
         patience = self.recovery.settings.stuck_s * (1.0 if still else 4.0)
         return now - self._held_since >= patience

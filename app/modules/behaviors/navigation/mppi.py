@@ -35,8 +35,9 @@ class MppiSettings:
     """How far is looked ahead, how often it is varied (0: not at all, pursuits alone), and what counts how much.
 
     ``steps`` of a length (s) such that they reach ``reach_m`` at full speed, if the two limits of it allow.
-    ``weights``: of the offset from the path (1/m^2), of nearness, its reach (m), speed (m/s) at no clearance and its
-    growth with it (1/s), of excess speed, of heading away from the path, of turning, of going back.
+    ``weights``: of the offset from the path (1/m^2), of driving near to something and what near is (m), shares of the
+    greatest speed at no clearance and more for each metre of it, of excess speed, of heading away from the path, of
+    turning, of going back.
     """
 
     steps: int = 24
@@ -48,7 +49,7 @@ class MppiSettings:
     temperature: float = 0.05
     sigma: tuple[float, float] = (0.25, 0.4)
     weights: tuple[float, float, float, float, float, float, float, float, float] = (
-        1.0, 1.5, 0.10, 0.25, 3.0, 1.0, 0.2, 0.02, 0.5,
+        1.0, 0.7, 0.10, 0.35, 1.4, 12.0, 0.2, 0.02, 0.5,
     )  # fmt: skip
     looks_ahead_m: tuple[float, ...] = (0.25, 0.5, 0.9)
     shares: tuple[float, ...] = (1.0, 0.6, 0.3, 0.12)

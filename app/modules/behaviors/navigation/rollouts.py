@@ -214,10 +214,10 @@ def cost_of(field, frame, outline, radii, limits, state, path, spacing, controls
         dx, dy = state[0] - path[at, 0], state[1] - path[at, 1]
         off = min(dx * dx + dy * dy, 1.0)
         speed = abs(state[3])
-        step = w_path * off + w_near * math.exp(-max(clear, 0.0) / reach)
-        excess = speed - min(path[at, 4], v_near + v_grow * max(clear, 0.0))
+        step = w_path * off + w_near * math.exp(-max(clear, 0.0) / reach) * speed / limits[1]
+        excess = speed - min(path[at, 4], limits[1] * (v_near + v_grow * max(clear, 0.0)))
         if excess > 0.0:
-            step += w_fast * excess * excess
+            step += w_fast * (excess / limits[1]) ** 2
         if state[3] < 0.0:
             step += w_back * speed
         step += w_heading * (1.0 - math.cos(state[2] - path[at, 2]))
