@@ -128,7 +128,7 @@ def _why_not(field: CostField, start: tuple[int, int], goal: tuple[int, int]) ->
     shut = layers & AT_KEEP_OUT != 0
     if shut.any():
         places = _middles(field, lethal[shut])[:: max(1, shut.sum() // 50)]
-        margin = field.lethal_m + field.frame.resolution_m
+        margin = field.lethal_m + 1.5 * field.frame.resolution_m
         names = dict.fromkeys(filter(None, (keep_out(field.zones, x, y, margin) for x, y in places)))
         which = ", ".join(f"“{name}”" for name in names)
         return _none("keep_out", f"zones that the robot keeps out of are in the way: {which}")
@@ -203,7 +203,7 @@ def _way_out(
 def _what_is_at(field: CostField, pose: Pose2, cell: tuple[int, int], who: str = "it") -> str:
     layer = int(field.layers[cell])
     if layer & KEEP_OUT or (layer & AT_KEEP_OUT and not layer & (AT_OCCUPIED | AT_TEMPORARY)):
-        name = keep_out(field.zones, pose.x, pose.y, field.lethal_m + field.frame.resolution_m)
+        name = keep_out(field.zones, pose.x, pose.y, field.lethal_m + 1.5 * field.frame.resolution_m)
         where = "lies in" if layer & KEEP_OUT else "is too near to"
         return f"{who} {where} the zone “{name}”, which the robot keeps out of"
     if layer & OCCUPIED:

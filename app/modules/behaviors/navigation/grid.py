@@ -31,7 +31,9 @@ class GridFrame:
         return GridFrame(grid.origin[0], grid.origin[1], grid.resolution_m, rows, columns)
 
     def cell(self, x: float, y: float) -> tuple[int, int] | None:
-        """Row and column of the cell around the place (m); None outside the grid."""
+        """Row and column of the cell around the place (m); None outside the grid, or if it is no place (NaN)."""
+        if not (math.isfinite(x) and math.isfinite(y)):
+            return None
         row = math.floor((y - self.y) / self.resolution_m)
         column = math.floor((x - self.x) / self.resolution_m)
         return (row, column) if 0 <= row < self.rows and 0 <= column < self.columns else None

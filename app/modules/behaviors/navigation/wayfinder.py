@@ -90,6 +90,8 @@ class Wayfinder:
             why = why or why_replan(check)
             rest_cost = _cost_along(live, kept.poses[check.nearest :])
         found = plan(live, request.X_MB, request.goal, self._plans)
+        if not why and kept is not None and kept.code == "near" and found.code == "way":
+            why = "the goal itself can be reached now"
         worse = _cost_along(live, found.poses) > (1.0 - self._better) * rest_cost
         if kept is not None and len(kept.poses) and not why and (len(found.poses) == 0 or worse):
             return Answer(kept, False, "", self._share_at(field))
