@@ -139,7 +139,7 @@ class CollisionMonitor:
     def crawl(self, linear: float, angular: float) -> Verdict:
         """What may be driven on an operator's explicit hold, whatever stands in the way."""
         scale = self._crawl(linear, angular)
-        return Verdict(scale * linear, scale * angular, "override: it crawls, and nothing but the operator stops it")
+        return Verdict(scale * linear, scale * angular, "override: it crawls, whatever is in the way")
 
     def _crawl(self, linear: float, angular: float) -> float:
         return min(
