@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,8 +29,8 @@ COSTMAP = "local_costmap"
 #: A path has at most so many points when it is told.
 MOST_POINTS = 200
 _HEADING_STEP = 0.01
-#: In these states a behavior is on its way.
-UNDER_WAY = frozenset({"planning", "following", "recovering", "waiting"})
+#: In these states a behavior is on its way; in all but the last it gets on.
+UNDER_WAY = ("planning", "following", "recovering", "waiting")
 
 
 def localization_json(message: Localization) -> dict[str, Any]:
@@ -78,9 +78,14 @@ def navigation_json(status: NavigationStatus | None, path: list[list[float]], de
     }
 
 
-def at_work(statuses: Iterable[NavigationStatus]) -> NavigationStatus | None:
-    """Of several behaviors, the one that is under way; of those, or where none is, the one that spoke last."""
-    return max(statuses, key=lambda status: (status.state in UNDER_WAY, status.stamp), default=None)
+def at_work(statuses: Sequence[NavigationStatus]) -> NavigationStatus | None:
+    """Of several behaviors, the one that is under way; of those the first that does not wait, or the first; where none
+    is, the one that spoke last."""
+    for states in (UNDER_WAY[:-1], UNDER_WAY):
+        for status in statuses:
+            if status.state in states:
+                return status
+    return max(statuses, key=lambda status: status.stamp, default=None)
 
 
 def thinned_path(points: NDArray[np.float64], most: int = MOST_POINTS) -> NDArray[np.float64]:
@@ -150,7 +155,7 @@ class WayReport:
 
     def _status(self) -> NavigationStatus | None:
         graph = self._system.graph
-        return at_work(latest for name in STATUSES if (latest := reports.latest(graph, name)) is not None)
+        return at_work([latest for name in STATUSES if (latest := reports.latest(graph, name)) is not None])
 
     def _path_points(self) -> list[list[float]]:
         path = self.path()

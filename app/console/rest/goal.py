@@ -72,7 +72,10 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
             for desire in standing:
                 if desire is not kept:
                     workspace.remove(desire.id)
-            if kept is None:
+            if kept is not None and kept.params == system.classes[GO_TO].validated(params):
+                # What the robot made of it meanwhile, to get there, stands.
+                desire = kept
+            elif kept is None:
                 desire = workspace.add(GO_TO, intensity=INTENSITY, utility=UTILITY, params=params, source=source)
             else:
                 desire = workspace.change(

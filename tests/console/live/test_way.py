@@ -236,6 +236,9 @@ async def test_the_override_is_held_with_the_drive(url: str, system: System) -> 
 def test_of_two_behaviors_the_one_under_way_is_told() -> None:
     driving, done = status(1.0, "recovering"), status(2.0, "idle", "GoToward")
     assert at_work([done, driving]) is driving
+    assert at_work([status(3.0, "waiting"), driving]) is driving
+    both = [status(1.0, "waiting"), status(2.0, "waiting", "GoToward")]
+    assert at_work(both) is both[0]
     assert at_work([done, status(1.0, "arrived")]) is done
     assert at_work([]) is None
 

@@ -42,6 +42,9 @@ async def test_a_goal_is_a_desire_and_a_second_one_replaces_it(client: httpx.Asy
 
 async def test_the_same_goal_again_changes_nothing(client: httpx.AsyncClient, system: System) -> None:
     first = (await client.put("/goal", json={"x": 2, "y": 1}, headers=ANN)).json()
+    # Nor does it take back what the robot made of it to get there.
+    first |= {"utility": 8.0}
+    system.workspace.change(first["id"], utility=8)
     before = system.workspace.statistics()
     assert (await client.put("/goal", json={"x": 2, "y": 1}, headers=ANN)).json() == first
     assert system.workspace.statistics() == before
