@@ -124,15 +124,32 @@ def test_while_voices_are_located_faces_are_looked_for_half_as_often(table: Stra
     }  # fmt: skip
 
 
+def test_going_somewhere_pulls_in_slam_and_gets_cheaper_where_the_computer_is_wanted_for_more(
+    table: StrategyTable,
+) -> None:
+    workspace = IntentionWorkspace(DesireClasses(desire_classes()), lambda: 0.0)
+
+    def chosen(capacity: float) -> set[str]:
+        return set(solve(Problem(workspace.strongest(), table.strategies, {"cpu": capacity})).strategies)
+
+    workspace.add("GoTo", intensity=8, utility=1, params={"x": 1, "y": 2}, source=Source("operator", "ada"))
+    assert chosen(40) == {"plan-and-follow-1", "slam-1"}, "nobody desires SLAM, but a pose is needed"
+    ways = [next(name for name in chosen(capacity) if not name.startswith("slam")) for capacity in (40, 13, 9, 5)]
+    assert ways == ["plan-and-follow-1", "plan-and-follow-2", "plan-and-pursue-4", "go-toward"]
+
+
 def test_driving_by_hand_costs_nothing(table: StrategyTable) -> None:
     assert not of_class(table, "Teleoperation")[0].costs
 
 
 @pytest.mark.parametrize("desire_class", desire_classes(), ids=lambda c: c.name)
-def test_every_class_has_words_and_every_parameter_a_default(desire_class: DesireClass) -> None:
+def test_every_class_has_words_and_every_parameter_a_default_but_where_to_go(desire_class: DesireClass) -> None:
     assert desire_class.title
     assert desire_class.description.endswith(".")
-    defaults = desire_class.validated(None)
-    for name, prop in desire_class.parameters.model_json_schema()["properties"].items():
+    schema = desire_class.parameters.model_json_schema()
+    required = schema.get("required", [])
+    assert required == (["x", "y"] if desire_class.name == "GoTo" else [])
+    defaults = desire_class.validated(dict.fromkeys(required, 1.0))
+    for name, prop in schema["properties"].items():
         assert prop["description"].endswith("."), name
         assert name in defaults
