@@ -5,12 +5,13 @@ import { useApp } from "../state/context";
 import { narrow } from "../ui/media";
 import { CloseIcon, FlagIcon, HomeIcon, KeepOutIcon, PlaceIcon, SearchIcon, SlowIcon, WarnIcon } from "../ui/icons";
 import type { Tool } from "./hands";
-import { Stage } from "./Stage";
+import { Stage, ViewButtons } from "./Stage";
 import { goalOf, wayWords } from "./words";
 import { ZoneEditor } from "./Zones";
 
 export function MapPanel({ place }: { place: "tab" | "view" }) {
   const { store, map, grid } = useApp();
+  const roomy = place === "view" && !narrow.value;
   const selected = map.zones.value.find(({ name }) => name === map.selected.value);
   return (
     <figure
@@ -20,14 +21,17 @@ export function MapPanel({ place }: { place: "tab" | "view" }) {
       data-state={grid.map.picture.value?.known ? "shown" : "empty"}
       aria-label="Map"
     >
-      {!store.replay.value && <Tools />}
+      <div class="map-head">
+        {!store.replay.value && <Tools />}
+        {roomy && <ViewButtons />}
+      </div>
       {place === "tab" ? (
         <>
           <Way />
-          <Stage key="tab" place="tab" />
+          <Stage key="tab" place="tab" buttons />
         </>
       ) : (
-        <Stage key="view" place="view">
+        <Stage key="view" place="view" buttons={!roomy}>
           <Way />
         </Stage>
       )}

@@ -4,6 +4,7 @@ import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { useApp } from "../state/context";
+import type { MapPlace } from "../state/store";
 import {
   CompassIcon,
   EnlargeIcon,
@@ -18,8 +19,15 @@ import { handsOn } from "./listeners";
 import { paintOn } from "./painter";
 import { emptyWords, poseWords } from "./words";
 
-/** `children`: words that lie over the map, where it has all of the view. */
-export function Stage({ place, children }: { place: "tab" | "view"; children?: ComponentChildren }) {
+interface Props {
+  place: MapPlace;
+  /** Whether the buttons of how it is looked at lie over it. */
+  buttons: boolean;
+  /** Words that lie over it, where it has all of the view. */
+  children?: ComponentChildren;
+}
+
+export function Stage({ place, buttons, children }: Props) {
   const app = useApp();
   const { map, grid } = app;
   const canvas = useRef<HTMLCanvasElement>(null);
@@ -50,7 +58,7 @@ export function Stage({ place, children }: { place: "tab" | "view"; children?: C
         <Where />
         {children}
       </div>
-      <ViewButtons />
+      {buttons && <ViewButtons />}
       <Empty />
       <p class="visually-hidden" aria-live="polite">
         {said.value}
@@ -82,7 +90,7 @@ function Where() {
   );
 }
 
-function ViewButtons() {
+export function ViewButtons() {
   const { map, store, grid } = useApp();
   const large = store.mapPlace.value === "view";
   const toggles = [

@@ -37,7 +37,7 @@ import {
 /** Beside what lies over the canvas. */
 const MARGINS = {
   tab: { left: 14, top: 36, right: 46, bottom: 34 },
-  view: { left: 14, top: 40, right: 50, bottom: 60 },
+  view: { left: 14, top: 40, right: 50, bottom: 64 },
 } as const;
 
 /** What the robot was asked for and has not answered yet. */

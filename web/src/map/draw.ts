@@ -48,8 +48,8 @@ export interface Shown {
   /** Of the zone that is being drawn. */
   sketch: readonly Point[];
   cursor: Point | null;
-  /** Over all of the view: its lower corners are under the drive pad and the view's tools. */
-  roomy: boolean;
+  /** How far from the right and the bottom the scale bar is, px; null: in the lower left corner. */
+  bar: { right: number; bottom: number } | null;
   people: readonly Point[];
   posters: readonly (Point & { text: string })[];
 }
@@ -90,7 +90,7 @@ export function draw(context: Context, size: Size, view: MapView, shown: Shown):
     drawAim(context, view, at(shown.act.place), shown.act.heading, placed);
   }
   if (shown.cursor) drawCursor(context, at(shown.cursor));
-  drawBar(context, size, view, shown.roomy);
+  drawBar(context, size, view, shown.bar);
   if (Math.abs(view.up - NORTH) > 1e-3) drawNorth(context, view, { x: size.width - 62, y: 28 });
 }
 
@@ -154,9 +154,9 @@ function drawPath(context: Context, points: Point[]): void {
   context.lineCap = "butt";
 }
 
-function drawBar(context: Context, size: Size, view: MapView, roomy: boolean): void {
+function drawBar(context: Context, size: Size, view: MapView, bar: Shown["bar"]): void {
   const { metres, px } = scaleBar(view.scale, BAR_PX);
-  const [left, bottom] = roomy ? [size.width - px - 14, size.height - 60] : [12, size.height - 12];
+  const [left, bottom] = bar ? [size.width - px - bar.right, size.height - bar.bottom] : [12, size.height - 12];
   for (const [color, width] of [
     ["rgb(10 13 18 / 0.85)", 5],
     ["#c3cedb", 2],

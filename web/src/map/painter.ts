@@ -3,10 +3,14 @@
 import { effect } from "@preact/signals";
 import type { App } from "../state/context";
 import type { MapPlace } from "../state/store";
+import { narrow } from "../ui/media";
 import { draw } from "./draw";
 import { sketch } from "./hands";
 import { composed, type Point } from "./projection";
 import { goalOf } from "./words";
+
+/** As in senses.css. */
+const COLUMN_PX = 860;
 
 /** Paints at the next frame after any change; returns what ends it. */
 export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map, grid }: App): () => void {
@@ -40,7 +44,7 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
       act: hands.act,
       sketch: sketch(hands, map.sight),
       cursor: hands.cursor,
-      roomy: place === "view",
+      bar: place === "view" ? aboveTools(size.width) : null,
       people: (store.perceived.peek()?.faces ?? []).flatMap(({ x, y }) =>
         x === null || y === null ? [] : onMap({ x, y }),
       ),
@@ -82,4 +86,9 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
     sized.disconnect();
     cancelAnimationFrame(frame);
   };
+}
+
+/** The view's tools stand in a row, or in a column where there is little room; its left corner is under the drive pad. */
+function aboveTools(width: number): { right: number; bottom: number } {
+  return { right: 14, bottom: !narrow.peek() && width <= COLUMN_PX ? 166 : 60 };
 }
