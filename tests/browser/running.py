@@ -92,6 +92,16 @@ def running_robot(folder: Path, scenario: Path | None = None, *, calm: bool = Fa
     """
     guard_log = folder / "guard.log"
     program, start = _program(folder, guard_log, scenario, calm=calm)
+    with running_program(program, guard_log, start) as robot:
+        yield robot
+
+
+@contextmanager
+def running_program(program: Path, guard_log: Path, start: Pose2) -> Iterator[Robot]:
+    """``hbba run`` of any ``program`` in the lab, on a free port; stopped at the end.
+
+    Its robot keeps ``guard_log`` and begins at ``start``.
+    """
     world = parse(config_dir() / "worlds" / "lab.yaml", WorldConfig)
     process = subprocess.Popen(
         [Path(sys.executable).with_name("hbba"), "run", "--config", program, "--port", "0"],

@@ -22,7 +22,6 @@ const PAD: [string[], string][] = [
   [["L2", "R2"], "Held while driving: crawl, whatever stands in the way"],
   [["Y", "△"], "Return to where the map began"],
   [["B", "○"], "Emergency stop"],
-  [["Y", "△"], "Return to the start"],
 ];
 const RECORDING: [string[], string][] = [
   [["Space"], "Play and pause"],

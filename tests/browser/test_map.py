@@ -1,0 +1,159 @@
+"""From an unknown place to going where the page points: mapped by hand, kept, found again, crossed from room to room.
+
+The map is made in virtual time by a teleoperation script; what people do with it is done in the page, to the real
+program. Where the robot truly is, the world tells; no module is asked. The body has laser and wheels alone: what
+cameras draw would take the time that world, program and browser need together.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from playwright.sync_api import Page, expect
+
+from app.attention.desires import Source
+from app.config import load_configuration
+from app.experiments.lockstep import WorldRun, run_in_world
+from app.experiments.script import Waypoint, drive_script
+from app.geometry import Pose2
+from app.maps.library import MapLibrary
+from app.paths import config_dir
+from app.robots.config import load_robot_config
+from tests.browser.running import Robot, running_program
+from tests.browser.witness import true_pose
+
+MAP = "two-rooms"
+#: Where the robot begins to map: the map's origin; from there into the living room.
+MAPPED_FROM = Pose2(11.0, 4.6, math.radians(90))
+DRIVE = (Waypoint(go=(11.0, 2.75)), Waypoint(go=(13.4, 2.75)))
+#: Where it wakes up, in the corridor, and where in the living room it is sent (world).
+FOUND_AT = Pose2(11.1, 5.6, math.radians(140))
+SENT_TO = Pose2(14.0, 3.2, math.radians(90))
+#: Enough to map by at this pace, and a third of the work.
+MAPPING_HZ = 10
+HANDS = Source("operator", "script")
+REACHED_M, FACED_RAD = 0.25, 0.2
+
+
+@pytest.fixture(scope="module")
+def maps(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a map of corridor and living room."""
+    folder = tmp_path_factory.mktemp("maps")
+    program = write_program(tmp_path_factory.mktemp("mapping"), MAPPED_FROM, scans_hz=MAPPING_HZ)
+    configuration = load_configuration(program)
+    body = load_robot_config(program.parent / "robot.yaml")
+
+    async def drive(run: WorldRun) -> None:
+        for kind in ("SLAM", "Teleoperation"):
+            run.system.workspace.add(kind, intensity=8, utility=1, source=HANDS)
+        await drive_script(run.system, DRIVE)
+        await run.system.map.keeper.save(MAP)
+
+    # Playwright holds this thread's event loop.
+    with ThreadPoolExecutor(1) as aside:
+        aside.submit(run_in_world, configuration, body, drive, maps=MapLibrary(folder)).result()
+    return folder
+
+
+@pytest.fixture
+def robot(maps: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Robot]:
+    """The same robot, started anew elsewhere, with the folder of maps."""
+    monkeypatch.setenv("HBBA_MAPS", str(maps))
+    with running_program(write_program(tmp_path, FOUND_AT), tmp_path / "guard.log", FOUND_AT) as running:
+        running.request("POST", "/desires", {"class": "Teleoperation", "intensity": 8, "utility": 1, "security": True})
+        yield running
+
+
+def write_program(folder: Path, start: Pose2, scans_hz: float = 40) -> Path:
+    """The lab's robot with what navigates by its laser, from ``start``; it tells the truth into ``truth`` beside."""
+    config = config_dir()
+    body = yaml.safe_load((config / "robots" / "irl1_tr.yaml").read_text())
+    body |= {
+        "guard_log": str(folder / "guard.log"),
+        "model": str(config / "robots" / body["model"]),
+        "world": str(config / "worlds" / "lab.yaml"),
+        "scenario": None,
+        "ground_truth": True,
+        "start": {"x": start.x, "y": start.y, "heading_deg": math.degrees(start.theta)},
+    }
+    body["streams"] |= {"kinect": None, "imv": None, "microphones": None}
+    body["streams"]["hokuyo"]["rate_hz"] = scans_hz
+    body["loudspeaker"] = None
+    (folder / "robot.yaml").write_text(yaml.safe_dump(body))
+    program: dict[str, Any] = yaml.safe_load((config / "jackal.yaml").read_text())
+    program |= {
+        "robot": "robot.yaml",
+        "channels": str(config / program["channels"]),
+        "strategies": [str(config / file) for file in program["strategies"]],
+    }
+    program["modules"]["Witness"] = {
+        "class": "tests.browser.witness:Witness",
+        "settings": {"file": str(folder / "truth")},
+    }
+    path = folder / "program.yaml"
+    path.write_text(yaml.safe_dump(program))
+    return path
+
+
+def drag_on_map(page: Page, X_M: Pose2) -> None:
+    """Press on a place of the map, drag to its heading, let go."""
+    box = page.get_by_test_id("map-canvas").bounding_box()
+    view = page.get_by_test_id("map-canvas").evaluate("({ dataset }) => ({ ...dataset })")
+    assert box is not None
+    x, y, scale = (float(view[name]) for name in ("x", "y", "scale"))
+    at_x = box["x"] + box["width"] / 2 + scale * (X_M.x - x)
+    at_y = box["y"] + box["height"] / 2 - scale * (X_M.y - y)
+    page.mouse.move(at_x, at_y)
+    page.mouse.down()
+    page.mouse.move(at_x + 60 * math.cos(X_M.theta), at_y - 60 * math.sin(X_M.theta), steps=3)
+    page.mouse.up()
+
+
+def shown_pose(page: Page) -> Pose2:
+    """Where the page draws the robot."""
+    return Pose2(*map(float, (page.get_by_test_id("map-canvas").get_attribute("data-robot") or "").split()))
+
+
+@pytest.mark.timeout(240)
+def test_a_kept_map_is_loaded_the_robot_finds_itself_and_goes_to_another_room(
+    robot: Robot, page: Page, tmp_path: Path
+) -> None:
+    """Loaded without a word of where it is, the robot is driven until it knows; then it is sent into the next room."""
+    truth = tmp_path / "truth"
+    page.get_by_test_id("tab-map").click()
+    row = page.locator(f"[data-testid=kept-map][data-name={MAP}]")
+    row.get_by_test_id("map-load").click()
+    row.get_by_test_id("map-localize").check()
+    row.get_by_test_id("map-load-confirm").click()
+    where = page.get_by_test_id("map-where")
+    expect(where).to_have_attribute("data-map", MAP, timeout=30_000)
+    expect(where).to_have_attribute("data-state", "searching")
+
+    # What it sees from one place alone it does not believe: it is turned on the spot.
+    page.keyboard.down("KeyA")
+    expect(where).to_have_attribute("data-state", "tracking", timeout=30_000)
+    page.keyboard.up("KeyA")
+    page.locator("[data-testid=guard-state][data-state=idle]").wait_for()
+    X_MW = MAPPED_FROM.inverse()
+    error = (X_MW @ true_pose(truth)).inverse() @ shown_pose(page)
+    assert math.hypot(error.x, error.y) < 0.1
+    assert abs(error.theta) < 0.1
+
+    page.get_by_test_id("map-toggle").click()
+    page.get_by_test_id("map-fit").click()
+    page.get_by_test_id("map-tool-goal").click()
+    drag_on_map(page, X_MW @ SENT_TO)
+    way = page.get_by_test_id("map-way")
+    expect(way).to_have_attribute("data-state", "following", timeout=15_000)
+    expect(way).to_have_attribute("data-state", "arrived", timeout=60_000)
+    reached = SENT_TO.inverse() @ true_pose(truth)
+    assert math.hypot(reached.x, reached.y) < REACHED_M
+    assert abs(reached.theta) < FACED_RAD
+    # Reached, it is desired no more.
+    page.get_by_test_id("map-cancel").wait_for(state="detached")
