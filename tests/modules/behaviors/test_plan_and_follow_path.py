@@ -1,0 +1,298 @@
+"""PlanAndFollowPath in a small house on virtual time: through doors, around what the map does not know, and never blind."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import app.modules.behaviors.plan_and_follow_path  # noqa: F401  # not on the loop: it brings OpenCV and SciPy
+from app.geometry import CameraModel, Pose2, Pose3
+from app.messages import (
+    Image,
+    LaserScan,
+    Localization,
+    NavigationStatus,
+    OccupancyGrid,
+    Odometry,
+    PlannedPath,
+    Twist,
+    Zone,
+    Zones,
+    read_only,
+)
+from app.runtime.clock import in_virtual_time
+
+from ..fakes import Bench, drain
+from .driven_world import DrivenLink, DrivenWorld, Living, Segment, box, mapped, until
+
+SIZE = (0.0, 0.0, 8.0, 5.0)
+#: Two rooms and a door of 0.9 m between them.
+HOUSE: list[Segment] = [*box(0.1, 0.1, 7.9, 4.9), (4.0, 0.1, 4.0, 2.0), (4.0, 2.9, 4.0, 4.9)]
+INPUTS = {
+    "scans": LaserScan,
+    "odometry": Odometry,
+    "localization": Localization,
+    "map": OccupancyGrid,
+    "zones": Zones,
+}
+
+
+class Drive:
+    """The module in a world and on a map of ``known`` walls, sent to a goal."""
+
+    def __init__(
+        self,
+        world: DrivenWorld,
+        known: list[Segment] | None = None,
+        zones: tuple[Zone, ...] = (),
+        settings: dict[str, object] | None = None,
+        camera: bool = False,
+        **parameters: object,
+    ) -> None:
+        self.world = world
+        self.statuses: list[NavigationStatus] = []
+        self.paths: list[PlannedPath] = []
+        self.bench = Bench(
+            "app.modules.behaviors.plan_and_follow_path:PlanAndFollowPath",
+            inputs=INPUTS | ({"images": Image} if camera else {}),
+            outputs={
+                "twist": Twist, "path": PlannedPath, "status": NavigationStatus, "costmap": OccupancyGrid,
+            },
+            settings=settings,
+            link=DrivenLink(),
+            attended=("twist",),
+        )  # fmt: skip
+        self.known = HOUSE if known is None else known
+        self._zones = zones
+        self.parameters = parameters
+
+    async def __aenter__(self) -> Drive:
+        await self.bench.__aenter__()
+        self._told, self._ways = self.bench.listen("status"), self.bench.listen("path")
+        self.twists = self.bench.listen("twist", 10_000)
+        self.bench.feed("map", mapped(self.known, SIZE))
+        if self._zones:
+            self.bench.feed("zones", Zones(self.bench.clock.now(), self._zones))
+        self.bench.graph.filters.apply({"Tested.twist": 1})
+        self.go(**self.parameters)
+        return self
+
+    async def __aexit__(self, *error: object) -> None:
+        await self.bench.__aexit__(*error)
+
+    def go(self, **parameters: object) -> None:
+        self.bench.graph.configure("Tested", parameters)
+
+    @property
+    def status(self) -> NavigationStatus:
+        self.statuses.extend(drain(self._told))
+        self.paths.extend(drain(self._ways))
+        return self.statuses[-1] if self.statuses else NavigationStatus(0.0, "", "nothing said", "")
+
+    async def until(self, state: str, limit_s: float) -> bool:
+        async with Living(self.world, self.bench):
+            return await until(self.bench, lambda: self.status.state == state, limit_s)
+
+
+@in_virtual_time
+async def test_it_goes_into_another_room_and_stands_there_as_asked() -> None:
+    world = DrivenWorld(HOUSE, Pose2(1.0, 1.0, 0.0))
+    async with Drive(world, x=6.5, y=1.2, heading=math.pi / 2) as drive:
+        assert await drive.until("arrived", 40)
+        assert math.hypot(world.pose.x - 6.5, world.pose.y - 1.2) <= 0.25
+        assert abs(world.pose.theta - math.pi / 2) <= 0.2
+        assert abs(world.linear) < 0.03
+        assert world.nearest_m > 0.02
+        assert drive.status.goal == Pose2(6.5, 1.2, math.pi / 2)
+        assert drive.status.recoveries == 0
+        assert [len(path.poses) > 10 for path in drive.paths] == [True] * len(drive.paths)
+        states = [status.state for status in drive.statuses]
+        assert states.index("planning") < states.index("following") < states.index("arrived")
+        remaining = [s.remaining_m for s in drive.statuses if s.state == "following" and s.remaining_m is not None]
+        assert remaining[0] > 5
+        assert remaining == sorted(remaining, reverse=True)
+        commands = drain(drive.twists)
+        for before, after in zip(commands, commands[1:], strict=False):
+            assert abs(after.linear_mps - before.linear_mps) <= 0.8 * 0.1 + 1e-6 or after.linear_mps == 0.0
+            assert abs(after.angular_radps - before.angular_radps) <= 4.0 * 0.1 + 1e-6 or after.angular_radps == 0.0
+
+
+@in_virtual_time
+async def test_without_a_heading_it_stands_as_it_came() -> None:
+    world = DrivenWorld(HOUSE, Pose2(1.0, 1.0, 0.0))
+    async with Drive(world, x=2.5, y=1.0) as drive:
+        assert await drive.until("arrived", 15)
+        assert math.isnan(drive.status.goal.theta)
+    assert abs(world.pose.theta) < 0.5
+
+
+@in_virtual_time
+async def test_it_gets_round_what_the_map_does_not_know() -> None:
+    world = DrivenWorld([*HOUSE, *box(2.4, 1.6, 2.8, 2.8)], Pose2(1.0, 2.2, 0.0))
+    async with Drive(world, x=6.0, y=2.4) as drive:
+        assert await drive.until("arrived", 40)
+    assert world.nearest_m > 0.0
+
+
+@in_virtual_time
+async def test_another_goal_replaces_the_first_and_none_ends_with_a_stop() -> None:
+    world = DrivenWorld(HOUSE, Pose2(1.0, 1.0, 0.0))
+    async with Drive(world, x=6.5, y=1.2) as drive:
+        await drive.until("never", 3.0)
+        drive.go(x=1.0, y=3.5)
+        assert await drive.until("arrived", 25)
+        assert math.hypot(world.pose.x - 1.0, world.pose.y - 3.5) <= 0.25
+        drive.go(x=3.0, y=1.0)
+        await drive.until("never", 2.0)
+        assert drive.status.state == "following"
+        drive.go()
+        assert await drive.until("idle", 1.0)
+        assert drive.paths[-1].poses.shape == (0, 3)
+        assert drain(drive.twists)[-1].linear_mps == 0.0
+        await drive.until("never", 1.0)
+        assert not drain(drive.twists), "an idle behavior does not keep the wheel"
+
+
+@in_virtual_time
+async def test_a_door_that_is_shut_is_called_by_its_name_and_a_goal_in_a_wall_is_not_far() -> None:
+    shut = [*HOUSE, (4.0, 2.0, 4.0, 2.9)]
+    world = DrivenWorld(shut, Pose2(1.0, 1.0, 0.0))
+    async with Drive(world, known=shut, x=6.5, y=1.2) as drive:
+        assert await drive.until("unreachable", 3)
+        assert drive.status.reason
+        assert world.driven_m == 0.0
+        drive.go(x=2.0, y=0.15)
+        assert await drive.until("arrived", 20)
+        assert drive.status.target.y > 0.3
+        assert "nearest place" in drive.status.reason
+
+
+@in_virtual_time
+async def test_it_does_not_drive_without_a_pose_a_scan_or_a_map_and_says_so() -> None:
+    for missing, said in (("localize", "where it is"), ("scans", "laser"), ("map", "map")):
+        world = DrivenWorld(HOUSE, Pose2(1.0, 1.0, 0.0))
+        drive = Drive(world, x=3.0, y=1.0)
+        if missing == "map":
+            drive.bench.feed = lambda port, message, feed=drive.bench.feed: (
+                None if port == "map" else feed(port, message)
+            )
+        async with drive, Living(world, drive.bench, **({missing: False} if missing != "map" else {})):
+            await drive.bench.clock.sleep(1.5)
+            assert drive.status.state == "waiting"
+            assert said in drive.status.reason
+            assert world.driven_m == 0.0
+
+
+@in_virtual_time
+async def test_scans_that_stop_coming_stop_it() -> None:
+    world = DrivenWorld(HOUSE, Pose2(1.0, 1.0, 0.0))
+    async with Drive(world, x=3.5, y=1.0) as drive:
+        await drive.until("never", 2.0)
+        assert world.linear > 0.3
+        async with Living(world, drive.bench, scans=False):
+            await drive.bench.clock.sleep(1.5)
+        assert drive.status.state == "waiting"
+        assert "laser scan is" in drive.status.reason
+        assert abs(world.linear) < 0.01
+
+
+@in_virtual_time
+async def test_a_robot_that_is_lost_stands_until_it_knows_where_it_is() -> None:
+    world = DrivenWorld(HOUSE, Pose2(1.0, 1.0, 0.0))
+    async with Drive(world, x=3.5, y=1.0) as drive:
+        await drive.until("never", 2.0)
+        tracking = world.localization
+        world.localization = lambda stamp, state="lost": tracking(stamp, state)
+        assert await drive.until("waiting", 1.0)
+        assert "lost" in drive.status.reason
+        world.localization = tracking
+        assert await drive.until("arrived", 15.0)
+
+
+def picture(stamp: float, depth: np.ndarray | None = None) -> Image:
+    if depth is None:
+        depth = np.full((48, 64), 4000, dtype=np.uint16)
+        depth[int(stamp * 50) % 48, ::3] = 4100
+    rotation = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+    X_BC = Pose3(rotation, np.array([0.1, 0.0, 1.2]))
+    color = np.zeros((48, 64, 3), dtype=np.uint8)
+    return Image(stamp, "kinect", read_only(color), read_only(depth), CameraModel.from_vertical_fov(64, 48, 0.75), X_BC)
+
+
+@in_virtual_time
+async def test_a_dead_depth_camera_stops_it_by_name() -> None:
+    world = DrivenWorld(HOUSE, Pose2(1.0, 1.0, 0.0))
+    async with Drive(world, camera=True, x=3.5, y=1.0) as drive:
+        scan = world.scan
+
+        def scan_and_picture(stamp: float, depth: np.ndarray | None = None) -> LaserScan:
+            drive.bench.feed("images", picture(stamp, depth))
+            return scan(stamp)
+
+        world.scan = scan_and_picture
+        await drive.until("never", 2.0)
+        assert world.linear > 0.1
+        world.scan = lambda stamp: scan_and_picture(stamp, np.zeros((48, 64), dtype=np.uint16))
+        assert await drive.until("waiting", 1.5)
+        assert "all zero" in drive.status.reason
+
+
+@in_virtual_time
+async def test_slow_zones_are_driven_slowly_and_half_the_speed_is_asked_for_by_the_desire() -> None:
+    zone = Zone("ward", "slow", np.array([[2.0, 0.0], [3.9, 0.0], [3.9, 4.9], [2.0, 4.9]]), 0.25)
+    world = DrivenWorld(HOUSE, Pose2(0.8, 1.0, 0.0))
+    async with Drive(world, zones=(zone,), x=3.4, y=1.0) as drive:
+        assert await drive.until("never", 5.0) is False
+        assert world.pose.x > 2.1
+        assert world.linear == pytest.approx(0.2, abs=0.03)
+        zones = (replace(zone, name="none", polygon=zone.polygon + 100.0),)
+        drive.bench.feed("zones", Zones(drive.bench.clock.now(), zones))
+        drive.go(x=0.8, y=3.5, speed=0.5)
+        speeds = []
+        async with Living(world, drive.bench):
+            for _ in range(60):
+                await drive.bench.clock.sleep(0.1)
+                speeds.append(world.linear)
+        assert 0.3 < max(speeds) <= 0.4 + 1e-6
+
+
+@in_virtual_time
+async def test_its_last_word_is_a_stop() -> None:
+    world = DrivenWorld(HOUSE, Pose2(1.0, 1.0, 0.0))
+    async with Drive(world, x=3.5, y=1.0) as drive:
+        await drive.until("never", 2.0)
+        assert drain(drive.twists)[-1].linear_mps > 0.2
+        drive.bench.graph.filters.apply({"Tested.twist": math.inf})
+        assert [t.linear_mps for t in drain(drive.twists)] == [0.0]
+
+
+@in_virtual_time
+async def test_boxed_in_it_tries_what_it_can_then_asks_for_help_and_goes_on_when_freed() -> None:
+    cell = box(0.55, 0.55, 1.5, 1.5)
+    world = DrivenWorld([*HOUSE, *cell], Pose2(1.0, 1.0, 0.0))
+    async with Drive(world, settings={"stuck_s": 0.5, "wait_s": 0.5, "rounds": 1}, x=3.0, y=3.5) as drive:
+        async with Living(world, drive.bench):
+            asked = await until(drive.bench, lambda: "clear its way" in drive.status.reason, 60)
+        assert asked
+        assert drive.status.state == "waiting"
+        assert drive.status.recoveries >= 3
+        assert world.nearest_m > 0.0
+        world.segments = list(HOUSE)
+        assert await drive.until("arrived", 60)
+
+
+@in_virtual_time
+async def test_the_costmap_is_told_to_those_who_listen_at_most_five_times_a_second() -> None:
+    world = DrivenWorld(HOUSE, Pose2(1.0, 1.0, 0.0))
+    async with Drive(world, x=3.5, y=1.0) as drive:
+        heard = drive.bench.listen("costmap")
+        await drive.until("never", 2.0)
+        costmaps = drain(heard)
+        assert 8 <= len(costmaps) <= 11
+        assert costmaps[-1].frame == "odom"
+        assert costmaps[-1].resolution_m == 0.025
+        assert costmaps[-1].cells.shape == (160, 160)
+        assert [c.version for c in costmaps] == sorted({c.version for c in costmaps})
