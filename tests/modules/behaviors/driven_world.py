@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from app.geometry import Pose2, Pose3
 from app.link import BaseLimits, RobotDescription
 from app.messages import LaserScan, Localization, OccupancyGrid, Odometry, Twist, read_only
+
 from ..fakes import STREAMS, Bench, FakeLink
 
 LIMITS = BaseLimits(0.80, 1.50, 0.80, 4.00)

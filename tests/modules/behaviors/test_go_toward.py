@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import app.modules.behaviors.go_toward  # noqa: F401  # not on the loop: it brings OpenCV and SciPy
-
 from app.geometry import Pose2, wrap_angle
 from app.messages import LaserScan, Localization, NavigationStatus, Odometry, Twist, Zone, Zones
 from app.runtime.clock import in_virtual_time
@@ -110,11 +109,10 @@ async def test_it_is_slow_in_a_slow_zone() -> None:
 async def test_without_scans_or_a_pose_it_does_not_move_and_says_why() -> None:
     world = DrivenWorld(ROOM, Pose2(1.0, 2.5, 0.0))
     for missing, said in (("scans", "laser"), ("localize", "where it is")):
-        async with Drive(world, x=6.0, y=2.5) as drive:
-            async with Living(world, drive.bench, **{missing: False}):
-                told = drive.bench.listen("status")
-                await drive.bench.clock.sleep(1.0)
-                status = drain(told)[-1]
+        async with Drive(world, x=6.0, y=2.5) as drive, Living(world, drive.bench, **{missing: False}):
+            told = drive.bench.listen("status")
+            await drive.bench.clock.sleep(1.0)
+            status = drain(told)[-1]
         assert status.state == "waiting"
         assert said in status.reason
         assert world.driven_m == 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -108,7 +109,7 @@ def test_the_better_ones_are_fast_and_smooth(name: str) -> None:
     corridor = np.concatenate((wall(-4.0, -1.0, 5.0, -1.0), wall(-4.0, 1.0, 5.0, 1.0)))
     time, _, motions = follow(name, "fast", corridor, [(-3.5, 0.0), (4.5, 0.0)])
     assert time < 8.0 / 1.2
-    turning = [abs(b.angular_radps - a.angular_radps) for a, b in zip(motions, motions[1:], strict=False)]
+    turning = [abs(b.angular_radps - a.angular_radps) for a, b in pairwise(motions)]
     assert np.mean(turning) < 0.1
 
 
