@@ -56,7 +56,7 @@ def create_app(
     started from here listen. ``early_view``: start the 3D view with the program rather than with the first who looks.
     """
     hub = Hub(system, playback)
-    view = View(system, hub.percepts, lambda: hub.is_shown(COSTMAP), early=early_view, playback=playback)
+    view = View(system, hub.percepts, hub.way, lambda: hub.is_shown(COSTMAP), early=early_view, playback=playback)
     door = Door(token)
     replays = Replays(host, token)
 
@@ -83,7 +83,7 @@ def create_app(
         attention_router(system),
         robot_router(system, hub),
         percepts_router(hub.percepts, system.clock),
-        maps_router(system),
+        maps_router(system, hub.way),
         goal_router(system, hub),
         program_router(system, hub),
         recordings_router(system, replays, None if playback is None else playback.info.path),

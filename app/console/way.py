@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,6 +30,8 @@ COSTMAP = "local_costmap"
 #: A path has at most so many points when it is told.
 MOST_POINTS = 200
 _HEADING_STEP = 0.01
+#: An arrival is told for so long (s), unless another goal is given.
+ARRIVED_S = 5.0
 #: In these states a behavior is on its way; in all but the last it gets on.
 UNDER_WAY = ("planning", "following", "recovering", "waiting")
 
@@ -102,7 +105,10 @@ def thinned_path(points: NDArray[np.float64], most: int = MOST_POINTS) -> NDArra
 
 
 class WayReport:
-    """What was said last of place and way. Tells only what this program has channels for."""
+    """What was said last of place and way. Tells only what this program has channels for.
+
+    :meth:`open` when the program runs; what it returns ends it.
+    """
 
     def __init__(self, system: System) -> None:
         self._system = system
@@ -110,6 +116,24 @@ class WayReport:
         self.channels = tuple(name for name in (LOCALIZATION, ZONES, PATH, *STATUSES) if name in system.graph.channels)
         self._told: tuple[Any, ...] = ()
         self._points: list[list[float]] = []
+        #: The last arrival: the desire ends with it, and with that, within milliseconds, what the behavior is about.
+        self._arrival: NavigationStatus | None = None
+
+    def open(self) -> Callable[[], None]:
+        """Begin to look out for arrivals."""
+        stack = ExitStack()
+        for name in STATUSES:
+            if name in self.channels:
+                stack.callback(self._system.graph.channel(name).observe(self._note))
+        return stack.close
+
+    def forget(self) -> None:
+        """Time has jumped."""
+        self._arrival = None
+
+    def _note(self, status: NavigationStatus) -> None:
+        if status.state == "arrived":
+            self._arrival = status
 
     @property
     def goes(self) -> bool:
@@ -155,7 +179,11 @@ class WayReport:
 
     def _status(self) -> NavigationStatus | None:
         graph = self._system.graph
-        return at_work([latest for name in STATUSES if (latest := reports.latest(graph, name)) is not None])
+        status = at_work([latest for name in STATUSES if (latest := reports.latest(graph, name)) is not None])
+        arrival = self._arrival
+        if status is not None and status.state == "idle" and arrival is not None:
+            return arrival if self._system.clock.now() - arrival.stamp < ARRIVED_S else status
+        return status
 
     def _path_points(self) -> list[list[float]]:
         path = self.path()

@@ -50,8 +50,9 @@ class Hub:
         self._feeds = Feeds(system.graph, system.pace, self._viewers.values, self._attention(LISTEN))
         #: What the robot perceives of people.
         self.percepts = Percepts(system.graph)
-        self._way = WayReport(system)
-        self._sampler = Sampler(system, self, self.percepts, self._way)
+        #: Where the robot is on the map, and where it goes.
+        self.way = WayReport(system)
+        self._sampler = Sampler(system, self, self.percepts, self.way)
         self._recorder = RecorderReport(system)
         self._stack = ExitStack()
         self._watching = ExitStack()
@@ -84,6 +85,7 @@ class Hub:
         """Begin to heed the guard and to remember the lanes."""
         self._stack.callback(self._system.link.attach("status", self._on_status))
         self._stack.callback(self.percepts.open())
+        self._stack.callback(self.way.open())
         self._stack.callback(asyncio.create_task(self._sampler.remember(), name="console lanes").cancel)
         if self._playback is not None:
             self._stack.callback(self._playback.observe(lambda _: self._mark_stale("playback")))
@@ -106,6 +108,7 @@ class Hub:
     def _on_jump(self, position: float) -> None:
         self.link_status = None
         self.percepts.forget()
+        self.way.forget()
         self._feeds.forget()
         assert self._playback is not None
         self._sampler.begin_anew(position, self._playback.attention, self._playback.spoke)
@@ -219,7 +222,7 @@ class Hub:
             keep(Tap(self._recorder.channel, "console.recorder", lambda _: self._on_recorder()).close)
             for source in (system.workspace, system.translator, system.supervisor):
                 keep(source.observe(lambda _: self._on_recorder()))
-        for channel in (*self.percepts.channels, *self._way.channels):
+        for channel in (*self.percepts.channels, *self.way.channels):
             # It is told of them anyway, but what nobody wants might rest.
             keep(Tap(system.graph.channel(channel), f"console.{channel}", lambda _: None).close)
         for channel, handler in self._sampler.channels().items():

@@ -16,7 +16,7 @@ from app.console.rest.desires import source_of
 from app.console.rest.map_models import GoalModel, GoalRequest
 from app.console.rest.models import DesireModel
 from app.console.rest.routing import router as api_router
-from app.console.way import GO_TO, WayReport
+from app.console.way import GO_TO
 from app.geometry import wrap_angle
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ RECORDING = "This is a recording: there is no robot to send anywhere."
 def goal_router(system: System, hub: Hub) -> APIRouter:
     """Routes of ``/goal``."""
     router = api_router("maps")
-    workspace, way = system.workspace, WayReport(system)
+    workspace, way = system.workspace, hub.way
 
     def asked_here() -> list[Desire]:
         return [d for d in workspace.desires() if d.cls == GO_TO and d.source.kind in _ASKED_HERE]

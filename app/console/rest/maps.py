@@ -40,10 +40,10 @@ Name = Annotated[str, Path(description="The map's name.", examples=["ground-floo
 PNG = "image/png"
 
 
-def maps_router(system: System) -> APIRouter:
+def maps_router(system: System, way: WayReport) -> APIRouter:
     """Routes of ``/maps`` and ``/map``."""
     router = api_router("maps")
-    library, way = system.maps, WayReport(system)
+    library = system.maps
 
     @router.get("/maps", response_model=MapList, summary="Every map that is kept", responses=problems(409))
     async def list_maps() -> Response:

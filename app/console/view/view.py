@@ -55,6 +55,7 @@ class View:
         self,
         system: System,
         percepts: Percepts,
+        way: WayReport,
         costmap_asked: Callable[[], bool] = lambda: False,
         *,
         early: bool,
@@ -64,7 +65,7 @@ class View:
         self._system = system
         self._percepts = percepts
         self._costmap_asked = costmap_asked
-        self._way = WayReport(system)
+        self._way = way
         self._playback = playback
         self._early = early
         self._looks: dict[str, Look] = {}

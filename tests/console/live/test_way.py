@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from app.console import grids
 from app.console.live import grid_feed
-from app.console.way import MOST_POINTS, at_work, thinned_path
-from app.messages import Exploitation, OccupancyGrid, OperatorDrive, Twist
+from app.console.way import ARRIVED_S, MOST_POINTS, at_work, thinned_path
+from app.messages import Exploitation, NavigationStatus, OccupancyGrid, OperatorDrive, Twist
 from app.system import System
 from tests.console.live_client import Page, page
 from tests.console.places import grid, localization, path, status, zone, zones
@@ -231,6 +231,22 @@ async def test_the_override_is_held_with_the_drive(url: str, system: System) -> 
         (True, True),
         (False, False),
     ]
+
+
+async def test_an_arrival_is_told_though_it_is_over_at_once(url: str, system: System) -> None:
+    """Whoever arrives ends the desire, and is idle within milliseconds."""
+    channel, now = system.graph.channel("navigation"), system.clock.now
+    async with page(url) as ann:
+        arrived = status(now(), "arrived")
+        channel.publish(arrived)
+        channel.publish(NavigationStatus(now(), "PlanAndFollowPath", "idle", "no goal"))
+        assert (await ann.until("navigation", lambda m: m["state"] == "arrived"))["stamp"] == arrived.stamp
+        # Another goal takes its place; and what is long over is not told.
+        channel.publish(status(now(), "planning"))
+        await ann.until("navigation", lambda m: m["state"] == "planning")
+        channel.publish(status(now() - ARRIVED_S, "arrived"))
+        channel.publish(NavigationStatus(now(), "PlanAndFollowPath", "idle", "no goal"))
+        assert (await ann.until("navigation", lambda m: m["state"] != "planning"))["state"] == "idle"
 
 
 def test_of_two_behaviors_the_one_under_way_is_told() -> None:
