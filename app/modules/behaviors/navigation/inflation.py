@@ -24,6 +24,8 @@ OCCUPIED, KEEP_OUT, TEMPORARY, UNKNOWN, AT_OCCUPIED, AT_KEEP_OUT, AT_TEMPORARY =
 
 #: Changes are looked for, and mended, in squares of so many cells.
 _TILE = 64
+#: Cells are unknown where most in such a square are.
+_AROUND = (5, 5)
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +34,8 @@ class CostSettings:
 
     Nearer to an obstacle than the inscribed radius no way leads; there a metre costs ``closeness`` more, and less and
     less (quadratically) to ``reach_m`` beyond the circumscribed radius: ways keep to the middle of corridors narrower
-    than twice that. ``unknown`` is ``free``, ``costly`` (``unknown_cost`` more a metre: a last resort) or ``blocked``.
+    than twice that. ``unknown`` space, where most cells around are unknown, is ``free``, ``costly`` (``unknown_cost``
+    more a metre: a last resort) or ``blocked``.
     Cells of at least ``occupied_from`` (0 to 100) are obstacles.
     """
 
@@ -162,7 +165,13 @@ def _layers(grid: OccupancyGrid, settings: CostSettings) -> NDArray[np.uint8]:
     what = np.zeros(256, dtype=np.uint8)
     what[values >= settings.occupied_from] = OCCUPIED
     what[values < 0] = UNKNOWN
-    return np.asarray(cv2.LUT(np.ascontiguousarray(grid.cells).view(np.uint8), what), dtype=np.uint8)
+    layers = np.asarray(cv2.LUT(np.ascontiguousarray(grid.cells).view(np.uint8), what), dtype=np.uint8)
+    # Rays leave single cells out, and beyond a window there are single rays: what most cells around are counts.
+    marked = (layers & np.uint8(UNKNOWN)) * np.uint8(255 // UNKNOWN)
+    unknown = cv2.blur(marked, _AROUND, borderType=cv2.BORDER_REPLICATE)
+    layers &= np.uint8(OCCUPIED)
+    layers |= ((unknown > 127) & (layers == 0)) * np.uint8(UNKNOWN)
+    return layers
 
 
 def _fill(field: CostField, box: _Box) -> None:

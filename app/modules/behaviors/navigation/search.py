@@ -28,7 +28,7 @@ def pool(
     odd_row: int,
     odd_column: int,
 ) -> NDArray[np.int32]:
-    """Blocks of the field, with one more all around: 8 * cost << 4 | which of its four cells are free; 0: none.
+    """Blocks of the field, with one more all around: 8 * their mean cost << 4 | which of its four cells are free; 0: none.
 
     ``cost`` (H, W) float32 of a metre. Where it is infinite and ``passable`` (bits) covers all the layers' reasons for
     it, a metre costs ``fee``. ``odd_row`` and ``odd_column`` (0 or 1): whether the first row and column stand alone.
@@ -39,7 +39,7 @@ def pool(
     shut = ~int(passable) & 0x70
     for r in range(height):
         for c in range(width):
-            mask, least = 0, _DEAREST
+            mask, total, free = 0, 0.0, 0
             for bit in range(4):
                 i, j = 2 * r - odd_row + (bit >> 1), 2 * c - odd_column + (bit & 1)
                 if i < 0 or j < 0 or i >= rows or j >= columns:
@@ -50,9 +50,10 @@ def pool(
                         continue
                     price = fee
                 mask |= 1 << bit
-                least = min(least, price)
+                total += min(price, _DEAREST)
+                free += 1
             if mask:
-                blocks[r + 1, c + 1] = (np.int32(least * 8.0 + 0.5) << 4) | mask
+                blocks[r + 1, c + 1] = (np.int32(total / free * 8.0 + 0.5) << 4) | mask
     return blocks
 
 

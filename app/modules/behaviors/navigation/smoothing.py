@@ -21,7 +21,7 @@ _SLACK = 0.6
 
 def smooth(field: CostField, points: NDArray[np.float64], spacing_m: float) -> NDArray[np.float64]:
     """Points (M, 2) float64 x, y (m), about ``spacing_m`` apart, from the first to the last of ``points`` (N >= 1, 2),
-    which are free and lead along free cells: so does what is returned. It costs less, or hardly more, being round."""
+    which are free and lead along free cells: so does what is returned. It costs less, or little more, being round."""
     from app.modules.behaviors.navigation.lines import refine, relax, shortcuts
 
     frame = field.frame
