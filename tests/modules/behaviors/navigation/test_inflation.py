@@ -50,6 +50,16 @@ def test_unknown_space_by_policy() -> None:
         assert (field.cost[:, 20:] == cost).all()
 
 
+def test_single_cells_count_as_what_is_around_them() -> None:
+    cells = np.zeros((40, 80), dtype=np.int8)
+    cells[:, 40:] = -1
+    cells[10:30:5, 10] = -1
+    cells[20, 60:80] = 0
+    field = cost_field(grid_of(cells), ROUND, settings=CostSettings(unknown="blocked"))
+    assert (field.cost[:, :40] == 1.0).all()
+    assert np.isinf(field.cost[:, 40:]).all()
+
+
 def test_zones_cost_and_keep_out() -> None:
     field = cost_field(grid_of(np.zeros((80, 80), dtype=np.int8)), ROUND, ZONES)
     inside, beside = field.frame.cell(1.5, 1.25), field.frame.cell(1.5, 1.7)
