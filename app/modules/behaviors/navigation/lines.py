@@ -160,22 +160,25 @@ def refine(
     return moves
 
 
-@kernel("int64(float32[:,::1], float64[:,::1], int64, float64)")
+@kernel("int64(float32[:,::1], float32[:,::1], float64[:,::1], int64, float64, float64)")
 def relax(
     cost: NDArray[np.float32],
+    clearance: NDArray[np.float32],
     points: NDArray[np.float64],
     rounds: int,
-    slack: float,
+    lethal: float,
+    keep: float,
 ) -> int:
     """Round the corners of ``points`` (N, 2) row, column in place; returns how often a point moved.
 
-    Each is drawn to the middle between its neighbours as long as neither piece of the way beside it becomes lethal, nor
-    the place dearer than it was by more than the share ``slack``. The ends stay.
+    Each is drawn to the middle between its neighbours as long as neither piece of the way beside it becomes lethal, and
+    the share ``keep`` of what its clearance was beyond ``lethal`` (m) is left. The ends stay.
     """
     n = len(points)
-    dearest = np.empty(n)
+    needed = np.empty(n)
     for k in range(n):
-        dearest[k] = cost[math.floor(points[k, 0] + 0.5), math.floor(points[k, 1] + 0.5)] * (1.0 + slack)
+        here = clearance[math.floor(points[k, 0] + 0.5), math.floor(points[k, 1] + 0.5)]
+        needed[k] = lethal + keep * (here - lethal)
     active = np.ones(n, dtype=np.uint8)
     moves = 0
     for _ in range(rounds):
@@ -188,7 +191,7 @@ def relax(
             c = 0.5 * (points[k - 1, 1] + points[k + 1, 1])
             if abs(r - points[k, 0]) + abs(c - points[k, 1]) < 2e-3:
                 continue
-            if cost[math.floor(r + 0.5), math.floor(c + 0.5)] > dearest[k]:
+            if clearance[math.floor(r + 0.5), math.floor(c + 0.5)] < needed[k]:
                 continue
             if (
                 line_cost(cost, points[k - 1, 0], points[k - 1, 1], r, c) == math.inf

@@ -28,7 +28,7 @@ def pool(
     odd_row: int,
     odd_column: int,
 ) -> NDArray[np.int32]:
-    """Blocks of the field, with one more all around: 8 * their mean cost << 4 | which of its four cells are free; 0: none.
+    """Blocks of the field, with one more all around: 8 * mean cost << 4 | which of its four cells are free; 0: none.
 
     ``cost`` (H, W) float32 of a metre. Where it is infinite and ``passable`` (bits) covers all the layers' reasons for
     it, a metre costs ``fee``. ``odd_row`` and ``odd_column`` (0 or 1): whether the first row and column stand alone.

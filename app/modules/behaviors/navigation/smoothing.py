@@ -13,10 +13,10 @@ from app.modules.behaviors.navigation.inflation import CostField
 #: further ahead than ``_BENT_M`` is planned again before the robot gets there.
 _BENDING = ((0.4, (0.2, 0.1, 0.05), 12), (0.1, (0.05, 0.025), 6))
 _BENT_M = 60.0
-#: How often a point is drawn to its neighbours' middle: corners are rounded over some eight poses to each side. And by
-#: what share a place may be dearer for that.
+#: How often a point is drawn to its neighbours' middle: corners are rounded over some eight poses to each side. And
+#: what share of its clearance, beyond what is lethal, it keeps.
 _ROUNDS = 60
-_SLACK = 0.6
+_KEEP = 0.6
 
 
 def smooth(field: CostField, points: NDArray[np.float64], spacing_m: float) -> NDArray[np.float64]:
@@ -37,8 +37,8 @@ def smooth(field: CostField, points: NDArray[np.float64], spacing_m: float) -> N
             refine(field.cost, near, stride_m / frame.resolution_m, rounds)
     near = _divided(near, spacing_m / frame.resolution_m)
     dense = np.concatenate((near, _divided(np.concatenate((near[-1:], far)), spacing_m / frame.resolution_m)[1:]))
-    relax(field.cost, dense[: len(near)], _ROUNDS, _SLACK)
-    relax(field.cost, dense[len(near) - 1 :], _ROUNDS // 4, _SLACK)
+    for part, rounds in ((dense[: len(near)], _ROUNDS), (dense[len(near) - 1 :], _ROUNDS // 4)):
+        relax(field.cost, field.clearance, part, rounds, field.lethal_m, _KEEP)
     return np.ascontiguousarray(((dense + 0.5) * frame.resolution_m + corner)[:, ::-1])
 
 

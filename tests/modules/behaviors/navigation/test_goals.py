@@ -174,7 +174,7 @@ def test_unknown_space_is_the_last_resort() -> None:
     cells[:160, 90:96] = -1
     begin, end = Pose2(2.0, 2.0, 0.0), Pose2(8.0, 2.0, 0.0)
     around = plan(cost_field(grid_of(cells), ROUND, settings=CostSettings(unknown_cost=100.0)), begin, end)
-    assert around.poses[:, 1].max() > 7.9
+    assert around.poses[:, 1].max() > 7.5
     straight = plan(cost_field(grid_of(cells), ROUND, settings=CostSettings(unknown="free")), begin, end)
     assert straight.length_m == pytest.approx(6.0, abs=0.02)
 

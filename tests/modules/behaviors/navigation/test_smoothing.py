@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.modules.behaviors.navigation.inflation import cost_field
+from app.modules.behaviors.navigation.inflation import CostSettings, cost_field
 from app.modules.behaviors.navigation.planner import cheapest_way
 from app.modules.behaviors.navigation.smoothing import length_of, smooth, with_headings
 
@@ -21,7 +21,8 @@ def middles(cells: np.ndarray, resolution_m: float = 0.05) -> np.ndarray:
 @settings(max_examples=40)
 @given(st.integers(0, 100_000))
 def test_a_smooth_way_stays_free_and_costs_no_more_and_no_less_than_straight(seed: int) -> None:
-    field = cost_field(grid_of(random_cells(seed, 120, 140)), ROUND)
+    # Rounding may cut the corner of what is merely dear.
+    field = cost_field(grid_of(random_cells(seed, 120, 140)), ROUND, settings=CostSettings(unknown="free"))
     free = np.argwhere(np.isfinite(field.cost))
     rng = np.random.default_rng(seed)
     if len(free) < 2:
