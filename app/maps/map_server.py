@@ -89,12 +89,9 @@ def _pixels(path: Path) -> NDArray[np.uint8]:
         raise ConfigError(f"the map's picture cannot be read: {failure.strerror or failure}", str(path)) from None
     pixels = _decoded(data)
     if pixels is None:
-        raise ConfigError("the map's picture is damaged, or of a kind that is none of PGM and PNG", str(path))
+        raise ConfigError("the map's picture is damaged or cut off, or of a kind that is none of PGM and PNG", str(path))
     if max(pixels.shape) > LONGEST_SIDE:
         raise ConfigError(f"the map's picture has more than {LONGEST_SIDE} pixels on a side", str(path))
-    if data[:2] == b"P5" and not _whole_pgm(data):
-        # OpenCV fills what is missing with grey.
-        raise ConfigError("the map's picture is cut off", str(path))
     if pixels.dtype == np.uint16:
         pixels = pixels // 256
     if pixels.ndim == 3:
@@ -108,29 +105,6 @@ def _decoded(data: bytes) -> NDArray[Any] | None:
         return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if data else None
     except cv2.error:
         return None
-
-
-def _whole_pgm(data: bytes) -> bool:
-    """Whether a binary PGM has all its pixels."""
-    numbers: list[int] = []
-    at = 2
-    while len(numbers) < 3:
-        while data[at : at + 1].isspace():
-            at += 1
-        if data[at : at + 1] == b"#":
-            at = data.find(b"\n", at)
-            if at < 0:
-                return False
-            continue
-        end = at
-        while data[end : end + 1].isdigit():
-            end += 1
-        if end == at:
-            return False
-        numbers.append(int(data[at:end]))
-        at = end
-    width, height, most = numbers
-    return len(data) - (at + 1) >= width * height * (2 if most > 255 else 1)
 
 
 def _cells(pixels: NDArray[np.uint8], file: MapServerFile) -> NDArray[np.int8]:

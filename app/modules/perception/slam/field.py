@@ -21,6 +21,8 @@ OCCUPIED, FREE = 50, 25
 STEP_M, LONGEST_M = 0.1, 12.0
 #: A ray's end so far (m) from what is occupied scores 0.6 of one on it.
 SIGMA_M = 0.1
+#: A ray's end so near (m) to the middle of an occupied cell lies on it.
+NEAR_M = 0.12
 #: Distances are known up to here (m).
 FURTHEST_M = 1.0
 #: Levels of the pyramid: the widest step is 2^(levels − 1) narrow ones.
@@ -81,15 +83,17 @@ class PlaceField:
         """``pose`` (x, y, heading) moved to where ``points`` fit best nearby (Gauss-Newton on the distances)."""
         return descend(self.far, points, pose, self.cell_m, self.origin[0], self.origin[1], rounds)
 
-    def fit(self, points: NDArray[np.float64], pose: NDArray[np.float64], tolerance_m: float = 0.15) -> float:
-        """The share of ``points`` that lie on something, the body being at ``pose``; those on unknown ground do not
-        count, unless most of them lie there.
-        """
-        return share_near(self.far, self.known, points, pose, self.cell_m, self.origin[0], self.origin[1], tolerance_m)
+    def explained(
+        self, points: NDArray[np.float64], eye: NDArray[np.float64], pose: NDArray[np.float64]
+    ) -> NDArray[np.int8]:
+        """What the map says of each of ``points`` seen from ``eye`` (m in ``base_link``) with the body at ``pose``.
 
-    def blocked(self, points: NDArray[np.float64], eye: NDArray[np.float64], pose: NDArray[np.float64]) -> float:
-        """The share of ``points`` that could not be seen from ``eye`` (m in ``base_link``): something stands before."""
-        return share_blocked(self.occupied, points, eye, pose, self.cell_m, self.origin[0], self.origin[1])
+        1: something is there, and in sight; 0: nothing is, or something stands before it; −1: nobody knows.
+        """
+        found: NDArray[np.int8] = explain(
+            self.far, self.known, self.occupied, points, eye, pose, self.cell_m, self.origin[0], self.origin[1]
+        )
+        return found
 
     def is_free(self, pose: NDArray[np.float64]) -> bool:
         """Whether there is free floor at ``pose``, or within a step of it."""
@@ -299,34 +303,13 @@ def descend(
     return np.array([x, y, theta])
 
 
-@kernel("float64(float32[:,::1], uint8[:,::1], float64[:,::1], float64[::1], float64, float64, float64, float64)")
-def share_near(
+@kernel(
+    "int8[::1](float32[:,::1], uint8[:,::1], uint8[:,::1], float64[:,::1], float64[::1], float64[::1], float64,"
+    " float64, float64)"
+)
+def explain(
     far: NDArray[np.float32],
     known: NDArray[np.uint8],
-    points: NDArray[np.float64],
-    pose: NDArray[np.float64],
-    cell: float,
-    x0: float,
-    y0: float,
-    tolerance: float,
-) -> float:
-    """See :meth:`PlaceField.fit`."""
-    height, width = far.shape
-    c, s = math.cos(pose[2]), math.sin(pose[2])
-    near, judged = 0, 0
-    for k in range(len(points)):
-        i = math.floor((pose[0] + c * points[k, 0] - s * points[k, 1] - x0) / cell)
-        j = math.floor((pose[1] + s * points[k, 0] + c * points[k, 1] - y0) / cell)
-        if i < 0 or j < 0 or i >= width or j >= height or known[j, i] == 0:
-            continue
-        judged += 1
-        if far[j, i] <= tolerance:
-            near += 1
-    return near / max(float(judged), 0.5 * len(points), 1.0)
-
-
-@kernel("float64(uint8[:,::1], float64[:,::1], float64[::1], float64[::1], float64, float64, float64)")
-def share_blocked(
     occupied: NDArray[np.uint8],
     points: NDArray[np.float64],
     eye: NDArray[np.float64],
@@ -334,22 +317,29 @@ def share_blocked(
     cell: float,
     x0: float,
     y0: float,
-) -> float:
-    """See :meth:`PlaceField.blocked`: rays are followed in half cells up to 0.4 m before their ends."""
-    height, width = occupied.shape
+) -> NDArray[np.int8]:
+    """See :meth:`PlaceField.explained`: rays are followed in half cells up to 0.4 m before their ends."""
+    height, width = far.shape
     c, s = math.cos(pose[2]), math.sin(pose[2])
     ex = pose[0] + c * eye[0] - s * eye[1] - x0
     ey = pose[1] + s * eye[0] + c * eye[1] - y0
-    blocked = 0
+    said = np.empty(len(points), np.int8)
     for k in range(len(points)):
-        dx = pose[0] + c * points[k, 0] - s * points[k, 1] - x0 - ex
-        dy = pose[1] + s * points[k, 0] + c * points[k, 1] - y0 - ey
-        length = math.hypot(dx, dy)
-        steps = int(2 * (length - 0.4) / cell)
-        for n in range(steps):
+        x = pose[0] + c * points[k, 0] - s * points[k, 1] - x0
+        y = pose[1] + s * points[k, 0] + c * points[k, 1] - y0
+        i, j = math.floor(x / cell), math.floor(y / cell)
+        if i < 0 or j < 0 or i >= width or j >= height or known[j, i] == 0:
+            said[k] = -1
+            continue
+        if far[j, i] > NEAR_M:
+            said[k] = 0
+            continue
+        said[k] = 1
+        length = math.hypot(x - ex, y - ey)
+        for n in range(int(2 * (length - 0.4) / cell)):
             share = n * 0.5 * cell / length
-            i, j = math.floor((ex + share * dx) / cell), math.floor((ey + share * dy) / cell)
+            i, j = math.floor((ex + share * (x - ex)) / cell), math.floor((ey + share * (y - ey)) / cell)
             if i >= 0 and j >= 0 and i < width and j < height and occupied[j, i]:
-                blocked += 1
+                said[k] = 0
                 break
-    return blocked / max(1, len(points))
+    return said

@@ -41,14 +41,19 @@ class SearchSettings:
     #: Nearer to each other than this, two places are one.
     same_m: float = 0.5
     same_rad: float = 0.3
-    #: Believed is a place that fits so well on the whole, and so well with each of the last scans ...
-    believed: float = 0.7
-    believed_each: float = 0.55
-    #: ... over so many scans, so many metres or turned so much, and so much better than any other.
+    #: Believed is a place that fits so well, lately and since it was thought of, and so well with each scan ...
+    believed: float = 0.75
+    believed_each: float = 0.6
+    #: ... over so many scans (times the searches that were made after the first), so many metres or turned so much, and
+    #: better than any other.
     scans: int = 4
+    scans_most: int = 40
     motion_m: float = 0.6
     motion_rad: float = 1.5
-    ahead: float = 0.08
+    #: It is better by so many points that it explains and the other does not, over those the other does; also by so
+    #: many times what chance makes of their number.
+    ahead_points: int = 25
+    ahead_sigmas: float = 4.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,15 +65,20 @@ class Sighting:
     X_OB: Pose2
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Place:
-    """Where the robot may be: ``X_MO`` places ``odom`` on the map; ``score`` says how well all seen fits, ``worst`` how
-    well the worst of the last scans does.
+    """Where the robot may be: ``X_MO`` places ``odom`` on the map.
+
+    ``score`` is the share of all that was seen lately that the map explains, ``worst`` that of the scan it explains
+    least but for one; ``explained`` tells it point by point. ``so_far`` are the shares, summed, and the number of all
+    scans since the place was thought of.
     """
 
     X_MO: Pose2
     score: float
     worst: float
+    explained: NDArray[np.int8]
+    so_far: tuple[float, int]
 
 
 class PlaceSearch:
@@ -106,9 +116,9 @@ class PlaceSearch:
         self._scans += 1
         X_OB = sighting.X_OB
         together = self._together(X_OB)
-        places = [place.X_MO @ X_OB for place in self.places]
+        places: list[tuple[Pose2, Place | None]] = [(place.X_MO @ X_OB, place) for place in self.places]
         if self._search_due(X_OB):
-            places += self._searched_for(together)
+            places += [(X_MB, None) for X_MB in self._searched_for(together)]
             self._searched.append(X_OB)
         self.places = self._judged(places, together, X_OB)
         return self._believed()
@@ -132,18 +142,21 @@ class PlaceSearch:
         leaves = self._field.search(spread(points, settings.search_points), settings.floor, settings.margin)
         return distinct([Pose2(x, y, t) for x, y, t, _ in leaves.tolist()], 0.3, 0.2, 3 * settings.most_places)
 
-    def _judged(self, places: Sequence[Pose2], points: NDArray[np.float64], X_OB: Pose2) -> tuple[Place, ...]:
-        """``places`` of the body now, each put where all points fit best, the impossible and the doubled left out."""
+    def _judged(
+        self, places: Sequence[tuple[Pose2, Place | None]], points: NDArray[np.float64], X_OB: Pose2
+    ) -> tuple[Place, ...]:
+        """``places`` of the body now, each put where all points fit best, the impossible and the doubled left out; with
+        each, what was thought of it before.
+        """
         settings = self._settings
         judged: list[tuple[Place, Pose2]] = []
         few = spread(points, 4 * settings.search_points)
-        for X_MB in places:
+        for X_MB, before in places:
             pose = self._field.refine(few, np.array([X_MB.x, X_MB.y, X_MB.theta]))
             if not self._field.is_free(pose):
                 continue
-            X_MO = Pose2(*pose.tolist()) @ X_OB.inverse()
-            each = [self._fit(seen, X_MO) for seen in self._seen]
-            judged.append((Place(X_MO, sum(each) / len(each), min(each[-3:])), X_MO @ X_OB))
+            place = self._place(Pose2(*pose.tolist()) @ X_OB.inverse(), before)
+            judged.append((place, place.X_MO @ X_OB))
         judged.sort(key=lambda one: -one[0].score)
         kept: list[tuple[Place, Pose2]] = []
         for place, X_MB in judged:
@@ -153,47 +166,42 @@ class PlaceSearch:
                 kept.append((place, X_MB))
         return tuple(place for place, _ in kept[: settings.most_places])
 
-    def _fit(self, seen: Sighting, X_MO: Pose2) -> float:
-        at = X_MO @ seen.X_OB
-        pose = np.array([at.x, at.y, at.theta])
-        return self._field.fit(seen.points, pose) - 0.5 * self._field.blocked(seen.points, seen.eye, pose)
+    def _place(self, X_MO: Pose2, before: Place | None) -> Place:
+        told: list[NDArray[np.int8]] = []
+        for seen in self._seen:
+            at = X_MO @ seen.X_OB
+            told.append(self._field.explained(seen.points, seen.eye, np.array([at.x, at.y, at.theta])))
+        each = [_share(one) for one in told]
+        so_far = (sum(each), len(each)) if before is None else (before.so_far[0] + each[-1], before.so_far[1] + 1)
+        worst = sorted(each)[1 if len(each) > 3 else 0]
+        return Place(X_MO, sum(each) / len(each), worst, np.concatenate(told), so_far)
 
     def _believed(self) -> Pose2 | None:
         settings = self._settings
         moved_enough = self._travelled >= settings.motion_m or self._turned >= settings.motion_rad
         if not self.places or len(self._searched) < 2 or self._scans < settings.scans or not moved_enough:
             return None
-        best = self.places[0]
-        rival = self.places[1].score if len(self.places) > 1 else 0.0
-        if best.score < settings.believed or best.worst < settings.believed_each or best.score - rival < settings.ahead:
+        best, *others = self.places
+        so_far, scans = best.so_far
+        # Who searched in vain may be elsewhere than on the map, and must not take the first likeness that comes along.
+        if scans < min(settings.scans * (len(self._searched) - 1), settings.scans_most):
             return None
-        return best.X_MO
+        if min(best.score, so_far / scans) < settings.believed or best.worst < settings.believed_each:
+            return None
+        return best.X_MO if all(self._ahead(best, other) for other in others) else None
+
+    def _ahead(self, one: Place, other: Place) -> bool:
+        """Whether what tells both apart speaks for ``one`` (McNemar's test)."""
+        ours = int(np.count_nonzero((one.explained == 1) & (other.explained == 0)))
+        theirs = int(np.count_nonzero((one.explained == 0) & (other.explained == 1)))
+        settings = self._settings
+        return ours - theirs >= max(settings.ahead_points, settings.ahead_sigmas * math.sqrt(ours + theirs))
 
 
-def found_near(
-    field: PlaceField, points: NDArray[np.float64], X_MB: Pose2, within_m: float = 1.0, within_rad: float = 0.5
-) -> tuple[Pose2, float]:
-    """Where ``points`` (N, 2), m in ``base_link``, fit best within so much of ``X_MB``, and the share that fits."""
-    few = spread(points, 200)
-    best, best_fit = X_MB, -1.0
-    steps = max(1, round(within_m / 0.2))
-    turns = max(1, round(within_rad / 0.1))
-    for turn in range(-turns, turns + 1):
-        for a in range(-steps, steps + 1):
-            for b in range(-steps, steps + 1):
-                start = np.array(
-                    [
-                        X_MB.x + a * within_m / steps,
-                        X_MB.y + b * within_m / steps,
-                        X_MB.theta + turn * within_rad / turns,
-                    ]
-                )
-                # Coarse first: points within 0.3 m count.
-                fit = field.fit(few, start, 0.3) - 0.02 * math.hypot(a / steps, b / steps) - 0.02 * abs(turn / turns)
-                if fit > best_fit:
-                    best, best_fit = Pose2(*start.tolist()), fit
-    refined = field.refine(points, np.array([best.x, best.y, best.theta]), 25)
-    return Pose2(*refined.tolist()), field.fit(points, refined)
+def _share(explained: NDArray[np.int8]) -> float:
+    """The share that is explained of what can be judged, which is half of all at least."""
+    judged = np.count_nonzero(explained >= 0)
+    return float(np.count_nonzero(explained == 1)) / max(float(judged), 0.5 * len(explained), 1.0)
 
 
 def moved(points: NDArray[np.float64], pose: Pose2) -> NDArray[np.float64]:

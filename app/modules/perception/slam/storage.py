@@ -6,7 +6,9 @@ An archive of arrays, as numpy writes them, without pickles. Rows of keyframes s
 
 from __future__ import annotations
 
+import struct
 import zipfile
+import zlib
 from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
@@ -20,6 +22,11 @@ from app.geometry import Pose2
 from app.modules.perception.slam.values import Edge, Keyframe, SlamState
 
 FORMAT = 1
+#: What reading a damaged archive raises: NotImplementedError and RuntimeError where its flags say what cannot be.
+_DAMAGE = (
+    ValueError, EOFError, KeyError, OverflowError, MemoryError, NotImplementedError, RuntimeError, struct.error,
+    zlib.error, zipfile.BadZipFile,
+)  # fmt: skip
 
 
 def write_state(path: Path, state: SlamState) -> None:
@@ -52,11 +59,12 @@ def write_state(path: Path, state: SlamState) -> None:
 def read_state(path: Path) -> SlamState:
     """The state in the file ``path``. Raises ConfigError for one that is damaged or of another format."""
     try:
-        with np.load(path, allow_pickle=False) as archive:
+        # Opened here: numpy leaves a file open that is no archive.
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
     except OSError as failure:
         raise ConfigError(f"the map's graph cannot be read: {failure.strerror or failure}", str(path)) from None
-    except (ValueError, EOFError, KeyError, zipfile.BadZipFile, zipfile.LargeZipFile) as damage:
+    except _DAMAGE as damage:
         raise ConfigError(f"the map's graph is damaged: {damage}", str(path)) from None
     try:
         if int(arrays["format"]) != FORMAT:
