@@ -44,12 +44,12 @@ class MppiSettings:
     least_step_s: float = 0.1
     longest_step_s: float = 0.2
     reach_m: float = 2.0
-    rollouts: int = 480
+    rollouts: int = 320
     margin_m: float = 0.04
     temperature: float = 0.05
     sigma: tuple[float, float] = (0.25, 0.4)
     weights: tuple[float, float, float, float, float, float, float, float, float] = (
-        1.0, 0.7, 0.10, 0.35, 1.4, 12.0, 0.2, 0.02, 0.5,
+        1.0, 0.7, 0.10, 0.45, 1.6, 12.0, 0.2, 0.02, 0.5,
     )  # fmt: skip
     looks_ahead_m: tuple[float, ...] = (0.25, 0.5, 0.9)
     shares: tuple[float, ...] = (1.0, 0.6, 0.3, 0.12)
