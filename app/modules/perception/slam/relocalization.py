@@ -162,8 +162,12 @@ class PlaceSearch:
         for place, X_MB in judged:
             if place.score < max(settings.floor, judged[0][0].score - 2 * settings.margin):
                 break
-            if all(not close(X_MB, other, settings.same_m, settings.same_rad) for _, other in kept):
+            same = [i for i, (_, other) in enumerate(kept) if close(X_MB, other, settings.same_m, settings.same_rad)]
+            if not same:
                 kept.append((place, X_MB))
+            elif place.so_far[1] > kept[same[0]][0].so_far[1]:
+                # What was thought of before is found again, a little better.
+                kept[same[0]] = replace(kept[same[0]][0], so_far=place.so_far), kept[same[0]][1]
         return tuple(place for place, _ in kept[: settings.most_places])
 
     def _place(self, X_MO: Pose2, before: Place | None) -> Place:
@@ -172,7 +176,7 @@ class PlaceSearch:
             at = X_MO @ seen.X_OB
             told.append(self._field.explained(seen.points, seen.eye, np.array([at.x, at.y, at.theta])))
         each = [_share(one) for one in told]
-        so_far = (sum(each), len(each)) if before is None else (before.so_far[0] + each[-1], before.so_far[1] + 1)
+        so_far = (each[-1], 1) if before is None else (before.so_far[0] + each[-1], before.so_far[1] + 1)
         worst = sorted(each)[1 if len(each) > 3 else 0]
         return Place(X_MO, sum(each) / len(each), worst, np.concatenate(told), so_far)
 
