@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from app.commands import experiment_barn
+from app.commands import experiment_barn, experiment_goals
 from app.commands.arguments import number
 from app.errors import ConfigError
 
@@ -50,6 +50,7 @@ def add_parser(subparsers: Any) -> None:
     trial.add_argument("--record", metavar="NAME", help="record it under this name")
     trial.add_argument("--json", action="store_true", help="print JSON instead of the story")
     experiment_barn.add_parser(experiments)
+    experiment_goals.add_parser(experiments)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -59,12 +60,13 @@ def run(args: argparse.Namespace) -> int:
     from app.experiments.pool import TrialLost
     from app.experiments.script import ScriptBlocked
     from app.link import LinkFailed
+    from app.maps.control import MapUnavailable
 
     cv2.setNumThreads(1)
-    experiments = {"trial": _trial, "overload": _overload, "barn": experiment_barn.run}
+    experiments = {"trial": _trial, "overload": _overload, "barn": experiment_barn.run, "goals": experiment_goals.run}
     try:
         return experiments[args.experiment](args)
-    except (LinkFailed, ScriptBlocked, TrialLost) as failure:
+    except (LinkFailed, MapUnavailable, ScriptBlocked, TrialLost) as failure:
         print(f"hbba experiment {args.experiment}: {failure}", file=sys.stderr)
         return 1
 

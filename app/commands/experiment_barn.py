@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.commands.arguments import number
+from app.commands.arguments import whole
 from app.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -36,8 +36,8 @@ def add_parser(experiments: Any) -> None:
     parser.add_argument("--only", metavar="IDS", help="these worlds alone, for example 1,5,10-20")
     parser.add_argument("--config", type=Path, metavar="FILE", help="the program (default: config/jackal.yaml)")
     parser.add_argument("--controller", metavar="NAME", help="how paths are followed (default: as configured)")
-    parser.add_argument("--seed", type=_whole, default=1, metavar="S", help="of the robot's noise (default 1)")
-    parser.add_argument("--jobs", type=_jobs, metavar="N", help="worlds at a time (default: one a core)")
+    parser.add_argument("--seed", type=whole(0), default=1, metavar="S", help="of the robot's noise (default 1)")
+    parser.add_argument("--jobs", type=whole(1, 256), metavar="N", help="worlds at a time (default: one a core)")
     parser.add_argument("--out", type=Path, metavar="FOLDER", help="where results are kept (default: your data folder)")
     parser.add_argument("--fresh", action="store_true", help="begin anew; earlier results are moved aside")
     parser.add_argument(
@@ -148,16 +148,3 @@ def _default_worlds() -> Path:
     raise ConfigError(
         "no worlds are at hand: name a file, or the folder of reference data in $HBBA_REFERENCE_DATA", "--worlds"
     )
-
-
-def _whole(text: str) -> int:
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"a seed is a whole number from 0, not {text!r}")
-    return int(text)
-
-
-def _jobs(text: str) -> int:
-    value = number(text)
-    if value is None or not value.is_integer() or not 1 <= value <= 256:
-        raise argparse.ArgumentTypeError(f"jobs are a whole number from 1 to 256, not {text!r}")
-    return int(value)

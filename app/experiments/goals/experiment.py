@@ -1,0 +1,150 @@
+"""Goals in the lab among people: drawn at random, given in shifts of some, kept so that a broken run goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from app import paths
+from app.config import load_configuration
+from app.errors import ConfigError
+from app.experiments.goals.ground import survey
+from app.experiments.goals.result import GoalResult
+from app.experiments.goals.shift import MAP, Shift, seeing, simulated_body, work
+from app.experiments.goals.tour import make_map
+from app.experiments.kept import KeptResults, program_digest
+from app.experiments.pool import Trials
+from app.geometry import Pose2
+from app.robots.factory import simulated_parts
+
+#: A shift's goals are given one after another in one life of the program; shifts run beside each other.
+SHIFT_GOALS = 20
+#: Goals lie where the robot has so much room (m) beyond its outermost corner, and so far (m) from the one before.
+SPARE_M, LEAST_M = 0.12, 2.0
+TOLERANCE_M, TOLERANCE_RAD, SLACK_M = 0.25, 0.2, 0.05
+PATIENCE_S = 300.0
+
+Told = Callable[[GoalResult, int, int], None]
+
+
+@dataclass(frozen=True, slots=True)
+class GoalsPlan:
+    """What to run: ``count`` goals, drawn from ``seed``, for the program of ``config`` among people (``scenario``)."""
+
+    config: Path
+    scenario: Path
+    tour: Path
+    count: int
+    seed: int
+    jobs: int
+    cameras: bool
+    digest: str
+
+    def of(self) -> dict[str, object]:
+        """What results are of: equal where they may be put together. More goals of one seed begin with the fewer."""
+        return {
+            "experiment": "goals",
+            "program": str(self.config.resolve()),
+            "scenario": str(self.scenario.resolve()),
+            "digest": self.digest,
+            "seed": self.seed,
+            "cameras": self.cameras,
+        }
+
+
+def plan(
+    count: int = 100,
+    seed: int = 1,
+    config: Path | None = None,
+    scenario: Path | None = None,
+    *,
+    jobs: int = 1,
+    cameras: bool = True,
+) -> GoalsPlan:
+    """Read everything. Raises ConfigError."""
+    folder = paths.config_dir()
+    config = config or folder / "lab.yaml"
+    scenario = (scenario or folder / "scenarios" / "walkers.yaml").resolve()
+    program = load_configuration(config).program
+    if not {"SLAM2D", "MobileBaseControl"} <= set(program.modules):
+        raise ConfigError(
+            "this program makes no maps or drives nothing: it needs SLAM2D and MobileBaseControl", str(config)
+        )
+    simulated_parts(simulated_body(config, scenario))
+    tour = folder / "scenarios" / "mapping.yaml"
+    return GoalsPlan(config, scenario, tour, count, seed, jobs, cameras, program_digest(config))
+
+
+def run(what: GoalsPlan, kept: KeptResults, told: Told, began: Callable[[str], None]) -> tuple[GoalResult, ...]:
+    """Give every goal that was not given yet; returns the results of all that are planned, by number.
+
+    ``began`` is told what is done that takes long. Raises ConfigError, TrialLost, ScriptBlocked, MapUnavailable, and
+    any mistake of the program's own.
+    """
+    results = _done(kept, what.count)
+    maps = kept.file.parent / "maps"
+    if not (maps / MAP).is_dir() or kept.moved:
+        began("mapping the lab on a tour")
+        maps.mkdir(exist_ok=True)
+        make_map(what.config, what.tour, maps)
+    shifts = [shift for shift in _shifts(what, maps) if any(number not in results for number, _ in shift.goals)]
+    began("going to goals")
+    for _, some in Trials(work, shifts, what.jobs):
+        for result in some:
+            if result.number in results:
+                continue
+            kept.add(result.document())
+            results[result.number] = result
+            told(result, len(results), what.count)
+    return tuple(results[number] for number in range(1, what.count + 1))
+
+
+def done(what: GoalsPlan, kept: KeptResults) -> tuple[GoalResult, ...]:
+    """The results that are there already, of the goals planned."""
+    return tuple(_done(kept, what.count).values())
+
+
+def _shifts(what: GoalsPlan, maps: Path) -> list[Shift]:
+    """Every goal of the plan, in shifts; each begins at the robot's usual place."""
+    body, world, _ = simulated_parts(seeing(simulated_body(what.config, what.scenario)))
+    origin = Pose2(body.start.x, body.start.y, np.deg2rad(body.start.heading_deg))
+    ground = survey(world, body)
+    reach = max(float(np.hypot(x, y)) for x, y in body.footprint)
+    cells = ground.reachable(origin, reach + SPARE_M)
+    shifts = []
+    for number in range(0, what.count, SHIFT_GOALS):
+        rng = np.random.default_rng([what.seed, number])
+        drawn = ground.draw(cells, SHIFT_GOALS, origin, LEAST_M, rng)[: what.count - number]
+        shifts.append(
+            Shift(
+                config=what.config,
+                scenario=what.scenario,
+                maps=maps,
+                origin=origin,
+                start=origin,
+                goals=tuple(enumerate(drawn, number + 1)),
+                seed=what.seed + number,
+                cameras=what.cameras,
+                tolerance_m=TOLERANCE_M,
+                tolerance_rad=TOLERANCE_RAD,
+                slack_m=SLACK_M,
+                patience_s=PATIENCE_S,
+            )
+        )
+    return shifts
+
+
+def _done(kept: KeptResults, count: int) -> dict[int, GoalResult]:
+    found = {}
+    for document in kept.found:
+        try:
+            result = GoalResult.of(document)
+        except (KeyError, TypeError, ValueError) as failure:
+            problem = f"holds a line that is no result ({failure}); --fresh begins anew"
+            raise ConfigError(problem, str(kept.file)) from None
+        if result.number <= count:
+            found[result.number] = result
+    return found

@@ -1,0 +1,101 @@
+"""What came of one goal, and of many."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+Outcome = Literal["reached", "missed", "given up", "timeout"]
+"""``missed``: the robot believed to have arrived and stood elsewhere."""
+
+
+@dataclass(frozen=True, slots=True)
+class GoalResult:
+    """One goal: ``goal`` and ``end`` are x, y (m) and heading (rad) in the world, the truth.
+
+    ``error_m``, ``error_rad``: how far the end lies from the goal. ``touched`` lists what the body touched on the way;
+    ``people_m`` is the least distance from its outline to somebody's trunk. ``left_m``: from the place before to the
+    goal, straight. ``reason``: what navigation said last, where the goal was not reached.
+    """
+
+    number: int
+    goal: tuple[float, float, float]
+    end: tuple[float, float, float]
+    outcome: Outcome
+    time_s: float
+    straight_m: float
+    driven_m: float
+    error_m: float
+    error_rad: float
+    recoveries: int
+    touched: tuple[str, ...]
+    people_m: float | None
+    reason: str
+    story: tuple[tuple[float, str], ...] = ()
+
+    def document(self) -> dict[str, Any]:
+        """As JSON has it."""
+        return asdict(self)
+
+    @classmethod
+    def of(cls, document: dict[str, Any]) -> GoalResult:
+        """Back from JSON. Raises KeyError, TypeError or ValueError for what is none."""
+        fields = {name: document[name] for name in cls.__dataclass_fields__}
+        for name in ("goal", "end"):
+            x, y, heading = fields[name]
+            fields[name] = (float(x), float(y), float(heading))
+        fields["touched"] = tuple(str(what) for what in fields["touched"])
+        fields["story"] = tuple((float(time_s), str(said)) for time_s, said in fields["story"])
+        return cls(**fields)
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """Of many goals. ``with_contact`` counts goals on whose way something was touched; times are of those reached."""
+
+    goals: int
+    reached: int
+    with_contact: int
+    people_touched: int
+    least_people_m: float | None
+    mean_time_s: float | None
+    mean_speed_mps: float | None
+    recoveries: int
+    worst_error_m: float | None
+    worst_error_rad: float | None
+
+    @classmethod
+    def of(cls, results: Sequence[GoalResult]) -> Summary:
+        """The summary of ``results``."""
+        reached = [result for result in results if result.outcome == "reached"]
+        people = [result.people_m for result in results if result.people_m is not None]
+        time_s = sum(result.time_s for result in reached)
+        return cls(
+            goals=len(results),
+            reached=len(reached),
+            with_contact=sum(bool(result.touched) for result in results),
+            people_touched=sum(any(what.startswith("person") for what in result.touched) for result in results),
+            least_people_m=min(people, default=None),
+            mean_time_s=time_s / len(reached) if reached else None,
+            mean_speed_mps=sum(r.driven_m for r in reached) / time_s if time_s > 0 else None,
+            recoveries=sum(result.recoveries for result in results),
+            worst_error_m=max((result.error_m for result in reached), default=None),
+            worst_error_rad=max((abs(result.error_rad) for result in reached), default=None),
+        )
+
+    def document(self) -> dict[str, Any]:
+        """As JSON has it."""
+        return asdict(self)
+
+
+def clearance(outline: Sequence[tuple[float, float]], x: float, y: float, radius_m: float) -> float:
+    """From a convex ``outline`` (counter-clockwise, m) to a disc at (``x``, ``y``): m, negative where they overlap."""
+    inside, least = True, math.inf
+    for (ax, ay), (bx, by) in zip(outline, (*outline[1:], outline[0]), strict=True):
+        ex, ey, px, py = bx - ax, by - ay, x - ax, y - ay
+        inside = inside and ex * py - ey * px >= 0
+        along = min(max((px * ex + py * ey) / (ex * ex + ey * ey), 0.0), 1.0)
+        least = min(least, math.hypot(px - along * ex, py - along * ey))
+    return (-least if inside else least) - radius_m
