@@ -154,6 +154,32 @@ def test_what_the_camera_saw_it_clears_where_it_looks_through(reach_m: float) ->
     assert near(seen, 3.0, 0.0, 0.3) > 5, "the box behind has come into sight"
 
 
+def test_what_somebody_stands_before_is_not_looked_through() -> None:
+    wall = (4.2, -4.0, 4.4, 4.0, 0.0, 2.5)
+    screen = (1.9, -0.3, 2.0, 0.3, 0.0, 1.3)
+    here, eye = costmap(), looking(5.0)
+    for k in range(20):
+        here.add_depth(World((screen, wall)).depth(k / 15, HERE, eye), HERE)
+    before = near(here.around(HERE, 1.3), 1.9, 0.0, 0.2)
+    # Right before it, and wider than it
+    for k in range(20, 32):
+        here.add_depth(World((screen, wall, (1.6, -0.6, 1.7, 0.6, 0.0, 1.7))).depth(k / 15, HERE, eye), HERE)
+    assert near(here.around(HERE, 2.1), 1.9, 0.0, 0.2) == before > 5
+
+
+def test_what_was_taken_off_a_box_leaves_the_box_though_it_is_out_of_sight() -> None:
+    wall, carton = (4.8, -4.0, 5.0, 4.0, 0.0, 2.5), (3.0, -0.2, 3.3, 0.2, 0.3, 0.9)
+    here, eye, there = costmap(), looking(10.0), Pose2(1.5, 0.0, 0.0)
+    for k in range(20):
+        here.add_depth(World((BOX, carton, wall)).depth(k / 15, HERE, eye), HERE)
+    for k in range(20, 40):
+        here.add_depth(World((BOX, wall)).depth(k / 15, there, eye), there)
+    assert near(here.around(there, 2.7), 3.0, 0.0, 0.25) > 5
+    for k in range(40, 60):
+        here.add_depth(World((wall,)).depth(k / 15, HERE, eye), HERE)
+    assert near(here.around(HERE, 4.0), 3.0, 0.0, 0.4) == 0, "seen to be gone from where it can be seen"
+
+
 def test_a_hole_in_the_picture_clears_nothing() -> None:
     here, eye = costmap(), looking(10.0)
     for k in range(20):
