@@ -288,14 +288,15 @@ async def test_the_health_tells_of_a_module_that_fails(client: httpx.AsyncClient
     assert "AttributeError" in (await client.get("/modules/Teleop")).json()["problem"]
 
 
-@pytest.mark.parametrize("name", ["intensity", "rése", 'quo"ted'])
-async def test_what_is_said_twice_is_not_guessed_at(client: httpx.AsyncClient, system: System, name: str) -> None:
-    member = json.dumps(name)
-    body = f'{{"class": "Telepresence", "utility": 4, "params": {{{member}: 1, "other": 2, {member}: 8}}}}'
+async def test_what_is_said_twice_is_not_guessed_at(client: httpx.AsyncClient, system: System) -> None:
     headers = {"Content-Type": "application/json"}
-    document = is_problem(await client.post("/desires", content=body.encode(), headers=headers), 400, "malformed-json")
-    assert repr(name) in document["detail"]
-    assert f"character {body.rindex(member)}" in document["detail"]
+    for name in ("intensity", "rése", 'quo"ted'):
+        member = json.dumps(name)
+        body = f'{{"class": "Telepresence", "utility": 4, "params": {{{member}: 1, "other": 2, {member}: 8}}}}'
+        refused = await client.post("/desires", content=body.encode(), headers=headers)
+        document = is_problem(refused, 400, "malformed-json")
+        assert repr(name) in document["detail"]
+        assert f"character {body.rindex(member)}" in document["detail"]
     assert system.workspace.desires() == ()
 
 
