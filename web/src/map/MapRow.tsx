@@ -41,7 +41,7 @@ export function MapRow({ kept }: { kept: KeptMap }) {
             class="button small"
             data-testid="map-load"
             aria-expanded={open.value === "load"}
-            disabled={busy || kept.problem !== null}
+            disabled={busy || kept.problem !== null || !maps.available.value}
             onClick={() => toggle("load")}
           >
             Load…

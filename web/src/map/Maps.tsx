@@ -29,7 +29,12 @@ export function Maps() {
           <span>{problem}</span>
         </p>
       )}
-      {present && <Present />}
+      {list && !maps.available.value && (
+        <p class="maps-doing" role="status" data-testid="maps-waiting">
+          Nobody keeps maps just now: the module SLAM2D does not run, or is only starting. See Load.
+        </p>
+      )}
+      {present && maps.available.value && <Present />}
       {list === null ? (
         <p class="empty">{problem ? "The list could not be read." : "Reading the list…"}</p>
       ) : list.maps.length === 0 ? (

@@ -1,10 +1,12 @@
 /** The kept maps: read, saved, loaded, renamed, deleted, begun. */
 
-import { effect, type ReadonlySignal, signal } from "@preact/signals";
+import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { inWords, type Rest } from "../protocol/rest";
 import type { KeptMaps, Place } from "../protocol/types";
 import type { Store } from "../state/store";
 
+/** A module that is only starting is asked for again so soon. */
+const AGAIN_MS = 1000;
 const NAME = /^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$/;
 
 export class MapLibrary {
@@ -14,7 +16,10 @@ export class MapLibrary {
   readonly doing = signal("");
   /** Why the last thing, or the list, failed; empty: it did not. */
   readonly problem = signal("");
+  /** Whether there is anybody who keeps maps by now. */
+  readonly available = computed(() => this.list.value?.current.available ?? false);
   private reading = false;
+  private again: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
     private readonly store: Store,
@@ -57,6 +62,8 @@ export class MapLibrary {
     this.reading = true;
     try {
       this.list.value = await this.rest.maps();
+      clearTimeout(this.again);
+      if (!this.available.peek() && this.shown.peek()) this.again = setTimeout(() => void this.refresh(), AGAIN_MS);
     } catch (error) {
       this.problem.value = inWords(error);
     } finally {
