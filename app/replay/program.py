@@ -25,7 +25,8 @@ from app.modules.recording.recorder import Recorder
 from app.recording.log import Log, LogInfo
 from app.replay.extract import extract
 from app.replay.options import ReplayOptions
-from app.robots.factory import load_body, standing_streams
+from app.robots.config import RobotConfig
+from app.robots.factory import Body, load_body, standing_streams
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.graph import Graph, ModuleSpec, load_class
 from app.runtime.module import Module
@@ -92,12 +93,20 @@ def prepare(log: Log, options: ReplayOptions, folder: Path, deaf: Mapping[str, s
             limits=robot.limits.base(),
             streams=standing_streams(robot) | {s: _describe(log.info, configuration, s, c) for s, c in streams.items()},
             simulated=False,
+            **_extent(robot),
         ),
         streams,
         fed,
         left_out,
         silent,
     )
+
+
+def _extent(robot: Body) -> dict[str, Any]:
+    """What modules that drive must know of a body that does: how much room it takes."""
+    if not isinstance(robot, RobotConfig):
+        return {}
+    return {"footprint": robot.footprint, "height_m": robot.height_m}
 
 
 def deaf_modules(program: ReplayProgram, graph: Graph) -> dict[str, str]:
