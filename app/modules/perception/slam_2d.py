@@ -86,7 +86,8 @@ class SLAM2D(Module):
         self._name = ""
         self._zones: tuple[Zone, ...] = ()
         self._told: Localization | None = None
-        #: When scans last fitted, and last did not fit well; None before the first.
+        #: Whether scans have not fitted for a while; when they last did, and last did not well, None before the first.
+        self._lost = False
         self._fitted: float | None = None
         self._misfitted: float | None = None
         #: Looking for the robot: asked for, under way, and where it may be by now.
@@ -174,12 +175,17 @@ class SLAM2D(Module):
             self._wake.set()
         if followed.glance is not None:
             self._glances.append(followed.glance)
-        match = followed.match
-        if self._fitted is None or (match.matched if session.grows else match.inliers >= FITS_NOT):
-            self._fitted = match.stamp
+        match, settings = followed.match, self.settings
         if self._misfitted is None or match.inliers < FITS:
             self._misfitted = match.stamp
-        if self._search is not None and match.stamp - self._misfitted > self.settings.sure_after_s:
+        fits = match.matched if session.grows else match.inliers >= FITS_NOT
+        if self._lost:
+            # A scan or two fit everywhere.
+            fits = match.stamp - self._misfitted > settings.sure_after_s
+        if self._fitted is None or fits:
+            self._fitted, self._lost = match.stamp, False
+        self._lost = self._lost or match.stamp - self._fitted > settings.lost_after_s
+        if self._search is not None and not self._lost:
             self.log.info("the robot is where it was thought to be, after all")
             self._end_search()
 
@@ -190,7 +196,7 @@ class SLAM2D(Module):
             self.log.warning("scans do not fit the map where the robot should be: it looks for itself")
             self._search_due = True
             self._wake.set()
-        if unfit_s > self.settings.lost_after_s:
+        if self._lost:
             return "lost"
         return "mapping" if session.grows and self._mapping else "tracking"
 
@@ -211,7 +217,7 @@ class SLAM2D(Module):
 
     def _end_search(self) -> None:
         self._search, self._sighting, self._places, self._search_due = None, None, (), False
-        self._fitted = self._misfitted = None
+        self._lost, self._fitted, self._misfitted = False, None, None
 
     # --- Behind ----------------------------------------------------------------------------------------------------
 

@@ -126,7 +126,8 @@ class Keeper:
     async def begin(self) -> None:
         """Begin an empty map."""
         async with self._one:
-            session = await self._host.compute_behind(self._host.new_session, None, None, True)
+            X_MO = self._host.X_OB.inverse()
+            session = await self._host.compute_behind(self._host.new_session, None, X_MO, True)
             self._host.use(session, "", ())
 
     async def place(self, X_MB: Pose2) -> None:

@@ -1,0 +1,414 @@
+"""SLAM2D among walls that a test draws: maps, keeps, finds itself, says when it does not know."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.geometry import Pose2
+from app.maps.control import MapControl, MapUnavailable
+from app.maps.library import GRAPH, MapLibrary
+from app.messages import LaserScan, Localization, OccupancyGrid, Odometry, Zone, Zones
+from app.runtime.clock import run_virtual
+from app.runtime.filter import CLOSED
+
+from ..fakes import Bench, drain
+from .slam.places import HALL, Segment, drawn, polygon, scan, way
+
+ROUND = way(
+    (1.5, 3.0), (8.0, 3.0), (8.0, 6.5), (10.5, 6.5), (10.5, 4.5), (8.0, 4.0), (1.5, 3.0), (3.6, 4.0), (3.6, 6.5)
+)
+STAIRS = Zone("stairs", "keep_out", np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), 1.0)
+Script = Callable[["Body"], Awaitable[None]]
+
+
+class Body:
+    """A body that is wherever the test puts it, its odometry, and the module."""
+
+    def __init__(self, library: MapLibrary, walls: Sequence[Segment] = HALL, **settings: Any) -> None:
+        self.control = MapControl()
+        self.library = library
+        self.walls = walls
+        self.bench = Bench(
+            "app.modules.perception.slam_2d:SLAM2D",
+            inputs={"scans": LaserScan, "odometry": Odometry},
+            outputs={"localization": Localization, "map": OccupancyGrid, "zones": Zones},
+            services={MapLibrary: library, MapControl: self.control},
+            settings=settings,
+        )
+        self.X_WB = ROUND[0]
+        self.X_OB = Pose2(4.0, -2.0, 1.0)
+        self._scans = 0
+        self.told: list[Localization] = []
+        self.maps: list[OccupancyGrid] = []
+        for port, kept in (("localization", self.told), ("map", self.maps)):
+            self.bench.graph.channel(port).observe(kept.append)
+        self.zones = self.bench.listen("zones")
+
+    async def go(self, poses: Sequence[Pose2], every: int = 1, slip: float = 0.01) -> None:
+        """Drive along ``poses``, one in 0.1 s, the wheels slipping; scans at each, or one in ``every``."""
+        for number, pose in enumerate(poses):
+            step = self.X_WB.inverse() @ pose
+            self.X_OB = self.X_OB @ Pose2(step.x * (1 + slip), step.y, step.theta * (1 + slip))
+            self.X_WB = pose
+            now = self.bench.clock.now()
+            self.bench.feed("odometry", Odometry(now, self.X_OB, 0.0, 0.0))
+            if number % every == 0:
+                self._scans += 1
+                self.bench.feed("scans", scan(self.walls, pose, now, seed=self._scans))
+            await self.bench.clock.sleep(0.1)
+
+    async def stand(self, seconds: float) -> None:
+        await self.go([self.X_WB] * round(seconds * 10))
+
+    def is_within(self, metres: float, radians: float, start: Pose2 = ROUND[0]) -> bool:
+        """Whether the place told last is so near to the true one, the map's origin being at ``start``."""
+        off = (start @ self.told[-1].X_MB).inverse() @ self.X_WB
+        return math.hypot(off.x, off.y) < metres and abs(off.theta) < radians
+
+    @property
+    def state(self) -> str:
+        return self.told[-1].state
+
+    def states(self, since: int = 0) -> list[str]:
+        """The states told, each once as long as it lasted."""
+        found = [place.state for place in self.told[since:]]
+        return [state for state, before in zip(found, ["", *found], strict=False) if state != before]
+
+
+def live(script: Script, library: MapLibrary, fails: str = "", **settings: Any) -> Body:
+    body = Body(library, **settings)
+
+    async def main() -> None:
+        async with body.bench:
+            await body.bench.supervisor.started()
+            await script(body)
+
+    run_virtual(main())
+    assert fails in body.bench.problem
+    assert bool(fails) == bool(body.bench.problem)
+    return body
+
+
+@pytest.fixture
+def library(tmp_path: Path) -> MapLibrary:
+    return MapLibrary(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> MapLibrary:
+    """The hall, mapped and kept; not to be changed."""
+    library = MapLibrary(tmp_path_factory.mktemp("maps"))
+
+    async def script(body: Body) -> None:
+        await body.go(ROUND)
+        await body.control.keeper.mark((STAIRS,))
+        await body.control.keeper.save("hall")
+
+    live(script, library)
+    return library
+
+
+def test_it_maps_and_knows_where_it_is_though_wheels_slip(library: MapLibrary) -> None:
+    async def script(body: Body) -> None:
+        await body.go(ROUND)
+        await body.stand(1.5)
+
+    body = live(script, library)
+    assert len(body.told) == len(ROUND) + 15, "one for each scan"
+    assert body.states() == ["mapping"]
+    assert body.is_within(0.05, 0.02)
+    last = body.told[-1]
+    assert last.map == ""
+    assert last.overlap > 0.9
+    assert 0 < math.sqrt(last.covariance[0, 0]) < 0.05
+    off = last.X_MO.inverse() @ (last.X_MB @ body.X_OB.inverse())
+    assert (off.x, off.y, off.theta) == pytest.approx((0, 0, 0), abs=1e-9)
+    grid = body.maps[-1]
+    assert [m.version for m in body.maps] == sorted({m.version for m in body.maps})
+    assert (grid.frame, grid.resolution_m, grid.cells.shape, grid.origin) == ("map", 0.05, (1000, 1000), (-25.0, -25.0))
+    assert all(b.stamp - a.stamp >= 0.99 for a, b in zip(body.maps[1:], body.maps[2:], strict=False)), "1 s at most"
+    true = drawn(HALL, (12, 8))
+    walls = grid.cells >= 65
+    rows, columns = np.nonzero(walls)
+    x, y = ((v + 0.5) * 0.05 - 25.0 for v in (columns, rows))
+    x, y = x + ROUND[0].x, y + ROUND[0].y
+    near = true.cells >= 65
+    at = np.floor((np.stack((y, x), axis=1) + 0.5) / 0.05).astype(int)
+    around = [near[max(0, r - 2) : r + 3, max(0, c - 2) : c + 3].any() for r, c in at]
+    assert np.mean(around) > 0.97, "what is drawn stands within 0.1 m of a wall"
+
+
+def test_a_map_is_told_only_when_it_changed(library: MapLibrary) -> None:
+    async def script(body: Body) -> None:
+        await body.go(ROUND[:20])
+        await body.stand(12.0)
+        told = len(body.maps)
+        await body.stand(10.0)
+        assert len(body.maps) == told
+
+    live(script, library)
+
+
+def test_who_stood_by_fades_after_they_left(library: MapLibrary) -> None:
+    person = [((3.4, 2.9), (3.4, 3.1)), ((3.4, 3.1), (3.6, 3.1))]
+
+    def there(grid: OccupancyGrid) -> int:
+        column, row = (int((v + 25.0) / 0.05) for v in (3.4 - 1.5 + 0.01, 3.0 - 3.0 + 0.01))
+        return int(grid.cells[row - 1 : row + 2, column - 1 : column + 2].max())
+
+    async def script(body: Body) -> None:
+        body.walls = [*HALL, *person]
+        await body.stand(6.0)
+        assert there(body.maps[-1]) == 100
+        body.walls = HALL
+        await body.stand(15.0)
+        assert there(body.maps[-1]) < 30
+
+    live(script, library)
+
+
+@pytest.mark.parametrize("every", [4, 12])
+def test_it_follows_at_a_fraction_of_the_scans(library: MapLibrary, every: int) -> None:
+    async def script(body: Body) -> None:
+        await body.go(ROUND, every=every)
+        await body.stand(0.3)
+
+    assert live(script, library).is_within(0.1, 0.04)
+
+
+def test_closed_scans_leave_it_to_odometry_and_then_it_goes_on(library: MapLibrary) -> None:
+    async def script(body: Body) -> None:
+        filters = body.bench.graph.filters
+        await body.go(ROUND[:80])
+        told = len(body.told)
+        filters.apply({"Tested.scans": CLOSED})
+        await body.go(ROUND[80:120])
+        assert len(body.told) == told
+        off = (ROUND[0] @ body.told[-1].X_MO @ body.X_OB).inverse() @ body.X_WB
+        assert math.hypot(off.x, off.y) < 0.2, "its place is known by odometry"
+        filters.apply({"Tested.scans": 1})
+        await body.go(ROUND[120:])
+
+    body = live(script, library)
+    assert body.is_within(0.06, 0.02)
+    assert body.states() == ["mapping"]
+
+
+def test_scans_whose_pose_never_comes_are_left_out(library: MapLibrary, caplog: pytest.LogCaptureFixture) -> None:
+    async def script(body: Body) -> None:
+        for _ in range(3):
+            body.bench.feed("scans", scan(HALL, body.X_WB, body.bench.clock.now() + 1.0))
+            await body.bench.clock.sleep(0.5)
+        assert body.told == []
+        await body.go(ROUND[:10])
+        assert body.told
+
+    live(script, library)
+    assert len([r for r in caplog.records if "odometry does not reach their stamps" in r.message]) == 1
+
+
+def test_a_kept_map_is_loaded_where_the_robot_is_said_to_be(kept: MapLibrary) -> None:
+    async def script(body: Body) -> None:
+        body.X_WB = Pose2(7.0, 3.0, 0.3)
+        await body.stand(0.5)
+        about = ROUND[0].inverse() @ Pose2(7.4, 2.6, 0.0)
+        await body.control.keeper.load("hall", about)
+        assert [zone.name for zone in drain(body.zones)[-1].zones] == ["stairs"]
+        told = len(body.told)
+        await body.go([*[body.X_WB] * 3, *way((7.0, 3.0), (10.0, 3.0))])
+        assert body.states(told) == ["tracking"]
+        assert body.told[-1].map == body.control.keeper.name == "hall"
+
+    body = live(script, kept)
+    assert body.is_within(0.05, 0.02)
+    assert body.maps[-1].cells.shape < (1000, 1000), "the map stays as it was kept"
+
+
+def test_without_a_word_it_looks_for_itself_and_is_told_to_be_searching_till_then(kept: MapLibrary) -> None:
+    async def script(body: Body) -> None:
+        body.X_WB = Pose2(9.0, 6.5, math.pi)
+        await body.stand(0.5)
+        await body.control.keeper.load("hall")
+        told = len(body.told)
+        assert body.state == "searching"
+        await body.stand(3.0)
+        assert body.state == "searching", "nothing is believed before it moves"
+        sigma = math.sqrt(body.told[-1].covariance[0, 0])
+        await body.go(way((9.0, 6.5), (8.0, 6.0), (8.0, 3.0)))
+        assert body.states(told) == ["searching", "tracking"]
+        assert sigma > 3 * math.sqrt(body.told[-1].covariance[0, 0])
+
+    assert live(script, kept).is_within(0.05, 0.02)
+
+
+def test_a_robot_that_was_carried_away_notices_and_finds_itself(kept: MapLibrary) -> None:
+    async def script(body: Body) -> None:
+        await body.stand(0.2)
+        await body.control.keeper.load("hall", Pose2())
+        await body.go(ROUND[:30])
+        assert body.state == "tracking"
+        told = len(body.told)
+        body.X_WB = Pose2(10.5, 6.0, -1.0)  # odometry knows nothing of it
+        await body.go(way((10.5, 6.0), (10.5, 4.5), (8.0, 4.5), (5.0, 4.0), (2.0, 4.0)))
+        assert body.states(told) == ["tracking", "lost", "searching", "tracking"]
+        back = next(place for place in body.told[told + 40 :] if place.state == "tracking")
+        assert back.stamp - body.told[told].stamp < 10.0
+
+    assert live(script, kept).is_within(0.05, 0.02)
+
+
+def test_where_nothing_is_on_the_map_it_stays_lost(kept: MapLibrary) -> None:
+    async def script(body: Body) -> None:
+        await body.stand(0.2)
+        await body.control.keeper.load("hall", Pose2())
+        body.walls = polygon((0, 0), (5, 0), (3, 4))
+        told = len(body.told)
+        await body.go(way((1.5, 1.0), (3.5, 1.0), (2.5, 2.0), (1.5, 0.7)))
+        assert "tracking" not in body.states(told + 15)
+
+    live(script, kept)
+
+
+def test_mapping_goes_on_from_a_kept_map(kept: MapLibrary, library: MapLibrary) -> None:
+    async def map_half(body: Body) -> None:
+        await body.go(ROUND[:60])
+        await body.control.keeper.save("half")
+
+    live(map_half, library)
+
+    async def go_on(body: Body) -> None:
+        body.X_WB = ROUND[0]
+        await body.stand(0.2)
+        await body.control.keeper.load("half", Pose2(0.1, 0.1), extend=True)
+        await body.go(ROUND)
+        assert body.states(1)[-1] == "mapping"
+        await body.control.keeper.save("whole")
+
+    body = live(go_on, library)
+    assert body.is_within(0.05, 0.02)
+    half, whole = library.facts("half"), library.facts("whole")
+    assert whole.graph
+    assert whole.known_m2 > half.known_m2 + 5
+
+
+def test_a_map_of_another_program_is_followed_on_but_does_not_grow(library: MapLibrary) -> None:
+    library.keep("foreign", drawn(HALL, (12, 8)))
+
+    async def script(body: Body) -> None:
+        keeper = body.control.keeper
+        await body.stand(0.2)
+        with pytest.raises(MapUnavailable, match="'foreign' was kept without its graph"):
+            await keeper.load("foreign", extend=True)
+        await keeper.load("foreign", ROUND[0])
+        told = len(body.told)
+        await body.go(ROUND)
+        assert body.states(told) == ["tracking"]
+        assert body.is_within(0.06, 0.03, Pose2())
+        await keeper.save("copy")
+
+    live(script, library)
+    assert not (library.folder / "copy" / GRAPH).exists()
+
+
+def test_what_cannot_be_is_refused_in_words_and_changes_nothing(kept: MapLibrary) -> None:
+    async def script(body: Body) -> None:
+        keeper = body.control.keeper
+        with pytest.raises(MapUnavailable, match="nothing to keep yet"):
+            await keeper.save("empty")
+        with pytest.raises(MapUnavailable, match="no map yet"):
+            await keeper.search()
+        with pytest.raises(MapUnavailable, match="no map yet"):
+            await keeper.place(Pose2())
+        await body.go(ROUND[:30])
+        with pytest.raises(MapUnavailable, match="there is no map 'other'; there are: hall"):
+            await keeper.load("other")
+        for call in (keeper.save, keeper.load):
+            with pytest.raises(MapUnavailable, match="a map's name has"):
+                await call("../up")
+        with pytest.raises(MapUnavailable, match="two zones are called"):
+            await keeper.mark((STAIRS, STAIRS))
+        await body.go(ROUND[30:40])
+        assert body.states() == ["mapping"]
+        assert keeper.name == ""
+
+    assert live(script, kept).is_within(0.05, 0.02)
+
+
+def test_beginning_anew_forgets_the_map_and_its_zones(kept: MapLibrary) -> None:
+    async def script(body: Body) -> None:
+        await body.stand(0.2)
+        await body.control.keeper.load("hall", Pose2())
+        await body.go(ROUND[:30])
+        await body.control.keeper.begin()
+        assert (body.maps[-1].cells == -1).all()
+        assert drain(body.zones)[-1].zones == ()
+        assert body.control.keeper.name == ""
+        start = body.X_WB
+        await body.go(ROUND[30:50])
+        assert body.state == "mapping"
+        assert body.is_within(0.05, 0.02, start)
+
+    live(script, kept)
+
+
+def test_zones_are_kept_with_a_map_that_has_a_name(library: MapLibrary) -> None:
+    library.keep("foreign", drawn(HALL, (12, 8)))
+
+    async def script(body: Body) -> None:
+        await body.stand(0.2)
+        await body.control.keeper.load("foreign", ROUND[0])
+        await body.control.keeper.mark((STAIRS,))
+        assert [zone.name for zone in drain(body.zones)[-1].zones] == ["stairs"]
+
+    live(script, library)
+    assert [zone.name for zone in library.zones("foreign")] == ["stairs"]
+
+
+def test_after_a_restart_it_goes_on_following_on_the_map_it_had(kept: MapLibrary) -> None:
+    async def script(body: Body) -> None:
+        await body.go(ROUND[:60])
+        broken = replace(scan(HALL, body.X_WB, body.bench.clock.now() - 0.15), X_BL=None)
+        body.bench.feed("scans", broken)
+        await body.bench.clock.sleep(1.0)
+        await body.bench.supervisor.started()
+        assert body.bench.supervisor.states["Tested"].restarts == 1
+        told = len(body.told)
+        await body.go(ROUND[60:90])
+        assert set(body.states(told)) <= {"tracking", "lost"}
+        assert body.states(told)[0] == "tracking"
+
+    live(script, kept, fails="AttributeError")
+
+
+def test_configured_to_it_begins_on_a_kept_map(kept: MapLibrary) -> None:
+    async def script(body: Body) -> None:
+        await body.go(ROUND[:40])
+        assert body.told[-1].map == "hall"
+        assert body.states() == ["searching", "tracking"]
+
+    assert live(script, kept, map="hall").is_within(0.05, 0.02)
+
+
+def test_mapping_may_be_left_to_others_and_fewer_rays_do(library: MapLibrary) -> None:
+    async def script(body: Body) -> None:
+        slot = body.bench.slot
+        slot.configure({"rays": 3})
+        await body.go(ROUND[:100])
+        told = len(body.maps)
+        slot.configure({"mapping": False})
+        back = ROUND[:100][::-1]
+        await body.go(back)
+        assert body.state == "tracking"
+        assert len(body.maps) <= told + 1
+        slot.configure({})
+        await body.go(ROUND[:20])
+        assert body.state == "mapping"
+
+    assert live(script, library).is_within(0.05, 0.02)
