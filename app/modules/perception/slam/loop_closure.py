@@ -10,19 +10,21 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2
+from app.geometry import Pose2, wrap_angle
+from app.modules.perception.slam.drift import DriftGraph
 from app.modules.perception.slam.matching import NOISE_M, Fit, fitted
 from app.modules.perception.slam.pose_graph import Optimize, graph_arrays
+from app.modules.perception.slam.pruning import Pruned, pruned, redundant
 from app.modules.perception.slam.search import Pyramid, sought
 from app.modules.perception.slam.settings import SlamSettings
 from app.modules.perception.slam.surfels import SurfelGrid, surfel_grid
-from app.modules.perception.slam.values import Edge, Keyframe
+from app.modules.perception.slam.values import Edge, Keyframe, Submap
 
 _LEVELS = 6
 #: Grids of old submaps that are kept for the next search: bounds the memory.
 _KEPT_GRIDS = 24
 #: Of a loop's edge (m, rad), seen by the whole scan.
-_LOOP_SIGMAS = (0.03, 0.008)
+_LOOP_SIGMAS = (0.02, 0.005)
 _LEAST_POINTS = 30
 #: Searching, so many submaps at most for one keyframe.
 _MOST_CANDIDATES = 3
@@ -41,14 +43,27 @@ _LEAST_ACROSS = 3.0
 _WRONG_M = 0.12
 _WRONG_PER_RAD = 2.0
 _AFTER_KEYFRAMES = 60
+#: Keyframes that are too many are looked for so often (keyframes).
+_PRUNE_EVERY = 16
+#: How far the robot may be turned (rad), and how much more per metre that it may be off.
+_TURN_RAD = 0.25
+_TURN_RAD_PER_M = 0.1
+_TURN_MOST_RAD = 0.8
+#: A loop that would move the robot so far (m) needs two others that say the same.
+_FAR_WRONG_M = 2.0
+_MOST_HELD = 24
+#: Two loops say the same if they put the robot so near (m, rad).
+_ALIKE_M = 0.4
+_ALIKE_RAD = 0.08
 
 
 @dataclass(frozen=True, slots=True)
-class Submap:
-    """Keyframes next to each other, by id, that are looked at together; the first gives the frame."""
+class _Held:
+    """A loop that is not believed yet; ``X_MM`` is how it would move the robot on the map."""
 
-    id: int
-    keyframes: tuple[int, ...]
+    edge: Edge
+    X_MM: Pose2
+    needed: int
 
 
 @dataclass(slots=True)
@@ -57,8 +72,10 @@ class LoopMemory:
 
     grids: OrderedDict[int, tuple[SurfelGrid, Pyramid]] = field(default_factory=OrderedDict)
     closed_at: dict[int, int] = field(default_factory=dict)
-    last_loop_m: float = -math.inf
+    drift: DriftGraph = field(default_factory=DriftGraph)
+    held: list[_Held] = field(default_factory=list)
     optimized_at: int = 0
+    pruned_at: int = 0
     wrong_m: float = 0.0
     unsettled: int = 0
 
@@ -67,17 +84,22 @@ class LoopMemory:
 class LoopOutcome:
     """What a job found: ``edges`` to be added; ``poses`` of all keyframes then known, None while the graph may stay.
 
-    ``last`` is the newest keyframe the job knew of: later ones move along with it.
+    ``last`` is the newest keyframe the job knew of: later ones move along with it. ``pruned`` is what is left of the
+    graph that the job knew, ``edges`` included, where some of it was too much.
     """
 
     edges: tuple[Edge, ...]
     poses: Mapping[int, Pose2] | None
     last: int
+    pruned: Pruned | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoopJob:
-    """The search for loops of the keyframes ``due``, and the graph's correction: pure but for ``memory``."""
+    """The search for loops of the keyframes ``due``, and the graph's correction: pure but for ``memory``.
+
+    Keyframes ``in_use`` are not removed.
+    """
 
     settings: SlamSettings
     keyframes: Mapping[int, Keyframe]
@@ -85,6 +107,7 @@ class LoopJob:
     edges: tuple[Edge, ...]
     submaps: tuple[Submap, ...]
     due: tuple[int, ...]
+    in_use: frozenset[int]
     memory: LoopMemory
     optimize: Optimize
     settle: bool = False
@@ -96,48 +119,95 @@ class LoopJob:
             found += self._loops_of(id)
         memory = self.memory
         newest = next(reversed(self.poses))
+        edges = [*self.edges, *found]
+        cut = self._pruned(edges, newest)
+        if cut is not None:
+            edges = list(cut.edges)
         memory.unsettled += len(found)
         poses = None
         late = newest - memory.optimized_at > _AFTER_KEYFRAMES
         if memory.unsettled and (self.settle or (found and (memory.wrong_m > _WRONG_M or late))):
-            poses = self._corrected(found)
+            left = {id: pose for id, pose in self.poses.items() if cut is None or id not in cut.replaced}
+            poses = self._corrected(left, edges)
             memory.optimized_at = newest
             memory.wrong_m = 0.0
             memory.unsettled = 0
-            memory.last_loop_m = self.keyframes[newest].travelled_m
-        return LoopOutcome(tuple(found), poses, newest)
+        return LoopOutcome(tuple(found), poses, newest, cut)
 
-    def _corrected(self, found: list[Edge]) -> Mapping[int, Pose2]:
-        poses = self.optimize(graph_arrays(self.poses, [*self.edges, *found]))
-        return {
-            id: Pose2(float(x), float(y), float(theta)) for id, (x, y, theta) in zip(self.poses, poses, strict=True)
-        }
+    def _pruned(self, edges: list[Edge], newest: int) -> Pruned | None:
+        settings, memory = self.settings, self.memory
+        if newest - memory.pruned_at < _PRUNE_EVERY:
+            return None
+        memory.pruned_at = newest
+        recent = newest - 4 * settings.submap_keyframes
+        kept = {id for id in self.poses if id > recent} | self.in_use | {next(iter(self.poses))}
+        too_many = redundant(self.poses, kept, settings.keyframes_per_m2, settings.heading_sectors)
+        if not too_many:
+            return None
+        cut = pruned(too_many, edges, self.submaps)
+        for id in cut.changed:
+            memory.grids.pop(id, None)
+        memory.held = [held for held in memory.held if not {held.edge.a, held.edge.b} & cut.replaced.keys()]
+        memory.drift.forget()
+        return cut
+
+    def _corrected(self, poses: Mapping[int, Pose2], edges: list[Edge]) -> Mapping[int, Pose2]:
+        found = self.optimize(graph_arrays(poses, edges))
+        return {id: Pose2(float(x), float(y), float(theta)) for id, (x, y, theta) in zip(poses, found, strict=True)}
 
     def _loops_of(self, id: int) -> list[Edge]:
         keyframe, X_MK = self.keyframes[id], self.poses[id]
         if len(keyframe.points) < _LEAST_POINTS:
             return []
-        edges = []
+        edges: list[Edge] = []
         for submap, window_m in self._candidates(id):
             X_MS = self.poses[submap.keyframes[0]]
             guess = X_MS.inverse() @ X_MK
-            grid, pyramid = self._grid(submap)
-            window_rad = 0.25 if window_m < 2.0 else 0.45
-            start = sought(pyramid, keyframe.points, guess, window_m, window_rad, self.settings.loop_score)
+            fit = self._found(submap, keyframe, guess, window_m)
+            if fit is None:
+                continue
+            X_MB = X_MS @ fit.X_SB
+            nearest = min(submap.keyframes, key=lambda k: _distance(self.poses[k], X_MB))
+            sigma_m, sigma_rad = _LOOP_SIGMAS
+            information = (fit.inliers / sigma_m**2, fit.inliers / sigma_m**2, fit.inliers / sigma_rad**2)
+            edge = Edge(nearest, id, self.poses[nearest].inverse() @ X_MB, information, loop=True)
+            believed = self._believed(edge, X_MK, X_MB)
+            if believed:
+                self.memory.closed_at[submap.id] = id
+            edges += believed
+        return edges
+
+    def _found(self, submap: Submap, keyframe: Keyframe, guess: Pose2, window_m: float) -> Fit | None:
+        """Where ``submap`` shows what the keyframe shows: near ``guess`` before farther, where much looks alike."""
+        grid, pyramid = self._grid(submap)
+        base = self.settings.loop_window_m
+        for window in (base, window_m) if window_m > 1.5 * base else (window_m,):
+            window_rad = min(_TURN_RAD + _TURN_RAD_PER_M * (window - base), _TURN_MOST_RAD)
+            start = sought(pyramid, keyframe.points, guess, window, window_rad, self.settings.loop_score)
             if start is None:
                 continue
             fit = fitted(grid, keyframe.points, start[0], start[0], (1.0, 1.0), iterations=20, near_m=0.1)
-            if not self._convincing(fit, start[0]):
-                continue
-            sigma_m, sigma_rad = _LOOP_SIGMAS
-            share = fit.inliers
-            information = (share / sigma_m**2, share / sigma_m**2, share / sigma_rad**2)
-            edges.append(Edge(submap.keyframes[0], id, fit.X_SB, information, loop=True))
-            self.memory.closed_at[submap.id] = id
-            off = guess.inverse() @ fit.X_SB
-            wrong = math.hypot(off.x, off.y) + _WRONG_PER_RAD * abs(off.theta)
-            self.memory.wrong_m = max(self.memory.wrong_m, wrong)
-        return edges
+            if self._convincing(fit, start[0]):
+                return fit
+        return None
+
+    def _believed(self, edge: Edge, X_MK: Pose2, X_MB: Pose2) -> list[Edge]:
+        """The edges to be added for this one: none while it would move much and not enough others say the same."""
+        off = X_MK.inverse() @ X_MB
+        wrong = math.hypot(off.x, off.y) + _WRONG_PER_RAD * abs(off.theta)
+        held = self.memory.held
+        alike: list[_Held] = []
+        if wrong > self.settings.loop_alone_m:
+            X_MM = X_MB @ X_MK.inverse()
+            new = _Held(edge, X_MM, 2 if wrong < _FAR_WRONG_M else 3)
+            alike = [other for other in held if _alike(other.X_MM @ X_MK, X_MB)]
+            if len({other.edge.b for other in alike} | {edge.b}) < new.needed:
+                held.append(new)
+                del held[:-_MOST_HELD]
+                return []
+            self.memory.held = [other for other in held if other not in alike]
+        self.memory.wrong_m = max(self.memory.wrong_m, wrong)
+        return [*(other.edge for other in alike), edge]
 
     def _convincing(self, fit: Fit, start: Pose2) -> bool:
         refined = math.hypot(fit.X_SB.x - start.x, fit.X_SB.y - start.y)
@@ -150,18 +220,14 @@ class LoopJob:
         """Old submaps that may see what keyframe ``id`` sees, the nearest first, and how far (m) to look around."""
         settings, memory = self.settings, self.memory
         X_MK = self.poses[id]
+        away_m = memory.drift.away_m(self.submaps, self.keyframes, self.edges, id)
         near: list[tuple[float, Submap, float]] = []
-        travelled = self.keyframes[id].travelled_m
-        for submap in self.submaps:
+        for submap, drift_m in zip(self.submaps, away_m.tolist(), strict=True):
             last = submap.keyframes[-1]
             if last > id - 2 * settings.submap_keyframes or id - memory.closed_at.get(submap.id, -99) < _REST_KEYFRAMES:
                 continue
-            seen_m = self.keyframes[last].travelled_m
-            window = settings.loop_window_m
-            if memory.last_loop_m < seen_m:
-                window += settings.loop_window_m_per_m * (travelled - seen_m)
-            window = min(window, settings.loop_window_max_m)
-            away = min(math.hypot(self.poses[k].x - X_MK.x, self.poses[k].y - X_MK.y) for k in submap.keyframes[::3])
+            window = min(settings.loop_window_m + settings.loop_window_m_per_m * drift_m, settings.loop_window_max_m)
+            away = min(_distance(self.poses[k], X_MK) for k in submap.keyframes[::3])
             if away <= _SEEN_FROM_M + window:
                 near.append((away, submap, window))
         near.sort(key=lambda candidate: candidate[0])
@@ -178,6 +244,14 @@ class LoopJob:
         if len(grids) > _KEPT_GRIDS:
             grids.popitem(last=False)
         return grids[submap.id]
+
+
+def _distance(a: Pose2, b: Pose2) -> float:
+    return math.hypot(a.x - b.x, a.y - b.y)
+
+
+def _alike(a: Pose2, b: Pose2) -> bool:
+    return _distance(a, b) < _ALIKE_M and abs(wrap_angle(a.theta - b.theta)) < _ALIKE_RAD
 
 
 def pose_array(poses: Mapping[int, Pose2]) -> NDArray[np.float64]:

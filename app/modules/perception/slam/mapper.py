@@ -12,14 +12,15 @@ from numpy.typing import NDArray
 
 from app.geometry import Pose2, wrap_angle
 from app.modules.perception.slam.local_map import STALE_M, LocalMap, local_map
-from app.modules.perception.slam.loop_closure import LoopJob, LoopMemory, LoopOutcome, Submap, pose_array
+from app.modules.perception.slam.loop_closure import LoopJob, LoopMemory, LoopOutcome, pose_array
 from app.modules.perception.slam.matching import NOISE_M, Fit, fitted
 from app.modules.perception.slam.pose_graph import Optimize, optimized
+from app.modules.perception.slam.pruning import Pruned
 from app.modules.perception.slam.scans import Beams, Scan, prepared
 from app.modules.perception.slam.search import Pyramid, sought
 from app.modules.perception.slam.settings import SlamSettings
 from app.modules.perception.slam.surfels import SurfelGrid
-from app.modules.perception.slam.values import Edge, Keyframe, Match, SlamState
+from app.modules.perception.slam.values import Edge, Keyframe, Match, SlamState, Submap
 
 #: Odometry that moved less than this (m, rad) has not moved; but so many scans later the scan is looked at again.
 _REST = 1e-4
@@ -29,8 +30,11 @@ _RESCUE_LEVELS = 4
 _RESCUE_SCORE = 0.45
 #: Another pose is taken where this share more of the scan lies on the map.
 _RESCUE_GAIN = 0.03
-#: ... and this more for each (standard deviation of what odometry says)^2.
-_RESCUE_PRICE = 0.015
+#: ... and up to this more, the less likely it is by odometry: most of it from about so many squared sigmas on.
+_PRICE_MOST = 0.35
+_PRICE_SIGMAS2 = 20.0
+#: What a scan that does not fit adds to the metres driven: so much faster the drift grows.
+_POOR_SCAN_M = 3.0
 #: Of the edges between keyframes of a submap (m, rad), for a whole scan on it.
 _MATCH_SIGMAS = (0.02, 0.005)
 #: An edge of so small a share of the scan says little, and one of no share next to nothing.
@@ -84,6 +88,7 @@ class Slam:
         self._memory = LoopMemory()
         self._due: list[int] = []
         self._job_out = False
+        self._job_knew = (0, 0)
         self._version = 0
         self._moved = False
         self._travelled_m = max((keyframe.travelled_m for keyframe in kept.keyframes), default=0.0)
@@ -166,14 +171,19 @@ class Slam:
     def take(self, outcome: LoopOutcome) -> None:
         """Take over what a job found: quick."""
         self._job_out = False
-        self._edges.extend(outcome.edges)
+        known_edges = self._job_knew[0]
+        self._edges[known_edges:known_edges] = outcome.edges
+        self._job_knew = known_edges + len(outcome.edges), self._job_knew[1]
         self._loops += len(outcome.edges)
+        if outcome.pruned is not None:
+            self._drop(outcome.pruned)
         if outcome.poses is None:
             return
         shift = outcome.poses[outcome.last] @ self._poses[outcome.last].inverse()
         for id, pose in self._poses.items():
             known = outcome.poses.get(id)
-            self._poses[id] = known if known is not None else shift @ pose
+            if known is not None or id > outcome.last:
+                self._poses[id] = known if known is not None else shift @ pose
         self._X_MB = self._poses[self._keyframe] @ self._X_KB
         self._moved = True
         self._version += 1
@@ -207,6 +217,21 @@ class Slam:
         """How many loops were closed."""
         return self._loops
 
+    def _drop(self, cut: Pruned) -> None:
+        """Leave away what the job did, unless the robot was placed there meanwhile."""
+        if self._in_use() & cut.replaced.keys():
+            return
+        # What came while the job ran stands behind what it knew.
+        known_edges, known_submaps = self._job_knew
+        self._edges = [*cut.edges, *self._edges[known_edges:]]
+        self._submaps = [*cut.submaps, *self._submaps[known_submaps:]]
+        for id in cut.removed:
+            del self._keyframes[id], self._poses[id]
+        self._version += 1
+
+    def _in_use(self) -> frozenset[int]:
+        return frozenset(id for submap in self._active for id in submap.keyframes) | {self._keyframe}
+
     # --- Following -------------------------------------------------------------------------------------------------
 
     def _follow(self, scan: Scan, step: Pose2) -> Fit:
@@ -225,6 +250,8 @@ class Slam:
             fit = self._rescued(submap, scan, prior, fit, (sigma_m, sigma_rad), step)
         self._placed = self._placed and fit.inliers < settings.lost_below
         self._last_fit = fit
+        if fit.inliers < settings.rescue_below:
+            self._travelled_m += _POOR_SCAN_M
         if fit.inliers >= settings.lost_below:
             self._X_MB = X_MS @ fit.X_SB
             self._update(X_MS, fit)
@@ -254,14 +281,18 @@ class Slam:
         other = fitted(submap.grid, scan.points, found[0], prior, loose)
         # What looks alike a door further on fits, too: the farther from where odometry leads, the better it must fit.
         X_MS = self._poses[submap.keyframes[0]]
-        dearer = _RESCUE_PRICE * (self._unlikely(X_MS @ other.X_SB) - self._unlikely(X_MS @ fit.X_SB))
+        dearer = self._price(X_MS @ other.X_SB) - self._price(X_MS @ fit.X_SB)
         return other if other.inliers > fit.inliers + _RESCUE_GAIN + dearer else fit
 
-    def _unlikely(self, X_MB: Pose2) -> float:
-        """Square of how many standard deviations ``X_MB`` is from where the robot was led by odometry."""
+    def _price(self, X_MB: Pose2) -> float:
+        """The share that a fit at ``X_MB`` must have more, for being away from where odometry led the robot.
+
+        It does not grow for ever: a slipped wheel leads anywhere.
+        """
         expected = self._X_MB
         off = np.array([X_MB.x - expected.x, X_MB.y - expected.y, wrap_angle(X_MB.theta - expected.theta)])
-        return float(off @ np.linalg.solve(self._covariance, off))
+        squared_sigmas = float(off @ np.linalg.solve(self._covariance, off))
+        return _PRICE_MOST * (1.0 - math.exp(-squared_sigmas / _PRICE_SIGMAS2))
 
     def _predict(self, step: Pose2, sigma_m: float, sigma_rad: float) -> None:
         self._before = self._covariance
@@ -322,9 +353,10 @@ class Slam:
 
     def _job(self, due: tuple[int, ...], settle: bool) -> LoopJob:
         self._job_out = True
+        self._job_knew = len(self._edges), len(self._submaps)
         return LoopJob(
             self.settings, dict(self._keyframes), dict(self._poses), tuple(self._edges), tuple(self._submaps), due,
-            self._memory, self._optimize, settle,
+            self._in_use(), self._memory, self._optimize, settle,
         )  # fmt: skip
 
     def _told(self, stamp: float, X_OB: Pose2, added: bool) -> Match:

@@ -49,6 +49,7 @@ class MappedLog:
     odometry: list[Pose2] = field(default_factory=list)
     rows: list[_Row] = field(default_factory=list)
     scan_s: list[float] = field(default_factory=list)
+    replaced: dict[int, tuple[int, Pose2]] = field(default_factory=dict)
     jobs_s: float = 0.0
     cpu_s: float = 0.0
 
@@ -62,8 +63,16 @@ class MappedLog:
 
     def poses(self) -> Poses:
         """(K, 3) x, y, theta on the map of the scans taken, as the whole log says."""
-        found = [self.slam.pose(row.keyframe) @ row.X_KB for row in self.rows]
+        found = [self._pose(row.keyframe) @ row.X_KB for row in self.rows]
         return np.array([(p.x, p.y, p.theta) for p in found]).reshape(-1, 3)
+
+    def _pose(self, keyframe: int) -> Pose2:
+        """Of a keyframe that may have been removed since."""
+        chain = Pose2()
+        while keyframe in self.replaced:
+            keyframe, X_ab = self.replaced[keyframe]
+            chain = X_ab @ chain
+        return self.slam.pose(keyframe) @ chain
 
     def odometry_poses(self) -> Poses:
         """(N, 3) of all scans of the log, as odometry said."""
@@ -123,3 +132,5 @@ def _do(log: MappedLog, job: LoopJob | None) -> None:
     outcome = job.run()
     log.jobs_s += time.process_time() - before
     log.slam.take(outcome)
+    if outcome.pruned is not None:
+        log.replaced.update(outcome.pruned.replaced)

@@ -10,10 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.geometry import Pose2
+from app.modules.perception.slam.relations import between
 from app.modules.perception.slam.values import Edge
 
 #: From so many standard deviations on, a loop's weight falls with its error (Cauchy's estimator).
 _SOFT_SIGMAS = 3.0
+#: ... and, while the graph is first pulled together, from so many.
+_PULLED_SIGMAS = 30.0
 #: The first keyframe stays where it is.
 _ANCHOR_SIGMAS = (1e-4, 1e-4, 1e-5)
 #: Noise models are made for steps of this ratio of the information: making one costs more than an edge.
@@ -54,14 +57,33 @@ def graph_arrays(poses: Mapping[int, Pose2], edges: Sequence[Edge]) -> GraphArra
 def optimized(graph: GraphArrays) -> NDArray[np.float64]:
     """The poses (N, 3) that fit the edges best, by GTSAM's Levenberg-Marquardt.
 
-    It holds the interpreter's lock meanwhile: a robot that is driving calls it in another process.
+    A long loop that closes is far off at first: where one is, its edges are believed farther at first, so that they
+    pull, and judged then. It holds the interpreter's lock meanwhile: a robot that is driving calls it in another
+    process.
     """
+    poses = graph.poses
+    if _farthest_sigmas(graph) > _PULLED_SIGMAS:
+        poses = _solved(graph, poses, _PULLED_SIGMAS)
+    return _solved(graph, poses, _SOFT_SIGMAS)
+
+
+def _farthest_sigmas(graph: GraphArrays) -> float:
+    """How many standard deviations the worst loop is off."""
+    loops = graph.loops
+    if not loops.any():
+        return 0.0
+    found = between(graph.poses[graph.ends[loops, 0]], graph.poses[graph.ends[loops, 1]])
+    off = between(graph.measured[loops], found)
+    return float(np.sqrt((off**2 * graph.information[loops]).sum(axis=1)).max())
+
+
+def _solved(graph: GraphArrays, poses: NDArray[np.float64], soft_sigmas: float) -> NDArray[np.float64]:
     import gtsam
 
     noise = gtsam.noiseModel
     factors = gtsam.NonlinearFactorGraph()
     values = gtsam.Values()
-    for row, pose in enumerate(graph.poses):
+    for row, pose in enumerate(poses):
         values.insert(row, gtsam.Pose2(*pose))
     anchor = noise.Diagonal.Sigmas(np.array(_ANCHOR_SIGMAS))
     factors.add(gtsam.PriorFactorPose2(0, gtsam.Pose2(*graph.poses[0]), anchor))
@@ -74,7 +96,7 @@ def optimized(graph: GraphArrays) -> NDArray[np.float64]:
         if model is None:
             model = noise.Diagonal.Sigmas(_STEP ** (-0.5 * np.array(step)))
             if loop:
-                model = noise.Robust.Create(noise.mEstimator.Cauchy.Create(_SOFT_SIGMAS), model)
+                model = noise.Robust.Create(noise.mEstimator.Cauchy.Create(soft_sigmas), model)
             models[key] = model
         factors.add(gtsam.BetweenFactorPose2(a, b, gtsam.Pose2(*X_ab), model))
     parameters = gtsam.LevenbergMarquardtParams()
@@ -86,24 +108,29 @@ def optimized(graph: GraphArrays) -> NDArray[np.float64]:
     return np.asarray(gtsam.utilities.extractPose2(result), dtype=np.float64)
 
 
+def surest(edges: Iterable[Edge], id: int) -> Edge | None:
+    """The edge that holds keyframe ``id`` best, told from it; None where nothing does."""
+    spokes = [_from(edge, id) for edge in edges if id in (edge.a, edge.b)]
+    return min(spokes, key=lambda e: (e.loop, -e.information[0], -e.b), default=None)
+
+
 def without(edges: Iterable[Edge], removed: int) -> list[Edge]:
     """``edges`` that say the same of all keyframes but ``removed``.
 
-    What hung on it hangs, through the surest of its edges, on that one's other end instead (after Kretzschmar and
-    Stachniss, 2012, whose tree this is the star of).
+    What hung on it hangs, through the surest of its edges, on that one's other end instead: a star, where Kretzschmar
+    and Stachniss (2012) make a tree.
     """
     kept: list[Edge] = []
     touching: list[Edge] = []
     for edge in edges:
         (touching if removed in (edge.a, edge.b) else kept).append(edge)
-    if len(touching) < 2:
+    hub = surest(touching, removed)
+    if hub is None:
         return kept
-    spokes = sorted((_from(edge, removed) for edge in touching), key=lambda e: (e.loop, -e.information[0], -e.b))
-    hub = spokes[0]
     X_hr = hub.X_ab.inverse()
     kept.extend(
         Edge(hub.b, spoke.b, X_hr @ spoke.X_ab, _summed(hub, spoke), hub.loop or spoke.loop)
-        for spoke in spokes[1:]
+        for spoke in (_from(edge, removed) for edge in touching)
         if spoke.b != hub.b
     )
     return kept

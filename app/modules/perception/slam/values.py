@@ -17,7 +17,8 @@ class Keyframe:
     All in ``base_link`` at ``stamp``, the sweep's motion taken out. ``points`` (N, 4) float32: x, y (m) and the unit
     normal of the surface there, towards the laser, or 0, 0 where it is not known; thinned, what is matched. ``ends``
     (K, 2) float32 m: where each ray ended; ``hits`` (K,) bool: whether on something, or just at the end of what the
-    laser sees. ``origin`` (2,) float32 m: where the rays began. ``travelled_m`` by odometry, since mapping began.
+    laser sees. ``origin`` (2,) float32 m: where the rays began. ``travelled_m`` since mapping began, by odometry, and
+    more where scans did not fit: what the drift grows with.
     """
 
     id: int
@@ -67,6 +68,14 @@ class Edge:
     X_ab: Pose2
     information: tuple[float, float, float]
     loop: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Submap:
+    """Keyframes next to each other, by id, that are looked at together; the first gives the frame."""
+
+    id: int
+    keyframes: tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,0 +1,119 @@
+"""``hbba slam``: maps out of logs, figures, files, and what is said of people's mistakes."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.cli import main
+from app.maps.map_server import read_map
+from app.modules.perception.slam.relations import between
+from app.modules.perception.slam.storage import read_state
+from tests.modules.perception.slam.rooms import around, driven, half_circle, ring
+
+DATA = Path(os.environ.get("HBBA_REFERENCE_DATA") or Path(__file__).parents[3] / "shared" / "data") / "slam"
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Half a lap around a block, as arrays; the true poses beside it as relations and as a CARMEN log."""
+    folder = tmp_path_factory.mktemp("slam")
+    true = around(8.0, 0.2, laps=0.5)
+    sweeps = list(driven(ring(5.5, 2.5), true, half_circle(181)))
+    ranges = np.array([np.minimum(sweep.ranges, 81.83).round(2) for sweep in sweeps], dtype=np.float32)
+    odometry = np.array([(s.X_OB.x, s.X_OB.y, s.X_OB.theta) for s in sweeps])
+    np.savez(folder / "drive.npz", ranges=ranges, pose=odometry)
+    poses = np.array([(p.x, p.y, p.theta) for p in true])
+    first = np.arange(0, len(true) - 10, 5)
+    relations = np.column_stack((first, first + 10, between(poses[first], poses[first + 10])))
+    np.savetxt(folder / "relations.txt", relations, fmt="%d %d %.5f %.5f %.6f", header="i j dx dy dtheta")
+    lines = []
+    for k, ((x, y, theta), row) in enumerate(zip(poses, ranges, strict=True)):
+        place = f"{x:.4f} {y:.4f} {theta:.5f}"
+        readings = " ".join(f"{value:.3f}" for value in row)
+        lines.append(f"FLASER {len(row)} {readings} {place} {place} {0.2 * k + 1:.3f} host {0.2 * k + 1:.3f}")
+    (folder / "true.log").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return folder / "drive.npz"
+
+
+def test_a_log_becomes_a_map_and_figures(log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "made" / "here"
+    relations, reference = log.parent / "relations.txt", log.parent / "true.log"
+    arguments = ["--relations", str(relations), "--reference", str(reference), "--out", str(out), "--json"]
+    assert main(["slam", str(log), *arguments]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["intact"]
+    assert told["relations"]["mean_m"] < 0.02
+    assert told["relations"]["gross"] == 0
+    assert told["reference"]["scans"] == told["scans"] == told["taken"]
+    assert told["reference"]["rmse_m"] < 0.1
+    grid = read_map(out / "map.yaml")
+    assert (grid.cells == 100).sum() > 200
+    assert (grid.cells == 0).sum() > 5 * (grid.cells == 100).sum()
+    assert (out / "map.png").read_bytes().startswith(b"\x89PNG")
+    assert len(read_state(out / "graph.npz").keyframes) == told["keyframes"]
+    trajectory = np.loadtxt(out / "trajectory.tum")
+    assert trajectory.shape == (told["taken"], 8)
+    assert len((out / "trajectory.csv").read_text().splitlines()) == told["taken"] + 1
+    assert [Path(path).name for path in told["written"]][:3] == ["map.yaml", "map.pgm", "map.png"]
+
+
+def test_a_carmen_log_is_mapped_and_fewer_scans_are_taken(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["slam", str(log.parent / "true.log"), "--phi", "3"]) == 0
+    said = capsys.readouterr().out
+    count = len(np.load(log)["ranges"])
+    assert f"{-(-count // 3)} of {count} (φ = 3)" in said
+    assert "broken" not in said
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["nowhere.npz"], "there is no file nowhere.npz"),
+        (["{log}", "--relations", "{log}"], "cannot be read"),
+        (["{folder}/bad.txt"], "no log this program can read"),
+        (["{log}", "--relations", "{folder}/bad.txt"], "bad.txt:1"),
+        (["{log}", "--relations", "{folder}/far.txt"], "names scan 99999"),
+        (["{log}", "--reference", "{folder}/bad.txt"], "--reference"),
+        (["{folder}/other.npz"], "has no array ranges and no array pose; it has x"),
+        (["{folder}/shape.npz"], "must be (N, B) numbers"),
+        (["{log}", "--out", "{log}"], "--out: {log} is a file"),
+        (["{folder}/true.log", "--range-max", "5"], "--range-max is for .npz"),
+        (["{folder}/true.log", "--scans", "left"], "no such channel 'left'; it has scan"),
+    ],
+)
+def test_mistakes_are_told_in_a_sentence(
+    log: Path, arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = log.parent
+    (folder / "bad.txt").write_text("this is nothing\n")
+    (folder / "far.txt").write_text("0 99999 0 0 0\n")
+    np.savez(folder / "other.npz", x=np.zeros(3))
+    np.savez(folder / "shape.npz", ranges=np.zeros((3, 180)), pose=np.zeros((2, 3)))
+    names = {"log": str(log), "folder": str(folder)}
+    assert main(["slam", *(argument.format(**names) for argument in arguments)]) == 2
+    captured = capsys.readouterr()
+    assert said.format(**names) in captured.err
+    assert "Traceback" not in captured.err
+
+
+@pytest.mark.slow
+def test_the_intel_lab_is_mapped_to_millimetres(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The beginning of the public log; all of it in ``python -m benchmarks slam``."""
+    if not (DATA / "intel.npz").is_file():
+        pytest.skip(f"the public laser logs are not there: {DATA} (set HBBA_REFERENCE_DATA)")
+    rows = 1200
+    with np.load(DATA / "intel.npz") as whole:
+        np.savez(tmp_path / "intel.npz", ranges=whole["ranges"][:rows], pose=whole["pose"][:rows])
+    relations = np.loadtxt(DATA / "intel.relations.txt")
+    np.savetxt(tmp_path / "relations.txt", relations[relations[:, 1] < rows], fmt="%d %d %.6f %.6f %.7f %d")
+    assert main(["slam", str(tmp_path / "intel.npz"), "--relations", str(tmp_path / "relations.txt"), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["relations"]["relations"] > 80
+    assert told["relations"]["gross"] == 0
+    assert told["relations"]["mean_m"] < 0.008
+    assert told["relations"]["mean_deg"] < 0.2
