@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import itertools
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
@@ -47,20 +47,21 @@ def run_in_world(
     *,
     world: WorldConfig | None = None,
     cameras: bool = False,
+    without: Collection[str] = (),
     pins: Mapping[str, Pin] | None = None,
     maps: MapLibrary | None = None,
 ) -> T:
     """Run ``script`` beside the program of ``configuration`` in the world of ``body``, in virtual time.
 
-    Modules of streams that the body does not have (its cameras, without ``cameras``; its microphones) are left out,
-    and strategies serve without them. ``world`` stands in for the one that the body's file names. ``pins`` and ``maps``
-    as for ``System``. Not to be called on an event loop. Raises what the script raises, ConfigError, and what ended the
-    program if it ended before the script.
+    Modules of streams that the body does not have (its cameras, without ``cameras``; its microphones) and those named
+    in ``without`` are left out, and strategies serve without them. ``world`` stands in for the one that the body's file
+    names. ``pins`` and ``maps`` as for ``System``. Not to be called on an event loop. Raises what the script raises,
+    ConfigError, and what ended the program if it ended before the script.
     """
     clock = VirtualClock(ORIGIN)
     link = create_lockstep(body, clock, world=world, cameras=cameras)
     system = System(
-        able(configuration, link),
+        able(configuration, link, without),
         link=link,
         body=body,
         clock=clock,
@@ -73,9 +74,10 @@ def run_in_world(
     return run_virtual(_run(WorldRun(system, link), script), patience_s=PATIENCE_S)
 
 
-def able(configuration: Configuration, link: LockstepLink) -> Configuration:
+def able(configuration: Configuration, link: LockstepLink, without: Collection[str] = ()) -> Configuration:
     """``configuration`` without the modules that need a stream that the body of ``link`` does not have.
 
+    And without those named in ``without``.
     What those would feed comes from nowhere, and whoever listens hears nothing. Recorders are left out as well: they
     write in real time.
     """
@@ -83,6 +85,8 @@ def able(configuration: Configuration, link: LockstepLink) -> Configuration:
     modules = {}
     for name, spec in configuration.program.modules.items():
         kind = load_class(spec.class_path)  # one that does not exist is the graph's to refuse
+        if name in without:
+            continue
         if kind is None or (set(kind.streams.values()) <= streams and not issubclass(kind, Recorder)):
             modules[name] = spec
     produced = {channel for spec in modules.values() for channel in spec.outputs.values()}

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from app.attention.desires import Source
 from app.config import load_configuration
-from app.experiments.goals.shift import MAP, simulated_body
+from app.experiments.goals.shift import MAP, UNCONCERNED, simulated_body
 from app.experiments.lockstep import WorldRun, run_in_world
 from app.experiments.script import Waypoint, drive_script, load_script
 from app.geometry import Pose2
@@ -23,7 +23,9 @@ def make_map(config: Path, scenario: Path, maps: Path) -> Pose2:
     """
     script = load_script(scenario)
     body = simulated_body(config, scenario)
-    return run_in_world(load_configuration(config), body, lambda run: _live(run, script), maps=MapLibrary(maps))
+    return run_in_world(
+        load_configuration(config), body, lambda run: _live(run, script), without=UNCONCERNED, maps=MapLibrary(maps)
+    )
 
 
 async def _live(run: WorldRun, script: tuple[Waypoint, ...]) -> Pose2:
