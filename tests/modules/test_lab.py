@@ -14,6 +14,7 @@ from app.attention.strategies import Strategy, StrategyTable, load_strategies
 from app.attention.workspace import IntentionWorkspace
 from app.link import RobotLink
 from app.modules.desire_classes import desire_classes
+from app.modules.motivations.scenario_coordinator import USUAL
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import VirtualClock, run_virtual
 from app.runtime.graph import Graph, ModuleSpec
@@ -136,6 +137,34 @@ def test_going_somewhere_pulls_in_slam_and_gets_cheaper_where_the_computer_is_wa
     assert chosen(40) == {"plan-and-follow-1", "slam-40"}, "nobody desires SLAM, but a pose is needed"
     ways = [next(name for name in chosen(capacity) if not name.startswith("slam")) for capacity in (40, 13, 9, 5)]
     assert ways == ["plan-and-follow-1", "plan-and-follow-2", "plan-and-pursue-4", "go-toward"]
+
+
+def test_no_way_to_map_is_worse_and_dearer_than_another_and_the_thesiss_rate_is_among_them(
+    table: StrategyTable,
+) -> None:
+    strategies = of_class(table, "SLAM")
+    by_cost = sorted(strategies, key=lambda strategy: strategy.costs["cpu"])
+    for cheaper, dearer in pairwise(by_cost):
+        assert cheaper.costs["cpu"] < dearer.costs["cpu"]
+        assert cheaper.utility < dearer.utility
+    assert 40 in {strategy.filters["SLAM2D.scans"] for strategy in strategies}
+    sparse = [strategy for strategy in strategies if strategy.parameters]
+    assert {strategy.parameters["SLAM2D"]["rays"] for strategy in sparse} == {3}
+    full = {strategy.filters["SLAM2D.scans"]: strategy for strategy in strategies if not strategy.parameters}
+    for strategy in sparse:
+        assert strategy.costs["cpu"] < full[strategy.filters["SLAM2D.scans"]].costs["cpu"]
+
+
+def test_what_is_desired_at_the_start_is_all_served(table: StrategyTable) -> None:
+    workspace = IntentionWorkspace(DesireClasses(desire_classes()), lambda: 0.0)
+    for desire in USUAL:
+        workspace.add(
+            desire.cls, intensity=desire.intensity, utility=desire.utility, security=desire.security,
+            source=Source("motivation", "start"),
+        )  # fmt: skip
+    chosen = solve(Problem(workspace.strongest(), table.strategies, table.capacities())).strategies
+    assert {table[name].cls for name in chosen} == {desire.cls for desire in USUAL}
+    assert "slam-1" in chosen
 
 
 def test_driving_by_hand_costs_nothing(table: StrategyTable) -> None:
