@@ -143,7 +143,7 @@ async def test_desires_are_those_that_stood_there(lab: Prepared) -> None:
     def classes() -> list[tuple[str, str]]:
         return sorted((d.cls, d.source.name) for d in play.replay.system.workspace.desires())
 
-    wished = ("DetectNoises", "FindQRCodes", "LocateFaces", "Teleoperation")
+    wished = ("DetectNoises", "FindQRCodes", "LocateFaces", "SLAM", "Teleoperation")
     always = [(cls, "ScenarioCoordinator") for cls in wished]
     async with played(lab) as play:
         await play.playback.seek(BEGIN + 2.5)
@@ -258,7 +258,7 @@ async def test_at_the_end_it_stands_and_play_begins_again(lab: Prepared) -> None
 @pytest.fixture
 def blind() -> Prepared:
     """The same with nobody who would look."""
-    return prepare(lab_log(6.0), ReplayOptions(only=("Hokuyo", "MobileBaseControl")))
+    return prepare(lab_log(6.0), ReplayOptions(only=("Hokuyo", "WheelOdometry")))
 
 
 async def test_who_comes_while_time_stands_is_shown_what_stands_there(blind: Prepared) -> None:
