@@ -30,6 +30,8 @@ _LEAST_POINTS = 30
 _MOST_CANDIDATES = 3
 #: A submap is not looked at again for so many keyframes after it closed a loop.
 _REST_KEYFRAMES = 4
+#: Looking far around is dear: a submap is searched so for one in so many keyframes.
+_WIDE_EVERY = 4
 #: What the laser sees beyond its keyframe (m).
 _SEEN_FROM_M = 2.0
 #: A loop is refined no farther from where the search found it (m), and fits so well (m).
@@ -72,6 +74,7 @@ class LoopMemory:
 
     grids: OrderedDict[int, tuple[SurfelGrid, Pyramid]] = field(default_factory=OrderedDict)
     closed_at: dict[int, int] = field(default_factory=dict)
+    wide_at: dict[int, int] = field(default_factory=dict)
     drift: DriftGraph = field(default_factory=DriftGraph)
     held: list[_Held] = field(default_factory=list)
     optimized_at: int = 0
@@ -181,7 +184,11 @@ class LoopJob:
         """Where ``submap`` shows what the keyframe shows: near ``guess`` before farther, where much looks alike."""
         grid, pyramid = self._grid(submap)
         base = self.settings.loop_window_m
-        for window in (base, window_m) if window_m > 1.5 * base else (window_m,):
+        windows = [min(base, window_m)]
+        if window_m > 1.5 * base and keyframe.id - self.memory.wide_at.get(submap.id, -99) >= _WIDE_EVERY:
+            windows.append(window_m)
+            self.memory.wide_at[submap.id] = keyframe.id
+        for window in windows:
             window_rad = min(_TURN_RAD + _TURN_RAD_PER_M * (window - base), _TURN_MOST_RAD)
             start = sought(pyramid, keyframe.points, guess, window, window_rad, self.settings.loop_score)
             if start is None:

@@ -1,0 +1,53 @@
+"""The pose graph corrected in a process of its own: GTSAM holds the interpreter's lock, and a robot is driving."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.modules.perception.slam.pose_graph import GraphArrays, optimized
+
+#: The driving itself comes first.
+_NICENESS = 5
+
+
+class OptimizerProcess:
+    """``Slam(optimize=OptimizerProcess())``: the same answers as :func:`optimized`. It starts when first needed.
+
+    Called by one thread at a time, which waits meanwhile without the interpreter's lock; :meth:`close` ends it.
+    """
+
+    def __init__(self) -> None:
+        self._pool: ProcessPoolExecutor | None = None
+
+    def __call__(self, graph: GraphArrays) -> NDArray[np.float64]:
+        """The corrected poses (N, 3). A process that was killed is replaced; the second time, BrokenProcessPool."""
+        try:
+            return self._running().submit(optimized, graph).result()
+        except BrokenProcessPool:
+            self.close()
+            return self._running().submit(optimized, graph).result()
+
+    def close(self) -> None:
+        """End the process, if there is one."""
+        if self._pool is not None:
+            self._pool.shutdown(wait=True, cancel_futures=True)
+            self._pool = None
+
+    def _running(self) -> ProcessPoolExecutor:
+        if self._pool is None:
+            # Not forked: threads of this process may hold locks just now.
+            context = multiprocessing.get_context("spawn")
+            self._pool = ProcessPoolExecutor(1, mp_context=context, initializer=_begin)
+        return self._pool
+
+
+def _begin() -> None:
+    import gtsam  # noqa: F401
+
+    os.nice(_NICENESS)

@@ -1,0 +1,102 @@
+"""Mapping the public laser logs: how true, how fast, and from how few scans.
+
+*relation error* is that of Kuemmerle et al. (2009), on relations by checked pairwise scan ICP. φ on the Intel log
+counts from 5 scans a second; scans between those taken get poses from odometry on both sides. The peer is openslam's
+GMapping with ROS's settings (30 particles), built and run on the same logs and relations on another day; on Fr079 it
+doubles the map six times of six. *720 rays* are Fr079's scans with a ray between each two. Needs the reference data
+(HBBA_REFERENCE_DATA).
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.geometry import Pose2
+from app.modules.perception.slam.offline import MappedLog, Sweep, mapped
+from app.modules.perception.slam.relations import RelationErrors, filled_in, relation_errors
+from app.modules.perception.slam.scans import Beams
+from benchmarks.report import Row, benchmark_main, row
+
+DATA = Path(os.environ.get("HBBA_REFERENCE_DATA") or Path(__file__).resolve().parents[2] / "shared" / "data") / "slam"
+NAMES = {"intel": "Intel", "fr079": "Fr079"}
+PEER = "GMapping"
+#: Mean relation error (m) and CPU time (s) of the peer.
+PEERS = {"intel": (0.0183, 69.0), "fr079": (None, 75.0)}
+PHIS = (2, 4, 8, 16, 32)
+RANGE_MAX_M = 80.0
+
+
+def measure(quick: bool) -> list[Row]:
+    """All rows; ``quick`` leaves out the sweep of φ."""
+    if not (DATA / "intel.npz").is_file():
+        print(f"the public laser logs are not there: {DATA} (set HBBA_REFERENCE_DATA)", file=sys.stderr)
+        return []
+    rows: list[Row] = []
+    for name in NAMES:
+        log = mapped(_sweeps(name))
+        peer_m, peer_s = PEERS[name]
+        errors = _errors(name, log)
+        peer = {"peer_name": PEER}
+        rows += [
+            _row(name, "relation error", "m", errors.mean_m, None if peer_m is None else [peer_m], **peer),
+            _row(name, "relation error, rotation", "°", errors.mean_deg),
+            _row(name, "gross errors", "relations", errors.gross),
+            _row(name, "whole log", "s CPU", log.cpu_s, [peer_s], **peer),
+            *_scan_rows(NAMES[name], log),
+        ]
+    rows += _scan_rows("720 rays", mapped(_sweeps("fr079", between=True)))
+    for phi in () if quick else PHIS:
+        log = mapped(_sweeps("intel"), phi=phi)
+        errors = _errors("intel", log)
+        case = f"Intel, φ = {phi}"
+        rows += [
+            row("slam", case, "relation error", "m", [errors.mean_m]),
+            row("slam", case, "gross errors", "relations", [errors.gross]),
+            row("slam", case, "believed (mean σ)", "m", [float(np.hypot(*log.sigmas()[:, :2].T).mean())]),
+        ]
+    return rows
+
+
+def _row(name: str, metric: str, unit: str, ours: float, peer: list[float] | None = None, peer_name: str = "") -> Row:
+    return row("slam", NAMES[name], metric, unit, [ours], peer, peer_name if peer else "")
+
+
+def _scan_rows(case: str, log: MappedLog) -> list[Row]:
+    ms = 1e3 * np.array(log.scan_s)
+    return [
+        row("slam", case, "a scan, mean", "ms CPU", [float(ms.mean())]),
+        row("slam", case, "a scan, p99", "ms CPU", [float(np.percentile(ms, 99))]),
+    ]
+
+
+def _sweeps(name: str, *, between: bool = False) -> Iterator[Sweep]:
+    """The sweeps of a log; ``between``: with a ray between each two, of their mean range where they are alike."""
+    with np.load(DATA / f"{name}.npz") as archive:
+        ranges, poses = archive["ranges"], archive["pose"]
+    count = ranges.shape[1]
+    angles: NDArray[np.float64] = np.linspace(-np.pi / 2, np.pi / 2, count, endpoint=False)
+    if between:
+        after = np.concatenate((ranges[:, 1:], ranges[:, -1:]), axis=1)
+        middle = np.where(np.abs(after - ranges) < 0.2, (ranges + after) / 2, ranges)
+        ranges = np.stack((ranges, middle), axis=2).reshape(len(ranges), 2 * count)
+        angles = np.linspace(-np.pi / 2, np.pi / 2, 2 * count, endpoint=False)
+    beams = Beams(angles, 0.05, RANGE_MAX_M)
+    for number, (scan, pose) in enumerate(zip(ranges, poses, strict=True)):
+        yield Sweep(0.2 * number, scan, beams, Pose2(*(float(v) for v in pose)))
+
+
+def _errors(name: str, log: MappedLog) -> RelationErrors:
+    relations = np.loadtxt(DATA / f"{name}.relations.txt")
+    poses = filled_in(log.numbers(), log.poses(), log.odometry_poses())
+    first, second = relations[:, 0].astype(int), relations[:, 1].astype(int)
+    return relation_errors(poses[first], poses[second], relations[:, 2:5])
+
+
+if __name__ == "__main__":
+    sys.exit(benchmark_main(__doc__, measure))
