@@ -84,6 +84,8 @@ def solve_cpsat(instance: Instance, deadline: float, hint: tuple[int, ...] = ())
     solver.parameters.num_workers = 1
     solver.parameters.linearization_level = 2
     solver.parameters.random_seed = 0
+    # Or the process is left without its handler of Ctrl-C: CP-SAT takes the signal, and gives it back to the system.
+    solver.parameters.catch_sigint_signal = False
     best: tuple[int, ...] | None = None
     bound = instance.criteria[0].high
     for number, (stage, reach, shift) in enumerate(_stages(instance)):

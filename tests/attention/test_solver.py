@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import random
+import re
+import signal
 from itertools import combinations
+from pathlib import Path
 
 import pytest
 from hypothesis import assume, given, settings
@@ -382,3 +385,18 @@ def test_an_untimed_cache_tells_no_times() -> None:
     assert first.solve_time_s == 0.0
     assert solver.recall(p) is first
     assert first.strategies == solve(p).strategies
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").is_file(), reason="the system does not tell which signals are caught")
+def test_ctrl_c_is_still_the_programs_after_a_solution() -> None:
+    """Asked of the system, for Python does not know when C++ code has given a signal back to it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        assert (
+            solve_cpsat(build_instance(problem([desire("FindQRCodes", 8)], TABLE_4_4, CPU)), float("inf")) is not None
+        )
+        caught = re.search(r"^SigCgt:\s*(\w+)", Path("/proc/self/status").read_text(), re.MULTILINE)
+        assert caught is not None
+        assert int(caught[1], 16) & 1 << (signal.SIGINT - 1)
+    finally:
+        signal.signal(signal.SIGINT, before)
