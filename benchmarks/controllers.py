@@ -112,7 +112,7 @@ def ride(driven: Course, name: str, rider: Rider) -> Ride:
     while now < LIMIT_S:
         if track.come_to(motion.pose)[0] < 0.2:
             return Ride(now, nearest, choices)
-        way = track.ahead(Pose2(), max(1.5, 3.0 * limits.linear_mps))
+        way = track.ahead(Pose2(), max(2.5, 3.0 * limits.linear_mps))
         begin = time.thread_time()
         choice = controller.choose(motion, driven.field, way, body, rider.period_s)
         choices.append(time.thread_time() - begin)

@@ -53,7 +53,7 @@ class FollowerSettings:
     checked."""
 
     look_ahead_s: float = 3.0
-    least_ahead_m: float = 1.5
+    least_ahead_m: float = 2.5
     aim: float = 0.6
     spare_m: float = 0.03
     back_mps: float = 0.15

@@ -25,9 +25,10 @@ Limits = tuple[float, float, float, float, float, float]
 class Body:
     """What a controller knows of the body.
 
-    ``outline`` (P, 2) float64, m in ``base_link``: points of its edge, and as many of a line within it. ``radii``: of the largest circle about ``base_link`` within it, and of the smallest around it.
-    ``limits``: least and greatest linear velocity (m/s), greatest angular (rad/s), linear and angular acceleration
-    (m/s^2, rad/s^2), linear braking (m/s^2). ``front_m``: how far its edge reaches ahead.
+    ``outline`` (P, 2) float64, m in ``base_link``: points of its edge, and as many of a line within it. ``radii``: of
+    the largest circle about ``base_link`` within it, and of the smallest around it. ``limits``: least and greatest
+    linear velocity (m/s), greatest angular (rad/s), linear and angular acceleration (m/s^2, rad/s^2), linear braking
+    (m/s^2). ``front_m``: how far its edge reaches ahead.
     """
 
     outline: NDArray[np.float64]

@@ -47,15 +47,15 @@ class MppiSettings:
     rollouts: int = 320
     margin_m: float = 0.04
     temperature: float = 0.05
-    sigma: tuple[float, float] = (0.25, 0.4)
+    sigma: tuple[float, float] = (0.2, 0.3)
     weights: tuple[float, float, float, float, float, float, float, float, float] = (
-        1.0, 0.7, 0.10, 0.45, 1.6, 12.0, 0.2, 0.02, 0.5,
+        1.0, 0.7, 0.10, 0.45, 1.6, 12.0, 0.2, 0.05, 0.5,
     )  # fmt: skip
     looks_ahead_m: tuple[float, ...] = (0.25, 0.5, 0.9)
     shares: tuple[float, ...] = (1.0, 0.6, 0.3, 0.12)
     asides_m: tuple[float, ...] = (0.45, 0.9)
     #: A pursuit replaces what was planned last time only if it is so much (s) better: no wavering.
-    loyalty: float = 0.05
+    loyalty: float = 0.02
 
 
 class Mppi:

@@ -3,11 +3,11 @@
 *field* (H, W) float32: at each cell's middle the distance (m) to the nearest obstacle; *frame*: x and y of its lower
 left corner (m) and 1 / resolution. Places beyond its edge read as the nearest cell inside. Poses and paths are in the
 field's own coordinates. *outline* (P, 2) float64: points of the body's edge, and as many of a line within it (m in
-``base_link``), neighbours at most ``SPACING_M`` apart; *radii*: of the largest circle about ``base_link`` that the body covers, and of the smallest that
-covers the body. *limits*: least and greatest linear velocity (m/s), greatest turn (rad/s), linear and angular
-acceleration (m/s^2, rad/s^2), linear braking (m/s^2). *state*: x, y, theta, linear and angular velocity. *path* (N,
-5) float64, evenly ``spacing`` m apart: x, y, heading, length so far (m), greatest speed there (m/s). Clearances are
-those of the body's edge.
+``base_link``), neighbours at most ``SPACING_M`` apart; *radii*: of the largest circle about ``base_link`` that the
+body covers, and of the smallest that covers the body. *limits*: least and greatest linear velocity (m/s), greatest
+turn (rad/s), linear and angular acceleration (m/s^2, rad/s^2), linear braking (m/s^2). *state*: x, y, theta, linear
+and angular velocity. *path* (N, 5) float64, evenly ``spacing`` m apart: x, y, heading, length so far (m), greatest
+speed there (m/s). Clearances are those of the body's edge.
 """
 
 # mypy: allow-untyped-defs, allow-untyped-calls
@@ -47,8 +47,8 @@ def distance_at(field, frame, x, y):
 def clearance_at(field, frame, outline, radii, x, y, theta):
     """Distance (m) from the body's edge to the nearest obstacle; under zero where one reaches deep into it.
 
-    Exact to about a cell near obstacles (a thin one between two points of the outline reads as half their spacing away);
-    further off than the body is large, a distance that is surely free.
+    Exact to about a cell near obstacles (a thin one between two points of the outline reads as half their spacing
+    away); further off than the body is large, a distance that is surely free.
     """
     middle = distance_at(field, frame, x, y)
     if middle <= radii[0]:
@@ -196,7 +196,7 @@ def cost_of(field, frame, outline, radii, limits, state, path, spacing, controls
     back.
     """
     w_path, w_near, reach, v_near, v_grow, w_fast, w_heading, w_smooth, w_back = weights
-    cost, last = 0.0, len(path) - 1
+    cost, on_the_way, last = 0.0, 0.0, len(path) - 1
     at = nearest_on(path, 0, last, state[0], state[1])
     begin = path[at, 3]
     window = int(limits[1] * time_s / spacing) + 3
@@ -204,7 +204,8 @@ def cost_of(field, frame, outline, radii, limits, state, path, spacing, controls
     margin = min(margin, start_clear)
     before_v, before_w = state[3], state[4]
     for t in range(len(controls)):
-        v, w = controls[t, 0], controls[t, 1]
+        v = min(max(controls[t, 0], limits[0]), limits[1])
+        w = min(max(controls[t, 1], -limits[2]), limits[2])
         state = driven(state, v, w, limits, time_s)
         clear = clearance_at(field, frame, outline, radii, state[0], state[1], state[2])
         if clear < margin:
@@ -224,8 +225,10 @@ def cost_of(field, frame, outline, radii, limits, state, path, spacing, controls
         cost += step * time_s
         cost += w_smooth * (((v - before_v) / limits[1]) ** 2 + ((w - before_w) / limits[2]) ** 2)
         before_v, before_w = v, w
+        on_the_way += path[at, 3] - begin
     off = math.hypot(state[0] - path[at, 0], state[1] - path[at, 1])
-    return cost - (path[at, 3] - begin - off) / limits[1]
+    # Progress at the end, and on the whole: to be early is worth something where the path ends within the horizon.
+    return cost - (0.5 * (path[at, 3] - begin - off) + on_the_way / len(controls)) / limits[1]
 
 
 @kernel(f"void(UniTuple(float64, 6), {_STATE}, float64[:,::1], float64, float64, float64, float64[:,::1], float64)")
@@ -279,8 +282,7 @@ def improve(
     """Better ``controls`` (T, 2) in place by one step of MPPI (Williams et al., 2017); returns what they cost then.
 
     ``noise`` (K, knots, 2) float64, standard normal: drawn linearly between knots, scaled by ``sigma`` (m/s, rad/s).
-    The mean of all, weighted by exp(-cost / ``temperature``), is taken if it costs less than the best of them, which
-    else is.
+    The mean of all, weighted by exp(-cost / ``temperature``), is taken if it costs less than they did.
     """
     steps, knots = len(controls), noise.shape[1]
     count = len(noise)
@@ -295,8 +297,8 @@ def improve(
                 a = place - i
                 v += sigma[0] * (noise[k, i, 0] * (1.0 - a) + noise[k, i + 1, 0] * a)
                 w += sigma[1] * (noise[k, i, 1] * (1.0 - a) + noise[k, i + 1, 1] * a)
-            tried[k, t, 0] = min(max(v, limits[0]), limits[1])
-            tried[k, t, 1] = min(max(w, -limits[2]), limits[2])
+            # Beyond the limits too: noise cut off at them would make the mean slower than the greatest speed.
+            tried[k, t, 0], tried[k, t, 1] = v, w
         costs[k] = cost_of(
             field, frame, outline, radii, limits, state, path, spacing, tried[k], time_s, margin, weights
         )
@@ -309,10 +311,17 @@ def improve(
             total += weight
             mean += weight * tried[k]
     mean /= total
+    for t in range(steps):
+        mean[t, 0] = min(max(mean[t, 0], limits[0]), limits[1])
+        mean[t, 1] = min(max(mean[t, 1], -limits[2]), limits[2])
     cost = cost_of(field, frame, outline, radii, limits, state, path, spacing, mean, time_s, margin, weights)
-    # The mean is smoother than any of them, and that is worth a little.
-    if cost <= costs[best] + 0.02:
+    # One of them alone is as rough as its noise: only where nothing else is free of obstacles.
+    if cost < costs[count] - 1e-3:
         controls[:] = mean
         return cost
-    controls[:] = tried[best]
-    return costs[best]
+    if costs[count] >= COLLISION and costs[best] < COLLISION:
+        for t in range(steps):
+            controls[t, 0] = min(max(tried[best, t, 0], limits[0]), limits[1])
+            controls[t, 1] = min(max(tried[best, t, 1], -limits[2]), limits[2])
+        return costs[best]
+    return costs[count]

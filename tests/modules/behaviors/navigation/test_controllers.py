@@ -80,7 +80,7 @@ def follow(
         remaining, _ = track.come_to(motion.pose)
         if remaining < 0.15:
             return time, least, driven_so_far
-        way = track.ahead(Pose2(), max(1.5, 3.0 * limits.linear_mps))
+        way = track.ahead(Pose2(), max(2.5, 3.0 * limits.linear_mps))
         choice = controller.choose(motion, field, way, body, period_s)
         motion = driven(motion, choice.linear_mps, choice.angular_radps, limits, period_s)
         driven_so_far.append(motion)
