@@ -41,8 +41,9 @@ class Rules:
     """How careful the monitor is.
 
     ``margin_m`` around the footprint; ``contact_s`` is the least time to contact; ``reaction_s`` the time from a ray to
-    wheels that obey; a scan older than ``stale_s`` is none; ``crawl_mps`` and ``crawl_radps`` are what is allowed where
-    nothing is known; so many points as ``evidence`` make a thing: one alone may be noise.
+    wheels that obey; a scan older than ``stale_s``, or as far ahead of its time, is none; ``crawl_mps`` and
+    ``crawl_radps`` are what is allowed where nothing is known; so many points as ``evidence`` make a thing: one alone
+    may be noise.
     """
 
     margin_m: float = 0.05
@@ -66,12 +67,14 @@ class Verdict:
 @dataclass(frozen=True, slots=True, eq=False)
 class Seen:
     """What one scan saw: the near ``points`` (N,), x + iy m in ``base_link`` at ``stamp`` (s), the middle of its sweep;
-    whether the laser looks along the body's x axis ``ahead`` and ``behind``."""
+    whether the laser looks along the body's x axis ``ahead`` and ``behind``; ``dead``: not one ray measured anything,
+    not even that nothing is there."""
 
     stamp: float
     points: Points
     ahead: bool
     behind: bool
+    dead: bool
 
 
 class CollisionMonitor:
@@ -98,9 +101,8 @@ class CollisionMonitor:
             self._angles, self._cosines, self._sines = key, np.cos(angles), np.sin(angles)
         rotation, place = scan.X_BL.rotation, scan.X_BL.translation
         offset = math.hypot(place[0], place[1])
-        near = np.flatnonzero(
-            (scan.ranges >= scan.range_min) & (scan.ranges < min(self.reach_m + offset, scan.range_max))
-        )
+        measured = scan.ranges >= scan.range_min
+        near = np.flatnonzero(measured & (scan.ranges < min(self.reach_m + offset, scan.range_max)))
         ranges = scan.ranges[near].astype(np.float64)
         x, y = ranges * self._cosines[near], ranges * self._sines[near]
         points = np.empty(len(near), np.complex128)
@@ -110,13 +112,16 @@ class CollisionMonitor:
         yaw = math.atan2(rotation[1, 0], rotation[0, 0])
         first, last = min(scan.angle_min, last), max(scan.angle_min, last)
         middle = scan.stamp + scan.duration_s / 2
-        return Seen(middle, points, _looks(first, last, -yaw), _looks(first, last, math.pi - yaw))
+        ahead, behind = _looks(first, last, -yaw), _looks(first, last, math.pi - yaw)
+        return Seen(middle, points, ahead, behind, not measured.any())
 
     def judge(self, seen: Seen, X_SB: Pose2, linear: float, angular: float, *, stands: bool = False) -> Verdict:
         """What may be driven of (``linear``, ``angular``); the base has moved by ``X_SB`` since ``seen`` was seen, and
         ``stands`` now or drives."""
         if linear == 0.0 and angular == 0.0:
             return Verdict(0.0, 0.0)
+        if seen.dead:
+            return Verdict(0.0, 0.0, "stopped: no ray of the laser measures anything: is it covered?")
         turned = complex(math.cos(X_SB.theta), -math.sin(X_SB.theta))
         points = (seen.points - complex(X_SB.x, X_SB.y)) * turned
         scale, where = self._scale(points, linear, angular, stands)
@@ -132,9 +137,15 @@ class CollisionMonitor:
         return Verdict(scale * linear, scale * angular, reason)
 
     def blind(self, age_s: float | None) -> Verdict:
-        """What may be driven while the newest scan is ``age_s`` old, which is too old (None: there is none)."""
-        since = "has given no scan yet" if age_s is None else f"has given no scan for {age_s:.1f} s"
-        return Verdict(0.0, 0.0, f"stopped: the laser {since}")
+        """What may be driven while the newest scan is ``age_s`` old, which is too old or no age (None: there is no
+        scan)."""
+        if age_s is None:
+            why = "the laser has given no scan yet"
+        elif age_s > 0.0:
+            why = f"the laser has given no scan for {age_s:.1f} s"
+        else:
+            why = "the laser's stamps are not of the robot's clock"
+        return Verdict(0.0, 0.0, f"stopped: {why}")
 
     def crawl(self, linear: float, angular: float) -> Verdict:
         """What may be driven on an operator's explicit hold, whatever stands in the way."""

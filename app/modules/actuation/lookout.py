@@ -64,8 +64,8 @@ class Lookout:
         stands = before.linear_mps == 0.0 and before.angular_radps == 0.0
         allowed = self._judge(now, target, stands)
         twist, reason = self._towards(before, target, allowed, longest_s)
-        if twist.linear_mps * allowed.angular != twist.angular_radps * allowed.linear:
-            # While it speeds up, the body drives another arc than the one it is to drive in the end.
+        if not _is_part(twist, allowed):
+            # While it speeds up or brakes, the body drives otherwise than it is to in the end.
             now_allowed = self._judge(now, twist, stands=False)
             if now_allowed.reason:
                 return Twist(now, now_allowed.linear, now_allowed.angular), now_allowed.reason
@@ -86,7 +86,8 @@ class Lookout:
         scan, monitor = self._scan, self._monitor
         if twist.linear_mps == 0.0 and twist.angular_radps == 0.0:
             return Verdict(0.0, 0.0)
-        if scan is None or now - scan.stamp > monitor.rules.stale_s:
+        # As it stands, a stamp that is not a number is no fresh one.
+        if scan is None or not abs(now - scan.stamp) <= monitor.rules.stale_s:
             return monitor.blind(None if scan is None else now - scan.stamp)
         if self._seen is None:
             self._seen = monitor.see(scan)
@@ -103,6 +104,16 @@ class Lookout:
         ahead = odometry.linear_mps * since_s
         step = Pose2(ahead * math.cos(turn / 2), ahead * math.sin(turn / 2), turn)
         return X_OS.inverse() @ odometry.X_OB @ step
+
+
+def _is_part(twist: Twist, allowed: Verdict) -> bool:
+    """Whether ``twist`` is what is allowed, or the same arc driven more slowly."""
+    linear, angular = twist.linear_mps, twist.angular_radps
+    return (
+        linear * allowed.angular == angular * allowed.linear
+        and _no_faster(linear, allowed.linear) == linear
+        and _no_faster(angular, allowed.angular) == angular
+    )
 
 
 def _no_faster(value: float, most: float) -> float:

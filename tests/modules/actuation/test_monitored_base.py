@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from app.geometry import Pose2
@@ -149,6 +151,50 @@ def test_without_a_fresh_scan_nothing_drives() -> None:
             await d.go(0.5, 0.4)
             assert d.sent.linear_mps == pytest.approx(0.1)
             assert d.limited.startswith("override")
+
+    run_virtual(main())
+
+
+@pytest.mark.parametrize("off_s", [5.0, math.nan])
+def test_a_scan_of_no_time_that_could_be_is_none(off_s: float) -> None:
+    async def main() -> None:
+        async with Drive() as d:
+            d.surroundings = lambda stamp: open_floor(stamp + off_s)
+            await d.go(0.5, 0.4)
+            # One is enough: it would be fresh for as long as its clock is ahead.
+            d.surroundings = None
+            await d.go(0.5, 0.4)
+            assert d.sent.linear_mps == 0.0
+            assert d.limited == "stopped: the laser's stamps are not of the robot's clock"
+
+    run_virtual(main())
+
+
+@pytest.mark.parametrize("reading", [0.0, 0.05, math.nan])
+def test_a_laser_that_measures_nothing_is_not_an_open_floor(reading: float) -> None:
+    def covered(stamp: float) -> LaserScan:
+        return replace(open_floor(stamp), ranges=np.full(720, reading, np.float32))
+
+    async def main() -> None:
+        async with Drive() as d:
+            await d.go(1.0, 0.4)
+            d.surroundings = covered
+            await d.go(0.1, 0.4)
+            assert d.sent.linear_mps == 0.0
+            assert d.limited == "stopped: no ray of the laser measures anything: is it covered?"
+
+    run_virtual(main())
+
+
+def test_what_is_driven_while_it_brakes_to_a_slower_command_is_judged_too() -> None:
+    async def main() -> None:
+        async with Drive() as d:
+            await d.go(1.5, 0.4)
+            await d.go(0.05, 0.1)
+            assert d.sent.linear_mps > 0.3, "it still rolls on"
+            d.surroundings = lambda stamp: wall(stamp, 0.5)
+            await d.go(0.05, 0.1)
+            assert d.sent.linear_mps < 0.25
 
     run_virtual(main())
 
