@@ -16,10 +16,17 @@ import os
 import platform
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Any, TypeVar, cast
+
+try:
+    import fcntl
+except ImportError:  # Windows: two may compile at once, which does no harm
+    fcntl = None  # type: ignore[assignment]
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -50,10 +57,7 @@ def kernel_modules() -> list[str]:
 
 def is_ready() -> bool:
     """Whether all kernels stand compiled, as they are now, in the cache of this computer."""
-    try:
-        return _stamp_file().read_text(encoding="utf-8") == _digest(kernel_modules())
-    except OSError:
-        return False
+    return not _missing()
 
 
 def make_ready() -> None:
@@ -66,15 +70,53 @@ def make_ready() -> None:
 
 
 def compile_all(say: Callable[[str], None]) -> None:
-    """Compile every kernel of the program; ``say`` is told each file before its turn."""
-    names = kernel_modules()
-    for number, name in enumerate(names, 1):
-        say(f"compiling {name} ({number} of {len(names)})")
-        importlib.import_module(name)
+    """Compile every kernel that is not compiled yet; ``say`` is told each file before its turn.
+
+    Several processes that want it at once take turns, and find it done.
+    """
+    with _alone():
+        missing = _missing()
+        for number, name in enumerate(missing, 1):
+            say(f"compiling {name} ({number} of {len(missing)})")
+            digest = _digest(name)
+            importlib.import_module(name)
+            _note(name, digest)
+
+
+def _missing() -> list[str]:
+    noted = _noted()
+    return [name for name in kernel_modules() if noted.get(name) != _digest(name)]
+
+
+@contextmanager
+def _alone() -> Iterator[None]:
+    """Hold the lock beside the stamp, where there can be one."""
     stamp = _stamp_file()
     try:
         stamp.parent.mkdir(parents=True, exist_ok=True)
-        stamp.write_text(_digest(names), encoding="utf-8")
+        lock = stamp.with_suffix(".lock").open("w")
+    except OSError:
+        yield
+        return
+    with lock:
+        if fcntl is not None:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def _noted() -> dict[str, str]:
+    """Digests of what is compiled, by module."""
+    try:
+        lines = _stamp_file().read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return {}
+    return dict(line.split(" ", 1) for line in lines if " " in line)
+
+
+def _note(name: str, digest: str) -> None:
+    noted = _noted() | {name: digest}
+    try:
+        _stamp_file().write_text("".join(f"{n} {d}\n" for n, d in noted.items()), encoding="utf-8")
     except OSError:
         return  # nowhere to note it: numba compiles anew, or not, by its own cache
 
@@ -90,16 +132,16 @@ def _has_kernel(file: Path) -> bool:
     )
 
 
-def _digest(names: list[str]) -> str:
-    """Of everything that the compiled code depends on."""
+def _digest(name: str) -> str:
+    """Of everything that the module's compiled code depends on."""
     digest = hashlib.sha256()
     for part in (sys.version, platform.machine(), platform.processor(), _cpu(), metadata.version("numba")):
         digest.update(part.encode())
-    for name in names:
-        digest.update(_APP.parent.joinpath(*name.split(".")).with_suffix(".py").read_bytes())
+    digest.update(_APP.parent.joinpath(*name.split(".")).with_suffix(".py").read_bytes())
     return digest.hexdigest()
 
 
+@cache
 def _cpu() -> str:
     import llvmlite.binding
 
