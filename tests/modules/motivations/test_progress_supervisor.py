@@ -159,21 +159,15 @@ def test_what_comes_no_nearer_is_given_up_and_people_are_asked(caplog: pytest.Lo
         async with life.bench:
             faces = life.workspace.add("LocateFaces", intensity=8, utility=1, source=ADA)
             goal = life.go()
-            await life.pass_time(
-                21, "waiting", goal, reason="it asks for help", limited="stopped: something 0.1 m ahead"
-            )
+            await life.pass_time(21, "waiting", goal, reason="asks for help", limited="stopped: something 0.1 m ahead")
             assert life.workspace.desires() == (faces,)
+            why = "no progress for 20 s (asks for help; stopped: something 0.1 m ahead)"
             assert life.told[-2:] == [
                 "Distress is over, it is given up: desires are as they were before",
-                "Gave up going to (3.00, 4.00): no progress for 20 s (it asks for help; stopped: something 0.1 m ahead). "
-                "Please help, or send it elsewhere",
+                f"Gave up going to (3.00, 4.00): {why}. Please help, or send it elsewhere",
             ]
             event = life.timeline.query(kinds=["goal"])[-1]
-            assert event.data == {
-                "desire": goal.id,
-                "arrived": False,
-                "why": "no progress for 20 s (it asks for help; stopped: something 0.1 m ahead)",
-            }
+            assert event.data == {"desire": goal.id, "arrived": False, "why": why}
 
     with caplog.at_level(logging.WARNING, "hbba"):
         run_virtual(main())
