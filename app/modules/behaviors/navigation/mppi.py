@@ -49,11 +49,11 @@ class MppiSettings:
     temperature: float = 0.05
     sigma: tuple[float, float] = (0.2, 0.3)
     weights: tuple[float, float, float, float, float, float, float, float, float] = (
-        1.0, 0.7, 0.10, 0.45, 1.6, 12.0, 0.2, 0.05, 0.5,
+        0.6, 0.7, 0.10, 0.45, 1.6, 12.0, 0.2, 0.05, 0.5,
     )  # fmt: skip
     looks_ahead_m: tuple[float, ...] = (0.25, 0.5, 0.9)
     shares: tuple[float, ...] = (1.0, 0.6, 0.3, 0.12)
-    asides_m: tuple[float, ...] = (0.45, 0.9)
+    asides_m: tuple[float, ...] = (0.45, 0.75)
     #: A pursuit replaces what was planned last time only if it is so much (s) better: no wavering.
     loyalty: float = 0.02
 
@@ -85,8 +85,8 @@ class Mppi:
             best = moved_on(self._plan, period_s / step_s)
             least = rollouts.cost_of(*scene, *following, best, *costing) - s.loyalty
         tried = np.empty((s.steps, 2))
-        for share, ahead_m, aside_m in proposals(s):
-            points = way.points if aside_m == 0.0 else beside(way.points, aside_m)
+        for share, ahead_m, aside_m, within_m in proposals(s):
+            points = way.points if aside_m == 0.0 else beside(way.points, aside_m, within_m)
             ahead_m = max(ahead_m, 0.4 * share * body.limits[1])
             rollouts.pursue(body.limits, motion.state, points, way.spacing, ahead_m, share, tried, step_s)
             cost = rollouts.cost_of(*scene, *following, tried, *costing)
@@ -109,22 +109,24 @@ class Mppi:
         return Choice(0.0, 0.0, True, clearance)
 
 
-def proposals(settings: MppiSettings) -> list[tuple[float, float, float]]:
-    """Share of the speed, look ahead (m) and offset to the left of the way (m) of each pursuit to be tried."""
-    straight = [(share, ahead_m, 0.0) for share in settings.shares for ahead_m in settings.looks_ahead_m]
+def proposals(settings: MppiSettings) -> list[tuple[float, float, float, float]]:
+    """Of each pursuit to be tried: share of the speed, look ahead (m), offset to the left of the way (m), and the length
+    (m) within which it gets there: round what is ahead, or sideways at once, out of a corner."""
+    straight = [(share, ahead_m, 0.0, 1.0) for share in settings.shares for ahead_m in settings.looks_ahead_m]
     return straight + [
-        (share, settings.looks_ahead_m[-1], side * aside_m)
+        (share, settings.looks_ahead_m[1], side * aside_m, within_m)
         for share in settings.shares[:2]
         for aside_m in settings.asides_m
         for side in (-1.0, 1.0)
+        for within_m in (0.6, 0.1)
     ]
 
 
-def beside(points: NDArray[np.float64], aside_m: float) -> NDArray[np.float64]:
-    """The way ``points`` (N, 5), led over to ``aside_m`` to its left within a metre, and back at its end."""
+def beside(points: NDArray[np.float64], aside_m: float, within_m: float) -> NDArray[np.float64]:
+    """The way ``points`` (N, 5), led over to ``aside_m`` to its left ``within_m``, and back at its end."""
     moved = points.copy()
     length = points[:, 3]
-    offset = aside_m * np.clip(np.minimum(length, length[-1] - length) / 0.6, 0.0, 1.0)
+    offset = aside_m * np.clip(np.minimum(length / within_m, (length[-1] - length) / 0.6), 0.0, 1.0)
     moved[:, 0] -= offset * np.sin(points[:, 2])
     moved[:, 1] += offset * np.cos(points[:, 2])
     return moved

@@ -228,7 +228,7 @@ def cost_of(field, frame, outline, radii, limits, state, path, spacing, controls
         on_the_way += path[at, 3] - begin
     off = math.hypot(state[0] - path[at, 0], state[1] - path[at, 1])
     # Progress at the end, and on the whole: to be early is worth something where the path ends within the horizon.
-    return cost - (0.5 * (path[at, 3] - begin - off) + on_the_way / len(controls)) / limits[1]
+    return cost - (path[at, 3] - begin - off + on_the_way / len(controls)) / limits[1]
 
 
 @kernel(f"void(UniTuple(float64, 6), {_STATE}, float64[:,::1], float64, float64, float64, float64[:,::1], float64)")
