@@ -25,7 +25,7 @@ from app.geometry import Pose2
 from app.maps.library import MapLibrary
 from app.paths import config_dir
 from app.robots.config import load_robot_config
-from tests.browser.running import Robot, running_program
+from tests.browser.running import LOOPS_DEBUG, Robot, running_program
 from tests.browser.witness import true_pose
 
 MAP = "two-rooms"
@@ -33,8 +33,8 @@ MAP = "two-rooms"
 MAPPED_FROM = Pose2(11.0, 4.6, math.radians(90))
 DRIVE = (Waypoint(go=(11.0, 2.75)), Waypoint(go=(13.4, 2.75)))
 #: Where it wakes up, in the corridor, and where in the living room it is sent (world).
-FOUND_AT = Pose2(11.1, 5.6, math.radians(140))
-SENT_TO = Pose2(14.0, 3.2, math.radians(90))
+FOUND_AT = Pose2(11.05, 4.2, math.radians(140))
+SENT_TO = Pose2(13.7, 3.0, math.radians(90))
 #: Enough to map by at this pace, and a third of the work.
 MAPPING_HZ = 10
 HANDS = Source("operator", "script")
@@ -56,7 +56,8 @@ def maps(tmp_path_factory: pytest.TempPathFactory) -> Path:
         await run.system.map.keeper.save(MAP)
 
     # Playwright holds this thread's event loop.
-    with ThreadPoolExecutor(1) as aside:
+    with pytest.MonkeyPatch.context() as patch, ThreadPoolExecutor(1) as aside:
+        patch.delenv(LOOPS_DEBUG, raising=False)
         aside.submit(run_in_world, configuration, body, drive, maps=MapLibrary(folder)).result()
     return folder
 
@@ -128,7 +129,8 @@ def test_a_kept_map_is_loaded_the_robot_finds_itself_and_goes_to_another_room(
     truth = tmp_path / "truth"
     page.get_by_test_id("tab-map").click()
     row = page.locator(f"[data-testid=kept-map][data-name={MAP}]")
-    row.get_by_test_id("map-load").click()
+    # The module that keeps maps compiles what it computes with, where that has not been done on this computer.
+    row.get_by_test_id("map-load").click(timeout=90_000)
     row.get_by_test_id("map-localize").check()
     row.get_by_test_id("map-load-confirm").click()
     where = page.get_by_test_id("map-where")
@@ -151,7 +153,7 @@ def test_a_kept_map_is_loaded_the_robot_finds_itself_and_goes_to_another_room(
     drag_on_map(page, X_MW @ SENT_TO)
     way = page.get_by_test_id("map-way")
     expect(way).to_have_attribute("data-state", "following", timeout=15_000)
-    expect(way).to_have_attribute("data-state", "arrived", timeout=60_000)
+    expect(way).to_have_attribute("data-state", "arrived", timeout=90_000)
     reached = SENT_TO.inverse() @ true_pose(truth)
     assert math.hypot(reached.x, reached.y) < REACHED_M
     assert abs(reached.theta) < FACED_RAD
