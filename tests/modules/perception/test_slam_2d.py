@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from app import compiled
 from app.geometry import Pose2
 from app.maps.control import MapControl, MapUnavailable
 from app.maps.library import GRAPH, MapLibrary
@@ -94,6 +95,12 @@ def live(script: Script, library: MapLibrary, fails: str = "", **settings: Any) 
     assert fails in body.bench.problem
     assert bool(fails) == bool(body.bench.problem)
     return body
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _kernels() -> None:
+    """Virtual time waits for no compiler."""
+    compiled.make_ready()
 
 
 @pytest.fixture

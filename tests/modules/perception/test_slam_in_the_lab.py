@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app import paths
+from app import compiled, paths
 from app.config import Configuration, load_configuration
 from app.experiments.lockstep import WorldRun, run_in_world, with_settings
 from app.experiments.script import Waypoint, drive_script
@@ -36,6 +36,12 @@ def lab() -> Configuration:
     configuration = load_configuration(LAB)
     modules = {name: configuration.program.modules[name] for name in MODULES}
     return replace(configuration, program=configuration.program.model_copy(update={"modules": modules}))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _kernels() -> None:
+    """Virtual time waits for no compiler."""
+    compiled.make_ready()
 
 
 def body(x: float = 11.0, y: float = 4.6, heading_deg: float = 90.0) -> RobotConfig:
