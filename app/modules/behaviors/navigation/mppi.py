@@ -110,8 +110,8 @@ class Mppi:
 
 
 def proposals(settings: MppiSettings) -> list[tuple[float, float, float, float]]:
-    """Of each pursuit to be tried: share of the speed, look ahead (m), offset to the left of the way (m), and the length
-    (m) within which it gets there: round what is ahead, or sideways at once, out of a corner."""
+    """Of each pursuit to be tried: share of the speed, look ahead (m), offset to the left of the way (m), and the
+    length (m) within which it gets there: round what is ahead, or sideways at once, out of a corner."""
     straight = [(share, ahead_m, 0.0, 1.0) for share in settings.shares for ahead_m in settings.looks_ahead_m]
     return straight + [
         (share, settings.looks_ahead_m[1], side * aside_m, within_m)

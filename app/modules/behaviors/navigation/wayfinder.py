@@ -21,6 +21,8 @@ from app.modules.behaviors.navigation.temporary import TemporaryObstacles, remem
 from app.modules.behaviors.navigation.way import SpeedAt
 from app.modules.behaviors.navigation.zones import rasterize
 
+#: A change of way is worth so much at least (metres in the open).
+_WORTH_M = 0.3
 #: What a metre costs where the body may not be.
 _LETHAL = 50.0
 
@@ -92,7 +94,7 @@ class Wayfinder:
         found = plan(live, request.X_MB, request.goal, self._plans)
         if not why and kept is not None and kept.code == "near" and found.code == "way":
             why = "the goal itself can be reached now"
-        worse = _cost_along(live, found.poses) > (1.0 - self._better) * rest_cost
+        worse = _cost_along(live, found.poses) > min((1.0 - self._better) * rest_cost, rest_cost - _WORTH_M)
         if kept is not None and len(kept.poses) and not why and (len(found.poses) == 0 or worse):
             return Answer(kept, False, "", self._share_at(field))
         if kept is not None and found.code == kept.code and len(found.poses) == len(kept.poses) == 0:
