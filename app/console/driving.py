@@ -20,7 +20,8 @@ Notify = Callable[[str, Literal["info", "warning", "error"], str], None]
 
 
 class Driving:
-    """The lease at work. ``notify(session, level, text)`` reaches one page.
+    """The lease at work. ``notify(session, level, text)`` reaches one page; ``stopped()`` is called when the emergency
+    stop is latched, by whomever, so that a robot that is released does not set out again.
 
     ``channel`` takes the driver's commands; None: this program drives nothing, and nobody is given the wheel. Nor is
     anybody where what happens is a ``recording``.
@@ -32,6 +33,7 @@ class Driving:
         link: RobotLink,
         channel: Channel[OperatorDrive] | None,
         notify: Notify,
+        stopped: Callable[[], None],
         *,
         recording: bool = False,
     ) -> None:
@@ -39,6 +41,7 @@ class Driving:
         self._link = link
         self._channel = None if recording else channel
         self._notify = notify
+        self._stopped = stopped
         self.recording = recording
         self._lease = control.Lease()
         self._sequence = 0
@@ -72,6 +75,7 @@ class Driving:
             return
         self._link.e_stop(f"pressed by {who}")
         self.handle(control.EmergencyStop(True))
+        self._stopped()
 
     def clear_e_stop(self, session: str | None = None) -> None:
         """Release the latch; nothing moves before a fresh command."""
@@ -82,6 +86,8 @@ class Driving:
         """Take over what the guard says of its latch."""
         if status.e_stopped != self._lease.e_stopped:
             self.handle(control.EmergencyStop(status.e_stopped))
+            if status.e_stopped and not self.recording:
+                self._stopped()
 
     def close(self) -> None:
         """Stop whoever drives; no timer is left."""

@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 
 from app.attention.desires import Desire
 from app.console import reports
+from app.console.goals import GO_TO
 from app.geometry import Pose2
 from app.messages import Localization, NavigationStatus, PlannedPath, Zone, Zones
 
 if TYPE_CHECKING:
     from app.system import System
 
-#: The desire class that sends the robot somewhere.
-GO_TO = "GoTo"
 #: Where those who go somewhere say what they are about. The path is the first one's.
 STATUSES = ("navigation", "going_toward")
 PATH = "path"

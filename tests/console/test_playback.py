@@ -248,7 +248,8 @@ async def test_a_recording_without_pictures_or_a_robots_name_says_so(tmp_path: P
         app = create_app(play.replay.system, static_dir=static, early_view=False, playback=play.playback)
         async with served(app) as replay_url, page(replay_url) as ann:
             hello = await ann.until("hello")
-    assert hello["channels"] == {"camera": False, "panorama": False}
+    # What comes of scans and odometry alone is made here.
+    assert hello["channels"] == {"camera": False, "panorama": False, "map": True, "costmap": True}
     assert hello["audio"] == {"listen": False, "speak": False}
     assert hello["robot"]["name"] == "memory.mcap (memory)"
 

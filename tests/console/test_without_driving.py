@@ -62,7 +62,7 @@ async def test_who_would_drive_is_told_once_and_gets_no_wheel(system: System) ->
     def notify(session: str, level: Literal["info", "warning", "error"], text: str) -> None:
         told.append(text)
 
-    driving = Driving(system.clock, system.link, None, notify)
+    driving = Driving(system.clock, system.link, None, notify, lambda: None)
     driving.handle(control.Connected("page", "operator"))
     for sequence in range(3):
         driving.handle(control.Drive("page", sequence, True, 1.0, 0.0))

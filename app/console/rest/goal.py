@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
-from app.attention.desires import Desire
 from app.attention.serialize import desire_to_json
+from app.console.goals import GO_TO, asked_here, withdraw
 from app.console.live.hub import Hub
 from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
@@ -16,7 +16,6 @@ from app.console.rest.desires import source_of
 from app.console.rest.map_models import GoalModel, GoalRequest
 from app.console.rest.models import DesireModel
 from app.console.rest.routing import router as api_router
-from app.console.way import GO_TO
 from app.geometry import wrap_angle
 
 if TYPE_CHECKING:
@@ -26,8 +25,6 @@ if TYPE_CHECKING:
 INTENSITY = 8.0
 #: Whatever goes there will do; attention gives the best it can afford.
 UTILITY = 1.0
-#: Goals of these came over the console, and give way to the next.
-_ASKED_HERE = frozenset({"operator", "rest"})
 RECORDING = "This is a recording: there is no robot to send anywhere."
 
 
@@ -35,9 +32,6 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
     """Routes of ``/goal``."""
     router = api_router("maps")
     workspace, way = system.workspace, hub.way
-
-    def asked_here() -> list[Desire]:
-        return [d for d in workspace.desires() if d.cls == GO_TO and d.source.kind in _ASKED_HERE]
 
     @router.get("/goal", response_model=GoalModel, summary="Where the robot is going")
     async def get_goal() -> Response:
@@ -65,7 +59,7 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
             params["speed"] = goal.speed
         source = source_of(request)
         with workspace.transaction():
-            standing = asked_here()
+            standing = asked_here(workspace)
             heard = workspace.strongest().get(GO_TO)
             # Only the newest of equally intense desires is heard: one that would not be gives way to a new one.
             kept = next((d for d in standing if heard is not None and d.id == heard.id and d.source == source), None)
@@ -86,9 +80,7 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
     @router.delete("/goal", status_code=204, summary="Cancel the goal")
     async def delete_goal() -> Response:
         """Withdraws every desire of class GoTo that came over the console. May be repeated."""
-        with workspace.transaction():
-            for desire in asked_here():
-                workspace.remove(desire.id)
+        withdraw(workspace)
         return Response(status_code=204)
 
     return router

@@ -12,6 +12,7 @@ from fastapi import APIRouter, Path
 from fastapi.responses import Response
 from pydantic import ValidationError
 
+from app.console.goals import withdraw
 from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
 from app.console.rest.map_models import (
@@ -72,11 +73,13 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
     )
     async def load_map(name: Name, load: LoadRequest | None = None) -> Response:
         """In place of the one in use, which is lost if it was not saved. Needs no body: the robot then looks for itself
-        on the map, and the map stays as it is."""
+        on the map, and the map stays as it is. A goal that came over the console is withdrawn: it was a place on the
+        other map."""
         load = load or LoadRequest()
         await _existing(name)
         async with _keeper() as keeper:
             await keeper.load(name, None if load.pose is None else _pose(load.pose), load.extend)
+        withdraw(system.workspace)
         return Json(current())
 
     @router.patch(
@@ -123,9 +126,11 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
 
     @router.post("/map/begin", response_model=CurrentMap, summary="Begin an empty map", responses=problems(409))
     async def begin_map() -> Response:
-        """Without a name, the robot at its origin. The one in use is lost if it was not saved. Needs no body."""
+        """Without a name, the robot at its origin. The one in use is lost if it was not saved, and a goal on it
+        withdrawn. Needs no body."""
         async with _keeper() as keeper:
             await keeper.begin()
+        withdraw(system.workspace)
         return Json(current())
 
     @router.put(

@@ -9,9 +9,11 @@ import httpx
 import pytest
 
 from app.attention.desires import Source
+from app.console.live.hub import Hub
 from app.console.rest import map_models, models
 from app.system import System
-from tests.console.places import path, status
+from tests.console.places import Keeper, path, status
+from tests.console.program import Body
 from tests.console.rest.test_routes import is_problem
 
 ANN = {"X-HBBA-Operator": "Ann"}
@@ -103,6 +105,43 @@ async def test_a_goal_that_cannot_be_is_refused_by_name(client: httpx.AsyncClien
         document = is_problem(refused, 422, "invalid-request")
         assert document["errors"][0]["field"] == field
     assert goals(system) == [("rest", 1)]
+
+
+async def test_whoever_stops_the_robot_it_does_not_set_out_again(
+    client: httpx.AsyncClient, system: System, body: Body, hub: Hub
+) -> None:
+    own = Source("motivation", "Patrol")
+    system.workspace.add("GoTo", intensity=1, utility=1, source=own, params={"x": 9, "y": 9})
+
+    async def by_rest() -> None:
+        await client.post("/robot/e-stop")
+
+    async def by_a_page() -> None:
+        hub.driving.e_stop("Ann")
+
+    async def at_the_robot() -> None:
+        body.e_stopped = True
+        body.emit_status(system.clock.now())
+
+    for stop in (by_rest, by_a_page, at_the_robot):
+        await client.put("/goal", json={"x": 1, "y": 1})
+        await stop()
+        assert goals(system) == [("Patrol", 9)], stop.__name__
+        await client.delete("/robot/e-stop")
+        body.emit_status(system.clock.now())
+
+
+async def test_a_goal_on_one_map_is_none_on_another(client: httpx.AsyncClient, system: System) -> None:
+    keeper = Keeper(system.maps)
+    system.map.attach(keeper)
+    await client.put("/maps/lab")
+    for change in ("/maps/lab/load", "/map/begin"):
+        await client.put("/goal", json={"x": 1, "y": 1})
+        assert (await client.post(change)).status_code == 200
+        assert goals(system) == []
+    await client.put("/goal", json={"x": 1, "y": 1})
+    is_problem(await client.post("/maps/nowhere/load"), 404, "no-such-map")
+    assert goals(system) == [("rest", 1)], "the map is the same"
 
 
 async def test_a_program_that_goes_nowhere_says_so(

@@ -1,0 +1,23 @@
+"""The goals that people gave the robot over the console, and what ends them."""
+
+from __future__ import annotations
+
+from app.attention.desires import Desire
+from app.attention.workspace import IntentionWorkspace
+
+#: The desire class that sends the robot somewhere.
+GO_TO = "GoTo"
+#: Goals of these sources came over the console.
+_ASKED_HERE = frozenset({"operator", "rest"})
+
+
+def asked_here(workspace: IntentionWorkspace) -> list[Desire]:
+    """Every goal that came over the console."""
+    return [d for d in workspace.desires() if d.cls == GO_TO and d.source.kind in _ASKED_HERE]
+
+
+def withdraw(workspace: IntentionWorkspace) -> None:
+    """Nobody here wants the robot to go anywhere any more."""
+    with workspace.transaction():
+        for desire in asked_here(workspace):
+            workspace.remove(desire.id)
