@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from app import paths
+from app import compiled, paths
 from app.errors import ConfigError
 from app.experiments.barn.result import WorldResult
 from app.experiments.barn.trial import Drive, Trial, cross, desire_goal
@@ -72,6 +72,8 @@ def run(what: BarnPlan, kept: KeptResults, told: Told, drive: Drive = desire_goa
     results = _done(kept, what.chosen)
     left = [world for world in what.chosen if world.name not in results]
     trials = [Trial(what.config, world, what.worlds.max_mps, what.seed, what.overrides) for world in left]
+    if trials:
+        compiled.make_ready()  # before any child wants it
     for _, result in Trials(functools.partial(cross, drive=drive), trials, what.jobs):
         kept.add(result.document())
         results[result.world] = result

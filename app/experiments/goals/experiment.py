@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app import paths
+from app import compiled, paths
 from app.config import load_configuration
 from app.errors import ConfigError
 from app.experiments.goals.ground import survey
@@ -85,8 +85,10 @@ def run(what: GoalsPlan, kept: KeptResults, told: Told, began: Callable[[str], N
     any mistake of the program's own.
     """
     results = _done(kept, what.count)
+    if len(results) < what.count:
+        compiled.make_ready()  # before any child wants it
     maps = kept.file.parent / "maps"
-    if not (maps / MAP).is_dir() or kept.moved:
+    if len(results) < what.count and (kept.moved or not (maps / MAP).is_dir()):
         began("mapping the lab on a tour")
         maps.mkdir(exist_ok=True)
         make_map(what.config, what.tour, maps)
