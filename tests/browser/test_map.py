@@ -149,6 +149,14 @@ def test_a_kept_map_is_loaded_the_robot_finds_itself_and_goes_to_another_room(
 
     page.get_by_test_id("map-toggle").click()
     page.get_by_test_id("map-fit").click()
+    # A zone to keep out of, aside of the way: dragged as a rectangle from this corner.
+    corner = X_MW @ Pose2(15.5, 4.0, math.radians(45))
+    page.get_by_test_id("map-tool-keep_out").click()
+    drag_on_map(page, corner)
+    page.locator("[data-testid=zone][data-kind=keep_out]").wait_for()
+    (zone,) = robot.get("/map/zones")["zones"]
+    assert min(math.dist(each, (corner.x, corner.y)) for each in zone["polygon"]) < 0.05
+
     page.get_by_test_id("map-tool-goal").click()
     drag_on_map(page, X_MW @ SENT_TO)
     way = page.get_by_test_id("map-way")

@@ -140,7 +140,7 @@ const HINTS: Record<Tool, string> = {
 function Way() {
   const { map, store } = useApp();
   const goal = goalOf(store.desires.value);
-  const told = wayWords(store.navigation.value, goal, store.rows.value);
+  const told = wayWords(store.navigation.value, goal, store.rows.value, store.seconds.value);
   const { tool } = map.hands.value;
   const problem = map.problem.value;
   const canCancel = goal !== null && map.allowed.value;

@@ -107,6 +107,8 @@ describe("the way", () => {
   test("is over on arrival, though the desire is gone", () => {
     expect(wayWords(going({ state: "arrived" }), null, [])!.text).toBe("Arrived at (3.0, 4.0)");
     expect(wayWords(going({ state: "idle", goal: null }), null, [])).toBeNull();
+    expect(wayWords(going({ state: "arrived", stamp: 10 }), null, [], 20)).not.toBeNull();
+    expect(wayWords(going({ state: "arrived", stamp: 10 }), null, [], 60)).toBeNull();
   });
 
   test("to a new goal is not yet that to the old one", () => {

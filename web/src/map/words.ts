@@ -23,6 +23,8 @@ export interface Goal extends GoalPlace {
 const CLASS = "GoTo";
 const ASKED = new Set(["operator", "rest"]);
 const NEAR_M = 0.1;
+/** So long an arrival is news. */
+const ARRIVED_S = 30;
 const START_M = 0.05;
 
 /** The goal that speaks for its class: of the most intense desire, the newest. */
@@ -44,9 +46,15 @@ export function placeWords({ x, y }: { x: number; y: number }): string {
 }
 
 /** What the behavior on its way is about; null: nobody goes anywhere, and nothing is to be told of a way. */
-export function wayWords(navigation: Navigation | null, goal: Goal | null, rows: readonly LaneRow[]): Told | null {
+export function wayWords(
+  navigation: Navigation | null,
+  goal: Goal | null,
+  rows: readonly LaneRow[],
+  now: number | null = null,
+): Told | null {
   const lane = rows.find((row) => row.class === CLASS);
-  const told = navigation && navigation.state !== "idle" ? navigation : null;
+  const past = navigation?.state === "idle" || (navigation?.state === "arrived" && !goal && isOld(navigation, now));
+  const told = past ? null : navigation;
   const to = told?.goal ?? goal;
   if (!to) return null;
   const where = placeWords(to);
@@ -68,7 +76,7 @@ export function wayWords(navigation: Navigation | null, goal: Goal | null, rows:
     case "planning":
       return { tone: "busy", text: `Looks for a way to ${where}…`, more: "" };
     case "following":
-      return { tone: "good", text: `Going to ${where}${leftWords(told.remaining_m)}`, more: nearest };
+      return { tone: "good", text: `Going to ${where}${leftWords(told.remaining_m)}`, more: reason || nearest };
     case "recovering":
       return { tone: "warn", text: `Stuck on the way to ${where}${attempts(told.recoveries)}`, more: reason };
     case "waiting":
@@ -147,6 +155,10 @@ export function emptyWords(
 /** "4 cm", "1.2 m". */
 export function lengthWords(metres: number): string {
   return metres < 0.995 ? `${number(metres * 100, 0)} cm` : `${number(metres, 1)} m`;
+}
+
+function isOld(navigation: Navigation, now: number | null): boolean {
+  return now !== null && now - navigation.stamp > ARRIVED_S;
 }
 
 function leftWords(metres: number | null): string {
