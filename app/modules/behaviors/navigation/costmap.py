@@ -20,6 +20,8 @@ _NEVER = -(2**30)
 #: How far the robot goes before the grid rolls on, and how much larger than itself it is not seen.
 _ROLL_M = 0.25
 _ITSELF_M = 0.02
+#: Times are kept in ms of 32 bits, above ``_NEVER``: they are counted anew after this long (s).
+_COUNTED_S = 1e6
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,9 +218,15 @@ class LocalCostmap:
         return np.array([column * resolution, row * resolution, resolution])
 
     def _ms(self, stamp: float) -> int:
-        """Counted from the first message on."""
+        """Counted from a message not too long ago."""
         if self._epoch is None:
             self._epoch = stamp
+        if stamp - self._epoch > _COUNTED_S:
+            passed = round(1000.0 * (stamp - self._epoch))
+            self._epoch = stamp
+            for grid in (self._laser_first, self._laser_last, self._seen, self._depth_first, self._depth_last):
+                known = grid != _NEVER
+                grid[known] = np.maximum(grid[known] - np.int64(passed), _NEVER + 1)
         return round(1000.0 * (stamp - self._epoch))
 
 

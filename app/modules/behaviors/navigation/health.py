@@ -59,12 +59,16 @@ def unfit(
     """
     if scan_stamp is None:
         return "no laser scan has come yet"
+    if not now - scan_stamp >= -limit_s:
+        return "the laser's stamps are not of the robot's clock"
     if now - scan_stamp > limit_s:
         return f"the newest laser scan is {now - scan_stamp:.1f} s old, {limit_s:g} s is the limit"
     if depth is None:
         return ""
     if depth.good is None:
         return depth.problem or "no depth picture has come yet"
+    if not now - depth.good >= -limit_s:
+        return "the depth camera's stamps are not of the robot's clock"
     if now - depth.good > limit_s:
         age = f"the newest good depth picture is {now - depth.good:.1f} s old, {limit_s:g} s is the limit"
         return f"{depth.problem}: {age}" if depth.problem else age
@@ -78,7 +82,9 @@ def _stands_before_a_wall(image: Image, scan: LaserScan) -> bool:
     half = math.atan(0.5 * image.camera.width / image.camera.fx)
     ahead = image.X_BC.rotation[:, 2]
     angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
-    ranges = np.where(np.isfinite(scan.ranges), scan.ranges, np.float32(1e3))
+    # A ray that measured nothing shows no wall.
+    measured = np.isfinite(scan.ranges) & (scan.ranges >= scan.range_min)
+    ranges = np.where(measured, scan.ranges, np.float32(1e3))
     at = np.stack((ranges * np.cos(angles), ranges * np.sin(angles), np.zeros_like(ranges)), axis=-1)
     rays = scan.X_BL.transform(at.astype(np.float64)) - image.X_BC.translation
     off = np.arctan2(rays[:, 1], rays[:, 0]) - math.atan2(ahead[1], ahead[0])

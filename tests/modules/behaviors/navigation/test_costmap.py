@@ -269,6 +269,18 @@ def test_it_does_not_matter_where_odom_begins() -> None:
     )
 
 
+@pytest.mark.parametrize("after_s", [1e6, 2**31 / 1000, 2**32 / 1000, 1e8])
+def test_after_weeks_it_sees_and_forgets_as_on_the_first_day(after_s: float) -> None:
+    with_person, without = World((WALL, PERSON)), World((WALL,))
+    for begin in (after_s - 0.2, after_s):
+        here = costmap()
+        here.add_scan(without.scan(0.0, HERE), HERE)
+        here.add_scan(with_person.scan(begin, HERE), HERE)
+        assert near(here.around(HERE, begin), 1.0, 0.0) > 5
+        here.add_scan(without.scan(begin + 0.5, HERE), HERE)
+        assert near(here.around(HERE, begin + 0.5), 1.0, 0.0) == 0, "looked through"
+
+
 def test_measurements_that_are_none_say_nothing() -> None:
     scan = World((WALL,)).scan(0.0, HERE)
     for value in (math.nan, 0.0, 0.05):

@@ -42,6 +42,14 @@ def test_old_and_missing_sensors_may_not() -> None:
     assert unfit(10.8, 10.8, watch) == "the newest good depth picture is 0.8 s old, 0.3 s is the limit"
 
 
+@pytest.mark.parametrize("off_s", [5.0, math.nan])
+def test_sensors_of_another_clock_may_not(off_s: float) -> None:
+    watch = watch_depth(DepthWatch(), picture(10.0, alive(0)))
+    ahead = watch_depth(DepthWatch(), picture(10.0 + off_s, alive(0)))
+    assert unfit(10.0, 10.0 + off_s, watch) == "the laser's stamps are not of the robot's clock"
+    assert unfit(10.0, 10.0, ahead) == "the depth camera's stamps are not of the robot's clock"
+
+
 @pytest.mark.parametrize(
     ("depth", "said"),
     [
@@ -74,3 +82,9 @@ def test_before_a_wall_the_camera_may_be_blind_but_not_in_the_open() -> None:
     assert watch_depth(DepthWatch(), zeros, scan(0.3)).problem == ""
     assert watch_depth(DepthWatch(), zeros, scan(2.0)).problem == "depth pictures are all zero"
     assert watch_depth(DepthWatch(), zeros, scan(math.inf)).problem == "depth pictures are all zero"
+
+
+@pytest.mark.parametrize("range_m", [0.0, 0.05, math.nan])
+def test_a_dead_laser_excuses_no_dead_camera(range_m: float) -> None:
+    zeros = picture(11.0, np.zeros((480, 640), np.uint16))
+    assert watch_depth(DepthWatch(), zeros, scan(range_m)).problem == "depth pictures are all zero"
