@@ -47,7 +47,7 @@ from app.messages import (
 )
 from app.modules.behaviors.navigation.costmap import CostmapSettings
 from app.modules.behaviors.navigation.desired import goal_of
-from app.modules.behaviors.navigation.follower import Goal
+from app.modules.behaviors.navigation.follower import FollowerSettings, Goal
 from app.modules.behaviors.navigation.goals import Plan
 from app.modules.behaviors.navigation.inflation import CostSettings
 from app.modules.behaviors.navigation.pilot import CONTROLLERS, Pilot, PilotSettings, Senses, Told
@@ -85,6 +85,10 @@ class PlanAndFollowPathSettings(Settings):
     reach_m: float = Field(0.75, gt=0, le=3, description="further off than that an obstacle costs nothing")
     stuck_s: float = Field(2.0, gt=0, description="standing that long on the way calls for a recovery")
     wait_s: float = Field(2.0, ge=0, description="the first recovery: waiting for the way to clear")
+    ask_s: float = Field(15.0, gt=0, description="people have so long to help, before it tries again")
+    corner_share: float = Field(
+        0.6, gt=0, le=1, description="of its speed, beside what it cannot see, as behind corners; 1: it does not care"
+    )
     rounds: int = Field(2, ge=1, description="of all recoveries, before people are asked")
 
 
@@ -145,7 +149,8 @@ class PlanAndFollowPath(Module):
             costmap=CostmapSettings(
                 size_m=s.costmap_m, memory_m=max(8.0, 1.5 * s.costmap_m), resolution_m=s.costmap_resolution_m
             ),
-            recovery=RecoverySettings(stuck_s=s.stuck_s, wait_s=s.wait_s, rounds=s.rounds),
+            follower=FollowerSettings(corner_share=s.corner_share),
+            recovery=RecoverySettings(stuck_s=s.stuck_s, wait_s=s.wait_s, rounds=s.rounds, ask_s=s.ask_s),
             fresh_s=s.fresh_s,
         )
         try:

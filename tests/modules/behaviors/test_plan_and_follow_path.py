@@ -275,7 +275,7 @@ async def test_its_last_word_is_a_stop() -> None:
 async def test_boxed_in_it_tries_what_it_can_then_asks_for_help_and_goes_on_when_freed() -> None:
     cell = box(0.55, 0.55, 1.5, 1.5)
     world = DrivenWorld([*HOUSE, *cell], Pose2(1.0, 1.0, 0.0))
-    async with Drive(world, settings={"stuck_s": 0.5, "wait_s": 0.5, "rounds": 1}, x=3.0, y=3.5) as drive:
+    async with Drive(world, settings={"stuck_s": 0.5, "wait_s": 0.2, "rounds": 1, "ask_s": 2.0}, x=3.0, y=3.5) as drive:
         async with Living(world, drive.bench):
             asked = await until(drive.bench, lambda: "clear its way" in drive.status.reason, 60)
         assert asked

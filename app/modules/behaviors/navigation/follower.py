@@ -16,6 +16,7 @@ import math
 from dataclasses import dataclass
 
 from app.geometry import Pose2, wrap_angle
+from app.modules.behaviors.navigation.corners import careful
 from app.modules.behaviors.navigation.goals import Plan
 from app.modules.behaviors.navigation.motion import Body, Controller, Field, Motion
 from app.modules.behaviors.navigation.recovery import Measure, Recovery, RecoverySettings
@@ -50,12 +51,15 @@ class Goal:
 class FollowerSettings:
     """``look_ahead_s`` of driving at full speed is the way given to the controller. ``aim`` is the share of a tolerance
     that is driven to before the body stops. ``spare_m`` is kept between body and obstacles when a turn or a measure is
-    checked."""
+    checked. Beside what it cannot see, as behind a corner, it drives at ``corner_share`` of its speed (1: it does not
+    care), and at all of it from ``corner_m`` on."""
 
     look_ahead_s: float = 3.0
     least_ahead_m: float = 2.5
     aim: float = 0.6
     spare_m: float = 0.03
+    corner_share: float = 1.0
+    corner_m: float = 1.0
     back_mps: float = 0.15
     turn_radps: float = 0.8
 
@@ -202,6 +206,8 @@ class Follower:
         body = self._driven_body()
         ahead = max(self.settings.least_ahead_m, self.settings.look_ahead_s * body.limits[1])
         way = self._track.ahead(self._X_OM, ahead)
+        if field.hidden is not None:
+            way = careful(way, field, field.hidden, body.limits[1], self.settings.corner_share, self.settings.corner_m)
         choice = self._controller.choose(motion, field, way, body, period_s)
         still = choice.blocked or (abs(choice.linear_mps) < 0.02 and abs(choice.angular_radps) < 0.05)
         if self._held(now, still=still):

@@ -110,11 +110,13 @@ class Motion:
 @dataclass(frozen=True, slots=True, eq=False)
 class Field:
     """Distances (H, W) float32 (m) to the nearest obstacle at cells' middles, as ``rollouts`` reads them; ``origin``
-    (m) is the lower left corner of cell [0, 0]."""
+    (m) is the lower left corner of cell [0, 0]. ``hidden`` (H, W) float32: distances (m) to where somebody may come
+    from unseen (``corners``), if that is to count."""
 
     distances: NDArray[np.float32]
     origin: tuple[float, float]
     resolution_m: float
+    hidden: NDArray[np.float32] | None = None
 
     @property
     def frame(self) -> tuple[float, float, float]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from app.geometry import Pose2
 from app.link import RobotDescription
 from app.messages import Image, LaserScan
+from app.modules.behaviors.navigation.corners import hidden_distance
 from app.modules.behaviors.navigation.costmap import CostmapSettings, LocalCostmap, Surroundings
 from app.modules.behaviors.navigation.dynamic_window import PUBLISHED, DynamicWindow
 from app.modules.behaviors.navigation.follower import Follower, FollowerSettings, Goal, Step
@@ -121,7 +122,9 @@ class Pilot:
             follower.take(senses.plan, senses.now, senses.speed_at)
         problem = senses.problem or unfit(senses.now, self._scan_stamp, self._depth, self._settings.fresh_s)
         around = self._costmap.around(senses.motion.pose, senses.now)
-        seen = Field(around.distance, around.origin, around.resolution_m)
+        careful = self._settings.follower.corner_share < 1.0 and senses.goal is not None
+        hidden = hidden_distance(around.cells, around.resolution_m) if careful else None
+        seen = Field(around.distance, around.origin, around.resolution_m, hidden)
         X_MO = senses.X_MO or Pose2()
         step = follower.step(senses.now, senses.motion, X_MO, seen, period_s, unfit=problem)
         if step.clear:

@@ -35,7 +35,9 @@ def test_distances_are_read_between_cells_and_held_beyond_the_edge() -> None:
 
 
 @given(st.floats(-0.4, 0.4), st.floats(-1, 1), st.floats(-0.4, 0.4), st.floats(-1, 1), st.floats(0.01, 1))
-def test_a_driven_body_obeys_its_accelerations(v: float, w: float, linear: float, angular: float, time_s: float) -> None:
+def test_a_driven_body_obeys_its_accelerations(
+    v: float, w: float, linear: float, angular: float, time_s: float
+) -> None:
     limits = (-0.4, 0.4, 1.0, 0.4, 4.0, 0.4)
     x, y, theta, v1, w1 = driven((0.0, 0.0, 0.0, v, w), linear, angular, limits, time_s)
     assert abs(v1 - v) <= 0.4 * time_s + 1e-9
