@@ -110,7 +110,7 @@ function ToolButton(props: {
   disabled: boolean;
   children: ComponentChildren;
 }) {
-  const { map } = useApp();
+  const { map, store } = useApp();
   const on = map.hands.value.tool === props.tool;
   return (
     <button
@@ -120,7 +120,11 @@ function ToolButton(props: {
       aria-pressed={on}
       title={props.hint}
       disabled={props.disabled}
-      onClick={() => map.choose(props.tool)}
+      onClick={() => {
+        // Beside everything else a phone's map is too small to point at.
+        if (narrow.value && !on) store.showMap("view");
+        map.choose(props.tool);
+      }}
     >
       {props.children}
       <span>{props.label}</span>

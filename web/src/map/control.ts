@@ -95,10 +95,6 @@ export class MapControl {
       const middle = this.follow.value && robot ? robot : view;
       this.view.value = { ...view, x: middle.x, y: middle.y, up };
     });
-    this.session.onStop = () => {
-      // It must not set out again by itself when the stop is released.
-      if (this.allowed.peek() && goalOf(this.store.desires.peek())) void this.cancelGoal();
-    };
     // Before the hands on the wheel hear of it: what is begun on the map is given up first, while the robot stands.
     this.listenIn(window);
   }
@@ -250,7 +246,7 @@ export class MapControl {
       await request();
       return true;
     } catch (error) {
-      this.problem.value = inWords(error);
+      this.problem.value = inWords(error).replace(FIELD, "");
       if (!this.shown.peek()) this.store.notify("error", this.problem.peek());
       return false;
     } finally {
@@ -304,3 +300,5 @@ export function handleAt(
 }
 
 const HANDLE_PX = 12;
+/** Which of the zones is wrong tells people nothing: it is the one that they have just drawn. */
+const FIELD = /^zones\.\d+\.\w+: /i;

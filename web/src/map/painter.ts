@@ -38,7 +38,7 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
       path: going?.path ?? [],
       goal: goalOf(store.desires.peek()) ?? going?.goal ?? null,
       target: going?.target ?? null,
-      zones: map.zones.peek(),
+      zones: grid.map.picture.peek()?.known ? map.zones.peek() : [],
       selected: map.selected.peek(),
       tool: hands.tool,
       act: hands.act,

@@ -34,8 +34,6 @@ export class Session {
   onGrid: (info: GridInfo) => void = () => undefined;
   /** Called at every chance the page gets: each frame, each message. Timers starve first when it is busy drawing. */
   onChance: () => void = () => undefined;
-  /** Called with every emergency stop of this page. */
-  onStop: () => void = () => undefined;
   /** Called when the robot has greeted a new connection. */
   readonly onHello = new Set<() => void>();
   /** Called when a recording has gone to another place. */
@@ -94,7 +92,6 @@ export class Session {
 
   /** Sends the emergency stop; while nobody hears it, it is owed and sent first thing on the next connection. */
   eStop(): void {
-    this.onStop();
     if (this.send({ type: "e_stop" })) return;
     this.stopOwed = true;
     this.store.notify(
