@@ -89,9 +89,8 @@ def run(what: GoalsPlan, kept: KeptResults, told: Told, began: Callable[[str], N
         compiled.make_ready()  # before any child wants it
     maps = kept.file.parent / "maps"
     if len(results) < what.count and (kept.moved or not (maps / MAP).is_dir()):
-        began("mapping the lab on a tour")
         maps.mkdir(exist_ok=True)
-        make_map(what.config, what.tour, maps)
+        make_map(what.config, what.tour, maps, began)
     shifts = [shift for shift in _shifts(what, maps) if any(number not in results for number, _ in shift.goals)]
     began("going to goals")
     for _, some in Trials(work, shifts, what.jobs):

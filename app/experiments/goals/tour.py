@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from app.attention.desires import Source
@@ -16,23 +17,32 @@ SETTLE_S = 3.0
 _EXPERIMENT = Source("operator", "the experiment")
 
 
-def make_map(config: Path, scenario: Path, maps: Path) -> Pose2:
+def make_map(config: Path, scenario: Path, maps: Path, began: Callable[[str], None] = lambda _: None) -> Pose2:
     """Drive the tour of ``scenario`` and keep the map in the folder ``maps``; returns its origin in the world.
+
+    ``began`` is told each leg.
 
     Raises ConfigError, ScriptBlocked, MapUnavailable.
     """
     script = load_script(scenario)
     body = simulated_body(config, scenario)
     return run_in_world(
-        load_configuration(config), body, lambda run: _live(run, script), without=UNCONCERNED, maps=MapLibrary(maps)
+        load_configuration(config),
+        body,
+        lambda run: _live(run, script, began),
+        without=UNCONCERNED,
+        maps=MapLibrary(maps),
     )
 
 
-async def _live(run: WorldRun, script: tuple[Waypoint, ...]) -> Pose2:
+async def _live(run: WorldRun, script: tuple[Waypoint, ...], began: Callable[[str], None]) -> Pose2:
     origin = run.link.true_pose()
-    run.system.workspace.add("SLAM", intensity=8, utility=1, source=_EXPERIMENT)
+    for cls in ("SLAM", "Teleoperation"):
+        run.system.workspace.add(cls, intensity=8, utility=1, source=_EXPERIMENT)
     await run.system.clock.sleep(SETTLE_S)
-    await drive_script(run.system, script)
+    await drive_script(
+        run.system, script, lambda number, _: began(f"mapping on a tour, leg {number + 1} of {len(script)}")
+    )
     await run.system.clock.sleep(SETTLE_S)  # loops are closed and the map is drawn
     await run.system.map.keeper.save(MAP)
     return origin
