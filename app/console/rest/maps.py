@@ -45,6 +45,8 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
     """Routes of ``/maps`` and ``/map``."""
     router = api_router("maps")
     library = system.maps
+    #: Which map is in use must not change between looking and doing.
+    one = asyncio.Lock()
 
     @router.get("/maps", response_model=MapList, summary="Every map that is kept", responses=problems(409))
     async def list_maps() -> Response:
@@ -61,7 +63,7 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
     async def save_map(name: Name) -> Response:
         """Under this name, which it has from then on; an older map of this name is replaced. Needs no body."""
         await _existing(name, none_is_fine=True)
-        async with _keeper() as keeper:
+        async with one, _keeper() as keeper:
             await keeper.save(name)
         return Json(_map_json(await _on_disk(library.facts, name), name))
 
@@ -77,7 +79,7 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
         other map."""
         load = load or LoadRequest()
         await _existing(name)
-        async with _keeper() as keeper:
+        async with one, _keeper() as keeper:
             await keeper.load(name, None if load.pose is None else _pose(load.pose), load.extend)
         withdraw(system.workspace)
         return Json(current())
@@ -87,27 +89,31 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
     )
     async def rename_map(name: Name, change: RenameRequest) -> Response:
         """A name that another map has is refused. The map in use is saved under its new name as it is now."""
-        await _existing(name)
         to = change.name
-        if to != name and await _existing(to, field="name", none_is_fine=True):
-            raise _taken(f"there is a map called {to} already; delete it first, or choose another name")
-        if to != name and current()["name"] == name:
-            async with _keeper() as keeper:
-                await keeper.save(to)
-            await _on_disk(library.delete, name)
-        else:
-            await _on_disk(library.rename, name, to)
+        async with one:
+            await _existing(name)
+            if to != name and await _existing(to, field="name", none_is_fine=True):
+                raise _taken(f"there is a map called {to} already; delete it first, or choose another name")
+            if to != name and current()["name"] == name:
+                async with _keeper() as keeper:
+                    await keeper.save(to)
+                await _on_disk(library.delete, name)
+            else:
+                await _on_disk(library.rename, name, to)
         return Json(_map_json(await _on_disk(library.facts, to), current()["name"]))
 
     @router.delete("/maps/{name}", status_code=204, summary="Delete a map", responses=problems(404, 409, 422))
     async def delete_map(name: Name) -> Response:
         """For good, with its zones. The map in use is refused."""
-        await _existing(name)
-        if current()["name"] == name:
-            raise Problem(
-                409, "map-in-use", f"{name} is the map in use: load another or begin an empty one before deleting it."
-            )
-        await _on_disk(library.delete, name)
+        async with one:
+            await _existing(name)
+            if current()["name"] == name:
+                raise Problem(
+                    409,
+                    "map-in-use",
+                    f"{name} is the map in use: load another or begin an empty one before deleting it.",
+                )
+            await _on_disk(library.delete, name)
         return Response(status_code=204)
 
     @router.get(
@@ -128,7 +134,7 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
     async def begin_map() -> Response:
         """Without a name, the robot at its origin. The one in use is lost if it was not saved, and a goal on it
         withdrawn. Needs no body."""
-        async with _keeper() as keeper:
+        async with one, _keeper() as keeper:
             await keeper.begin()
         withdraw(system.workspace)
         return Json(current())

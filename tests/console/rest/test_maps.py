@@ -12,6 +12,7 @@ import pytest
 
 from app.console.rest import map_models
 from app.geometry import Pose2
+from app.maps.library import MapLibrary
 from app.system import System
 from tests.console.places import Keeper, localization, zone, zones
 from tests.console.rest.test_routes import is_problem
@@ -63,6 +64,51 @@ async def test_a_map_lives_its_life(client: httpx.AsyncClient, system: System, k
 async def test_saving_twice_is_as_saving_once(client: httpx.AsyncClient, keeper: Keeper) -> None:
     first, second = await client.put("/maps/lab"), await client.put("/maps/lab")
     assert first.json() | {"saved": 0} == second.json() | {"saved": 0}
+
+
+class BusyKeeper(Keeper):
+    """One thing at a time, in the order asked; loading takes until ``loaded``."""
+
+    def __init__(self, library: MapLibrary) -> None:
+        super().__init__(library)
+        self.loads, self.loaded = asyncio.Event(), asyncio.Event()
+        self._one = asyncio.Lock()
+
+    async def save(self, name: str) -> None:
+        async with self._one:
+            await super().save(name)
+
+    async def load(self, name: str, X_MB: Pose2 | None = None, extend: bool = False) -> None:
+        async with self._one:
+            self.loads.set()
+            await self.loaded.wait()
+            await super().load(name, X_MB, extend)
+
+
+@pytest.mark.parametrize("what", ["rename", "delete"])
+async def test_what_comes_while_another_map_is_being_loaded_is_of_the_map_in_use_then(
+    what: str, client: httpx.AsyncClient, system: System
+) -> None:
+    keeper = BusyKeeper(system.maps)
+    system.map.attach(keeper)
+    for name in ("other", "lab"):
+        await client.put(f"/maps/{name}")
+    load = asyncio.create_task(client.post("/maps/other/load"))
+    await keeper.loads.wait()
+    change = asyncio.create_task(
+        client.patch("/maps/lab", json={"name": "office"}) if what == "rename" else client.delete("/maps/other")
+    )
+    # As long as looking for names on the disk takes, it is let go on.
+    for _ in range(3):
+        await client.get("/maps/other/picture")
+    keeper.loaded.set()
+    await load
+    if what == "rename":
+        assert (await change).json()["name"] == "office"
+        assert (await client.get("/map")).json()["name"] == "other"
+        assert ("save", "office") not in keeper.asked, "the other map would be kept under that name"
+    else:
+        is_problem(await change, 409, "map-in-use")
 
 
 async def test_a_map_is_shown_as_people_draw_maps(client: httpx.AsyncClient, keeper: Keeper) -> None:
