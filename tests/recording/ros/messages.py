@@ -29,6 +29,10 @@ from app.messages import (
 STAMPS = st.floats(2**23, 2**31 - 1)
 _FLOATS = st.floats(width=64)
 _LENGTHS = st.floats(-1e3, 1e3)
+_GREATEST_FLOAT32 = float(np.finfo(np.float32).max)
+#: Bounded, or most draws would be too great for 32 bits and thrown away; what no bounds hold is added.
+_POSITIVE_FLOATS32 = st.floats(0, _GREATEST_FLOAT32, width=32) | st.just(np.inf)
+_FLOATS32 = st.floats(-_GREATEST_FLOAT32, _GREATEST_FLOAT32, width=32) | st.sampled_from([np.inf, -np.inf, np.nan])
 
 
 def message_classes() -> list[type[Any]]:
@@ -107,8 +111,8 @@ def _images(draw: st.DrawFn, lenses: tuple[type[Any], ...] = (CameraModel, Fishe
 @st.composite
 def _scans(draw: st.DrawFn) -> LaserScan:
     count = draw(st.integers(0, 30))
-    ranges = draw(arrays.arrays(np.float32, count, elements=st.floats(0, width=32)))
-    intensities = draw(arrays.arrays(np.float32, count))
+    ranges = draw(arrays.arrays(np.float32, count, elements=_POSITIVE_FLOATS32))
+    intensities = draw(arrays.arrays(np.float32, count, elements=_FLOATS32))
     angles = draw(st.tuples(st.floats(-3, 3), st.floats(1e-3, 0.1), st.floats(0, 1), st.floats(2, 100)))
     return LaserScan(draw(STAMPS), draw(_FRAMES), ranges, intensities, *angles, draw(st.floats(0, 1)), draw(_POSES))
 
@@ -122,8 +126,8 @@ def _joint_states(draw: st.DrawFn) -> JointState:
 @st.composite
 def _clouds(draw: st.DrawFn) -> PointCloud:
     count = draw(st.integers(0, 20))
-    points, colors = arrays.arrays(np.float32, (count, 3)), arrays.arrays(np.uint8, (count, 3))
-    return PointCloud(draw(STAMPS), draw(points), draw(colors), draw(instances(Pose2)))
+    points = draw(arrays.arrays(np.float32, (count, 3), elements=_FLOATS32))
+    return PointCloud(draw(STAMPS), points, draw(arrays.arrays(np.uint8, (count, 3))), draw(instances(Pose2)))
 
 
 @st.composite
