@@ -1,4 +1,4 @@
-"""The goals that people gave the robot over the console, and what ends them."""
+"""Where the robot is wanted to go: what people asked for over the console, and what ends it."""
 
 from __future__ import annotations
 
@@ -21,3 +21,11 @@ def withdraw(workspace: IntentionWorkspace) -> None:
     with workspace.transaction():
         for desire in asked_here(workspace):
             workspace.remove(desire.id)
+
+
+def withdraw_all(workspace: IntentionWorkspace) -> None:
+    """Nobody wants it to, motivations and programs neither; who inhibits going anywhere still does."""
+    with workspace.transaction():
+        for desire in workspace.desires():
+            if desire.cls == GO_TO and desire.utility > 0:
+                workspace.remove(desire.id)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from app.attention.serialize import desire_class_to_json, desire_to_json, event_to_json, intention_to_json
 from app.console import control, reports
 from app.console.driving import Driving
-from app.console.goals import withdraw
+from app.console.goals import withdraw_all
 from app.console.live.feeds import GRIDS, PICTURES, SOUND_CHANNEL, Feeds, comes
 from app.console.live.protocol import CAMERA, COSTMAP, MAP, PANORAMA, PROTOCOL
 from app.console.live.sampler import Sampler
@@ -67,7 +67,7 @@ class Hub:
             system.link,
             system.graph.channels.get("operator_drive"),
             self.notify,
-            partial(withdraw, system.workspace),
+            partial(withdraw_all, system.workspace),
             recording=playback is not None,
         )
         self.speech = Speech(

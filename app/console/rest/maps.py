@@ -12,7 +12,7 @@ from fastapi import APIRouter, Path
 from fastapi.responses import Response
 from pydantic import ValidationError
 
-from app.console.goals import withdraw
+from app.console.goals import withdraw_all
 from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
 from app.console.rest.map_models import (
@@ -75,13 +75,12 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
     )
     async def load_map(name: Name, load: LoadRequest | None = None) -> Response:
         """In place of the one in use, which is lost if it was not saved. Needs no body: the robot then looks for itself
-        on the map, and the map stays as it is. A goal that came over the console is withdrawn: it was a place on the
-        other map."""
+        on the map, and the map stays as it is. Every goal is withdrawn: it was a place on the other map."""
         load = load or LoadRequest()
         await _existing(name)
         async with one, _keeper() as keeper:
             await keeper.load(name, None if load.pose is None else _pose(load.pose), load.extend)
-        withdraw(system.workspace)
+        withdraw_all(system.workspace)
         return Json(current())
 
     @router.patch(
@@ -136,7 +135,7 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
         withdrawn. Needs no body."""
         async with one, _keeper() as keeper:
             await keeper.begin()
-        withdraw(system.workspace)
+        withdraw_all(system.workspace)
         return Json(current())
 
     @router.put(
