@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 #: A time of a relation or reference names a scan not farther away than this (s).
 _SAME_S = 0.05
+#: Beyond this (m) a relation between poses that odometry led to tells of the map, too.
+GROSS_M = 0.5
 #: A map of which more scans did not fit than this share is likely to be broken somewhere.
 BROKEN_SHARE = 0.01
 
@@ -126,9 +128,15 @@ def _compared(source: SweepSource, log: MappedLog, poses: NDArray[np.float64], r
 
 def _intact(document: dict[str, Any]) -> bool:
     """Whether nothing says that the map is broken."""
-    if "relations" in document and document["relations"]["gross"]:
-        return False
-    return bool(document["unmatched"] <= BROKEN_SHARE * document["taken"])
+    return not _gross(document) and bool(document["unmatched"] <= BROKEN_SHARE * document["taken"])
+
+
+def _gross(document: dict[str, Any]) -> int:
+    """Gross relations that tell of the map: between scans that were not taken, a wrong angle alone is odometry's."""
+    related = document.get("relations")
+    if related is None or (document["phi"] > 1 and related["max_m"] <= GROSS_M):
+        return 0
+    return int(related["gross"])
 
 
 def print_figures(document: dict[str, Any]) -> None:
@@ -162,7 +170,7 @@ def print_figures(document: dict[str, Any]) -> None:
 
 def _why(document: dict[str, Any]) -> str:
     share = document["unmatched"] / max(document["taken"], 1)
-    gross = document.get("relations", {}).get("gross", 0)
+    gross = _gross(document)
     said = [f"{document['unmatched']} scans ({100 * share:.1f} %) did not fit the map"] if share > BROKEN_SHARE else []
     said += [f"{gross} relations are wrong by more than 0.5 m or 5°"] if gross else []
     return "; ".join(said) if not math.isnan(share) else ""

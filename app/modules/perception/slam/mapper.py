@@ -31,8 +31,8 @@ _RESCUE_SCORE = 0.45
 #: Another pose is taken where this share more of the scan lies on the map.
 _RESCUE_GAIN = 0.03
 #: ... and up to this more, the less likely it is by odometry: most of it from about so many squared sigmas on.
-_PRICE_MOST = 0.35
-_PRICE_SIGMAS2 = 20.0
+_PRICE_MOST = 0.37
+_PRICE_SIGMAS2 = 10.0
 #: What a scan that does not fit adds to the metres driven: so much faster the drift grows.
 _POOR_SCAN_M = 3.0
 #: Of the edges between keyframes of a submap (m, rad), for a whole scan on it.
