@@ -11,6 +11,7 @@ import os
 import re
 import shutil
 import tempfile
+import threading
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -66,6 +67,8 @@ class MapLibrary:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        #: Several threads come here: none may see a map that is half replaced.
+        self._replacing = threading.Lock()
 
     def path(self, name: str) -> Path:
         """The folder that the map ``name`` has or would have. Raises ValueError for a name that may not be."""
@@ -80,11 +83,14 @@ class MapLibrary:
         """Every map there is, sorted."""
         if not self.folder.is_dir():
             return []
-        for left in self.folder.glob(".*.old"):
-            # A program that died between the two renames of `keep`.
-            former = self.folder / left.name[1:].removesuffix(".old")
-            if not former.exists():
-                left.rename(former)
+        with self._replacing:
+            for left in self.folder.glob(".*.old"):
+                # A program that died between the two renames of `keep`, or right after them.
+                former = self.folder / left.name[1:].removesuffix(".old")
+                if former.exists():
+                    shutil.rmtree(left, ignore_errors=True)
+                else:
+                    left.rename(former)
         found = (entry.name for entry in self.folder.iterdir() if (entry / MAP).is_file())
         return sorted(name for name in found if NAME.fullmatch(name))
 
@@ -149,10 +155,11 @@ class MapLibrary:
             _write(new / MAP, yaml_text(grid, PICTURE).encode())
             new.chmod(0o755)
             old = self.folder / f".{name}.old"
-            if path.exists():
-                shutil.rmtree(old, ignore_errors=True)
-                path.rename(old)
-            new.rename(path)
+            with self._replacing:
+                if path.exists():
+                    shutil.rmtree(old, ignore_errors=True)
+                    path.rename(old)
+                new.rename(path)
             shutil.rmtree(old, ignore_errors=True)
         except BaseException:
             shutil.rmtree(new, ignore_errors=True)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import shutil
+import threading
 from pathlib import Path
 
 import cv2
@@ -68,6 +70,37 @@ def test_a_map_whose_replacement_was_cut_short_is_there_again(library: MapLibrar
     (library.folder / "lab").rename(library.folder / ".lab.old")
     assert library.grid("lab").cells.shape == (40, 40)
     assert library.names() == ["lab"]
+
+
+def test_a_map_that_is_deleted_does_not_come_back_as_it_was_before(library: MapLibrary) -> None:
+    # As a program leaves it that dies right after the second rename.
+    library.keep("lab", room())
+    shutil.copytree(library.folder / "lab", library.folder / ".lab.old")
+    assert library.names() == ["lab"]
+    library.delete("lab")
+    assert library.names() == []
+
+
+def test_who_lists_maps_while_one_is_replaced_takes_it_for_no_dead_programs(
+    library: MapLibrary, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    library.keep("lab", room())
+    rename, listers = Path.rename, []
+
+    def slow_rename(path: Path, target: Path) -> Path:
+        renamed = rename(path, target)
+        if not listers:
+            # Between the two renames of the map that is replaced.
+            listers.append(threading.Thread(target=library.names))
+            listers[0].start()
+            listers[0].join(0.2)
+        return renamed
+
+    monkeypatch.setattr(Path, "rename", slow_rename)
+    library.keep("lab", room(), [STAIRS])
+    listers[0].join()
+    assert len(library.zones("lab")) == 1
+    assert [path.name for path in library.folder.iterdir()] == ["lab"]
 
 
 def test_zones_are_replaced_alone(library: MapLibrary) -> None:
