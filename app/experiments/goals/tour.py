@@ -25,7 +25,8 @@ def make_map(config: Path, scenario: Path, maps: Path, began: Callable[[str], No
     Raises ConfigError, ScriptBlocked, MapUnavailable.
     """
     script = load_script(scenario)
-    body = simulated_body(config, scenario)
+    # Hands see where the robot is, as people do: odometry alone would drift from the tour
+    body = simulated_body(config, scenario).model_copy(update={"ground_truth": True})
     return run_in_world(
         load_configuration(config),
         body,
