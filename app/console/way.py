@@ -115,6 +115,7 @@ class WayReport:
         self.channels = tuple(name for name in (LOCALIZATION, ZONES, PATH, *STATUSES) if name in system.graph.channels)
         self._told: tuple[Any, ...] = ()
         self._points: list[list[float]] = []
+        self._zones: tuple[Zones | None, list[dict[str, Any]]] = (None, [])
         #: The last arrival: the desire ends with it, and with that, within milliseconds, what the behavior is about.
         self._arrival: NavigationStatus | None = None
 
@@ -149,7 +150,10 @@ class WayReport:
         if ZONES not in self.channels:
             return None
         message: Zones | None = reports.latest(self._system.graph, ZONES)
-        return {"zones": [] if message is None else zones_json(message.zones)}
+        if message is not self._zones[0]:
+            # They stay for hours, and are asked for ten times in each second.
+            self._zones = (message, [] if message is None else zones_json(message.zones))
+        return {"zones": self._zones[1]}
 
     def navigation(self) -> dict[str, Any] | None:
         """As in docs/live-stream.md; None in a program where nobody goes anywhere."""

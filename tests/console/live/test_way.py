@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from app.console import grids
 from app.console.live import grid_feed
+from app.console.live.hub import Hub
 from app.console.way import ARRIVED_S, MOST_POINTS, at_work, thinned_path
 from app.messages import Exploitation, NavigationStatus, OccupancyGrid, OperatorDrive, Twist
 from app.system import System
@@ -156,6 +157,17 @@ async def test_the_loop_goes_on_while_a_large_map_is_encoded(
         await ann.send("ack", kind=3, seq=1)
         assert (await pictured(ann, "map_info"))[0]["version"] == 5
     assert encoded == [1, 5]
+
+
+async def test_zones_that_stay_are_written_out_once(system: System, hub: Hub) -> None:
+    system.graph.channel("zones").publish(zones(1.0, zone(), zone("door", "slow", 0.3)))
+    first, second = hub.way.zones(), hub.way.zones()
+    assert first is not None
+    assert second is not None
+    assert len(first["zones"]) == 2
+    assert first["zones"] is second["zones"], "ten times a second, of thousands of corners, holds up the loop"
+    system.graph.channel("zones").publish(zones(2.0, zone()))
+    assert hub.way.zones() == {"zones": first["zones"][:1]}
 
 
 async def test_place_zones_and_way_are_told_as_they_change(url: str, system: System) -> None:
