@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from app.attention.desires import Desire
 from app.console import reports
 from app.console.goals import GO_TO
+from app.console.playback import rate
 from app.geometry import Pose2
-from app.messages import Localization, NavigationStatus, PlannedPath, Zone, Zones
+from app.messages import Localization, NavigationStatus, OccupancyGrid, PlannedPath, Zone, Zones
 
 if TYPE_CHECKING:
     from app.system import System
@@ -29,6 +30,8 @@ COSTMAP = "local_costmap"
 #: A path has at most so many points when it is told.
 MOST_POINTS = 200
 _HEADING_STEP = 0.01
+#: A local costmap older than this (s) does not show what stands around now: nobody makes another any more.
+COSTMAP_FRESH_S = 2.0
 #: An arrival is told for so long (s), unless another goal is given.
 ARRIVED_S = 5.0
 #: In these states a behavior is on its way; in all but the last it gets on.
@@ -172,6 +175,12 @@ class WayReport:
         follows = status is not None and status is planner and status.state in UNDER_WAY
         path: PlannedPath | None = reports.latest(self._system.graph, PATH) if follows else None
         return path
+
+    def costmap(self) -> OccupancyGrid | None:
+        """What stands around the robot; None where nobody has looked for a while."""
+        grid: OccupancyGrid | None = reports.latest(self._system.graph, COSTMAP)
+        clock = self._system.clock
+        return grid if grid is not None and clock.now() - grid.stamp <= COSTMAP_FRESH_S * rate(clock) else None
 
     def goal(self) -> tuple[float, float, float | None] | None:
         """Where a behavior is going, or cannot go: x, y (m) and heading (rad, None: any) on the map."""

@@ -280,7 +280,7 @@ class View:
                     latest(ZONES),
                     self._way.path(),
                     self._way.goal(),
-                    latest(COSTMAP),
+                    self._way.costmap(),
                 )
                 self._painter.show(world)
             await self._system.pace.sleep(PERIOD_S)

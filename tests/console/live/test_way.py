@@ -170,6 +170,15 @@ async def test_zones_that_stay_are_written_out_once(system: System, hub: Hub) ->
     assert hub.way.zones() == {"zones": first["zones"][:1]}
 
 
+async def test_a_costmap_of_long_ago_is_not_what_stands_around_now(system: System, hub: Hub) -> None:
+    now, channel = system.clock.now(), system.graph.channel("local_costmap")
+    assert hub.way.costmap() is None
+    channel.publish(grid(now - 60.0, frame="odom"))
+    assert hub.way.costmap() is None
+    channel.publish(grid(now, frame="odom"))
+    assert hub.way.costmap() is channel.latest
+
+
 async def test_place_zones_and_way_are_told_as_they_change(url: str, system: System) -> None:
     graph, now = system.graph, system.clock.now
     async with page(url) as ann:
