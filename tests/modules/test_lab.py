@@ -135,7 +135,7 @@ def test_going_somewhere_pulls_in_slam_and_gets_cheaper_where_the_computer_is_wa
 
     workspace.add("GoTo", intensity=8, utility=1, params={"x": 1, "y": 2}, source=Source("operator", "ada"))
     assert chosen(40) == {"plan-and-follow-1", "slam-40"}, "nobody desires SLAM, but a pose is needed"
-    ways = [next(name for name in chosen(capacity) if not name.startswith("slam")) for capacity in (40, 13, 9, 5)]
+    ways = [next(name for name in chosen(capacity) if not name.startswith("slam")) for capacity in (40, 12.6, 9, 5)]
     assert ways == ["plan-and-follow-1", "plan-and-follow-2", "plan-and-pursue-4", "go-toward"]
 
 

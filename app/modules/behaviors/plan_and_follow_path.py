@@ -78,6 +78,7 @@ class PlanAndFollowPathSettings(Settings):
     blocked_replan_s: float = Field(0.3, gt=0, le=10, description="... and this often where something is in the way")
     costmap_m: float = Field(4.0, ge=2, le=20, description="side of the costmap around the robot")
     costmap_resolution_m: float = Field(0.025, ge=0.01, le=0.1)
+    keep_s: float = Field(45.0, gt=0, description="what stood still is remembered so long where nothing looks")
     unknown: str = Field("costly", pattern="^(free|costly|blocked)$", description="ways through unknown space")
     closeness: float = Field(
         6.0, ge=0, description="what a metre of way beside an obstacle costs more than in the open"
@@ -147,7 +148,10 @@ class PlanAndFollowPath(Module):
         s = self.settings
         settings = PilotSettings(
             costmap=CostmapSettings(
-                size_m=s.costmap_m, memory_m=max(8.0, 1.5 * s.costmap_m), resolution_m=s.costmap_resolution_m
+                size_m=s.costmap_m,
+                memory_m=max(8.0, 1.5 * s.costmap_m),
+                resolution_m=s.costmap_resolution_m,
+                keep_s=s.keep_s,
             ),
             follower=FollowerSettings(corner_share=s.corner_share),
             recovery=RecoverySettings(stuck_s=s.stuck_s, wait_s=s.wait_s, rounds=s.rounds, ask_s=s.ask_s),

@@ -209,7 +209,8 @@ class Follower:
         if field.hidden is not None:
             way = careful(way, field, field.hidden, body.limits[1], self.settings.corner_share, self.settings.corner_m)
         choice = self._controller.choose(motion, field, way, body, period_s)
-        still = choice.blocked or (abs(choice.linear_mps) < 0.02 and abs(choice.angular_radps) < 0.05)
+        # Whether it cannot go, or is commanded to and does not.
+        still = choice.blocked or (abs(motion.linear_mps) < 0.02 and abs(motion.angular_radps) < 0.05)
         if self._held(now, still=still):
             if near:
                 self._at_place = True
@@ -310,9 +311,7 @@ class Follower:
             self.recovery.end()
             self._controller.forget()
             self._held_since = None
-            return Step(
-                0.0, 0.0, state, measure.value, clear=measure is not Measure.WAIT, replan=f"after {measure.value}"
-            )
+            return Step(0.0, 0.0, state, measure.value, clear=measure is Measure.CLEAR, replan=f"after {measure.value}")
         return Step(linear, angular, state, measure.value)
 
     def _back_off(self, motion: Motion, field: Field, period_s: float) -> tuple[float, float, bool]:

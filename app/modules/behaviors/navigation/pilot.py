@@ -17,6 +17,7 @@ from app.modules.behaviors.navigation.health import DepthWatch, unfit, watch_dep
 from app.modules.behaviors.navigation.motion import Body, Controller, Field, Motion
 from app.modules.behaviors.navigation.mppi import Mppi, MppiSettings
 from app.modules.behaviors.navigation.recovery import RecoverySettings
+from app.modules.behaviors.navigation.touch import Touch
 from app.modules.behaviors.navigation.way import SpeedAt
 
 #: What strategies may choose from.
@@ -100,6 +101,7 @@ class Pilot:
         self._scan: LaserScan | None = None
         self._depth = DepthWatch() if depth else None
         self._sent = (0.0, 0.0)
+        self._touch = Touch(self.body)
 
     def steer_with(self, controller: str) -> None:
         """Go on with another controller. Raises ValueError for an unknown one."""
@@ -121,7 +123,9 @@ class Pilot:
         if senses.plan is not None:
             follower.take(senses.plan, senses.now, senses.speed_at)
         problem = senses.problem or unfit(senses.now, self._scan_stamp, self._depth, self._settings.fresh_s)
-        around = self._costmap.around(senses.motion.pose, senses.now)
+        if senses.goal is not None and not problem:
+            self._touch.feel(senses.now, self._sent[0], senses.motion)
+        around = self._touch.laid_over(self._costmap.around(senses.motion.pose, senses.now), senses.now)
         careful = self._settings.follower.corner_share < 1.0 and senses.goal is not None
         hidden = hidden_distance(around.cells, around.resolution_m) if careful else None
         seen = Field(around.distance, around.origin, around.resolution_m, hidden)
@@ -129,6 +133,7 @@ class Pilot:
         step = follower.step(senses.now, senses.motion, X_MO, seen, period_s, unfit=problem)
         if step.clear:
             self._costmap.clear()
+            self._touch.forget()
         step = self._within_reach(step, senses.motion, period_s)
         return Told(
             step, follower.target, follower.remaining_m, follower.progress_stamp, follower.recovery.count,

@@ -1,9 +1,10 @@
 """What is tried when the body does not get on, in which order, and when people are asked (a pure state machine).
 
-One *round*: **wait** (a person passes), **clear** (what the costmap remembers is forgotten, and the way planned anew),
-**back off** (along the way it came), **turn** (look around), **open up** (what is unknown or was in the way once counts
-as free). After each, the way is tried again; what gets the body nearer to its goal than it ever was ends the round.
-After ``rounds`` of them it **asks** people for help, waits, and begins anew.
+One *round*: **wait** (a person passes), **back off** (along the way it came), **turn** (look around), **clear** (what
+the costmap remembers is forgotten; not before it stands further off, where the camera sees again what it looks over
+from near), **open up** (what is unknown or was in the way once counts as free). After each, the way is tried again;
+what gets the body nearer to its goal than it ever was ends the round. After ``rounds`` of them it **asks** people for
+help, waits, and begins anew.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ class Measure(Enum):
 
 
 #: The order within a round.
-LADDER = (Measure.WAIT, Measure.CLEAR, Measure.BACK_OFF, Measure.TURN, Measure.OPEN_UP)
+LADDER = (Measure.WAIT, Measure.BACK_OFF, Measure.TURN, Measure.CLEAR, Measure.OPEN_UP)
 
 
 @dataclass(frozen=True, slots=True)

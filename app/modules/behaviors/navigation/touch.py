@@ -1,0 +1,77 @@
+"""What the body ran into without having seen it: it is commanded forward and does not move.
+
+Nothing else tells of what is lower than the laser and nearer than the camera sees. The place before the body is taken
+for occupied for a while, by the controller and by whoever plans, so that the way leads around it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.modules.behaviors.navigation.costmap import Surroundings
+from app.modules.behaviors.navigation.motion import Body, Motion
+
+
+@dataclass(frozen=True, slots=True)
+class TouchSettings:
+    """Commanded to at least ``commanded_mps`` and going at most ``standing_mps`` for ``stalled_s`` is running into
+    something ``ahead_m`` before the body's edge; it is believed for ``keep_s``."""
+
+    commanded_mps: float = 0.05
+    standing_mps: float = 0.02
+    stalled_s: float = 1.0
+    ahead_m: float = 0.06
+    keep_s: float = 40.0
+
+
+class Touch:
+    """Remembers, in ``odom``, where the body ran into something."""
+
+    def __init__(self, body: Body, settings: TouchSettings | None = None) -> None:
+        self._settings = settings or TouchSettings()
+        edge = body.outline[: len(body.outline) // 2]
+        front = edge[edge[:, 0] > 0.5 * body.front_m]
+        lengths = np.linalg.norm(front, axis=1, keepdims=True)
+        self._front = front * (1.0 + self._settings.ahead_m / lengths)
+        self._felt: list[tuple[float, NDArray[np.float64]]] = []
+        self._since: float | None = None
+
+    def feel(self, now: float, commanded_mps: float, motion: Motion) -> bool:
+        """Take what was commanded last and how the body moves; whether it just ran into something."""
+        s = self._settings
+        if commanded_mps < s.commanded_mps or abs(motion.linear_mps) > s.standing_mps:
+            self._since = None
+            return False
+        self._since = now if self._since is None else self._since
+        if now - self._since < s.stalled_s:
+            return False
+        self._since = None
+        c, d = np.cos(motion.pose.theta), np.sin(motion.pose.theta)
+        x, y = self._front[:, 0], self._front[:, 1]
+        points = np.stack((motion.pose.x + c * x - d * y, motion.pose.y + d * x + c * y), axis=1)
+        self._felt.append((now, points))
+        return True
+
+    def forget(self) -> None:
+        """Nothing was there."""
+        self._felt.clear()
+
+    def laid_over(self, around: Surroundings, now: float) -> Surroundings:
+        """``around`` with what was run into."""
+        self._felt = [(stamp, points) for stamp, points in self._felt if now - stamp < self._settings.keep_s]
+        if not self._felt:
+            return around
+        points = np.concatenate([points for _, points in self._felt])
+        rows, columns = around.distance.shape
+        distance = around.distance.copy()
+        x = around.origin[0] + (np.arange(columns) + 0.5) * around.resolution_m
+        y = around.origin[1] + (np.arange(rows) + 0.5) * around.resolution_m
+        # Every third: they stand closer than cells.
+        for px, py in points[::3]:
+            np.minimum(distance, np.hypot(x[None, :] - px, y[:, None] - py), out=distance, casting="same_kind")
+        low = np.array(around.known_from)
+        known = ((points >= low) & (points < low + around.known_m)).all(axis=1)
+        return replace(around, distance=distance, obstacles=np.concatenate((around.obstacles, points[known])))
