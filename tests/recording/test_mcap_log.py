@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 from mcap.stream_reader import breakup_chunk
 from mcap.writer import Writer
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from app.geometry import FisheyeModel
-from app.messages import Image
+from app.messages import Image, OperatorDrive
 from app.recording import mcap_layout, mcap_log
 from app.recording.export.run import Wish, export
 from app.recording.log import Indexed, Log, LogError, Logged
@@ -227,6 +228,45 @@ def test_what_this_program_cannot_read_is_ignored_and_said(
     assert list(log.info.ignored) == [topic]
     assert reason in log.info.ignored[topic]
     assert_same(list(log.messages()), messages)
+    log.close()
+
+
+def _older(writer: Writer, fields: str, values: tuple[object, ...]) -> None:
+    """An OperatorDrive as a program wrote it whose class had these fields after its stamp."""
+    kind, text = "hbba_msgs/msg/OperatorDrive", f"builtin_interfaces/Time stamp\n{fields}"
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    store.register(get_types_from_msg(text, kind))
+    stamp = store.types["builtin_interfaces/msg/Time"](int(BEGIN), 0)
+    data = bytes(store.serialize_cdr(store.types[kind](stamp, *values), kind))
+    schema = writer.register_schema(kind, "ros2msg", store.generate_msgdef(kind, ros_version=2)[0].encode())
+    metadata = {mcap_layout.CHANNEL: "hands", mcap_layout.MESSAGE: "OperatorDrive"}
+    channel = writer.register_channel("/hands", "cdr", schema, metadata)
+    writer.add_message(channel, mcap_log.to_ns(int(BEGIN)), data, 0)
+
+
+def test_fields_that_came_later_have_their_defaults(tmp_path: Path) -> None:
+    fields = "string operator\nint64 sequence\nbool held\nfloat64 linear\nfloat64 angular"
+    path = write_log(tmp_path / "log.mcap", [], extra=lambda w: _older(w, fields, ("ada", 7, True, 0.5, -0.25)))
+    log = McapLog(path)
+    (drive,) = log.messages()
+    assert drive.message == OperatorDrive(float(int(BEGIN)), "ada", 7, True, 0.5, -0.25, override=False)
+    assert log.info.ignored == {}
+    log.close()
+
+
+@pytest.mark.parametrize(
+    ("fields", "values"),
+    [
+        ("string operator\nint64 sequence\nbool held", ("ada", 7, True)),  # what was missing then has no default
+        ("string operator\nint64 sequence\nbool held\nfloat64 angular\nfloat64 linear", ("ada", 7, True, 0.5, 0.2)),
+    ],
+)
+def test_fields_that_are_missing_otherwise_are_not_made_up(
+    tmp_path: Path, fields: str, values: tuple[object, ...]
+) -> None:
+    log = McapLog(write_log(tmp_path / "log.mcap", [], extra=lambda writer: _older(writer, fields, values)))
+    assert list(log.messages()) == []
+    assert "OperatorDrive has changed since" in log.info.ignored["/hands"]
     log.close()
 
 

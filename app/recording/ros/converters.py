@@ -38,12 +38,14 @@ from app.recording.ros.record import Converter
 class Options:
     """What converters may be told: nominal rate of the channel (Hz), quality of JPEG (1 to 100).
 
-    ``main_type`` is the ROS type of the main records in a file that is read.
+    ``main_type`` is the ROS type of the main records in a file that is read, ``main_fields`` how many fields of the
+    class they hold, where the class has got more since (None: all).
     """
 
     rate_hz: float | None = None
     jpeg_quality: int = 90
     main_type: str | None = None
+    main_fields: int | None = None
 
 
 CONVERTERS: Mapping[type[Any], Callable[[str, Options], Converter]] = {
@@ -63,7 +65,8 @@ CONVERTERS: Mapping[type[Any], Callable[[str, Options], Converter]] = {
 
 def converter(channel: str, message_type: type[Any], options: Options | None = None) -> Converter:
     """The converter of a channel of such messages. Raises UnrecordableType for a class that ROS can say nothing of."""
+    options = options or Options()
     make = CONVERTERS.get(message_type)
     if make is None:
-        return GeneratedConverter(channel, message_type)
-    return make(channel, options or Options())
+        return GeneratedConverter(channel, message_type, options.main_fields)
+    return make(channel, options)

@@ -12,7 +12,7 @@ from rosbags.typesys import TypesysError, get_types_from_msg
 from app.recording import mcap_layout
 from app.recording.ros import typestore
 from app.recording.ros.converters import Options, converter
-from app.recording.ros.generated import PACKAGE
+from app.recording.ros.generated import PACKAGE, before_defaults
 from app.recording.ros.patch import STAMP
 from app.recording.ros.record import MAIN, Converter
 from app.runtime.channel_table import ChannelSpec
@@ -34,7 +34,8 @@ class StoredTopic:
 class DecodableChannel:
     """A channel that can be read: its message class, nominal rate (Hz, None unknown) and topics by part.
 
-    ``main_type`` is the ROS type of its main part.
+    ``main_type`` is the ROS type of its main part, ``main_fields`` how many fields of the class that holds, where the
+    class has got more since (None: all).
     """
 
     name: str
@@ -42,6 +43,7 @@ class DecodableChannel:
     rate_hz: float | None
     topics: Mapping[str, str]
     main_type: str
+    main_fields: int | None = None
 
     @property
     def main_topic(self) -> str:
@@ -82,7 +84,7 @@ class Decoder:
     def __init__(self, channels: Iterable[DecodableChannel]) -> None:
         self._lanes: dict[str, tuple[_Lane, str]] = {}
         for channel in channels:
-            options = Options(main_type=channel.main_type)
+            options = Options(main_type=channel.main_type, main_fields=channel.main_fields)
             lane = _Lane(channel.name, converter(channel.name, channel.message_type, options))
             for part, topic in channel.topics.items():
                 self._lanes[topic] = (lane, part)
@@ -148,6 +150,7 @@ def _channel(name: str, stored: list[StoredTopic]) -> DecodableChannel:
     options = Options(main_type=main_types[0] if main_types else None)
     parts = {topic.part: topic for topic in converter(name, cls, options).topics if topic.part is not None}
     by_part: dict[str, str] = {}
+    main_fields: int | None = None
     for topic in stored:
         part = topic.metadata.get(mcap_layout.PART, MAIN)
         if part not in parts:
@@ -155,11 +158,13 @@ def _channel(name: str, stored: list[StoredTopic]) -> DecodableChannel:
         if topic.type != parts[part].type:
             raise _Unreadable(f"this program keeps that part of {class_name} as {parts[part].type}, not {topic.type}")
         if change := _change(topic):
-            raise _Unreadable(f"{class_name} has changed since: {change}")
+            main_fields = _first_fields(topic, cls) if part == MAIN else None
+            if main_fields is None:
+                raise _Unreadable(f"{class_name} has changed since: {change}")
         by_part[part] = topic.name
     if MAIN not in by_part:
         raise _Unreadable(f"the topic {parts[MAIN].name}, which says what the others mean, is not in the file")
-    return DecodableChannel(name, cls, _rate(stored), by_part, parts[MAIN].type)
+    return DecodableChannel(name, cls, _rate(stored), by_part, parts[MAIN].type, main_fields)
 
 
 def _rate(stored: list[StoredTopic]) -> float | None:
@@ -190,3 +195,18 @@ def _change(topic: StoredTopic) -> str:
         if list(fields) != list(today[name][1]):
             return f"{short} has other types or another order of its fields"
     return ""
+
+
+def _first_fields(topic: StoredTopic, cls: type[Any]) -> int | None:
+    """How many fields of ``cls`` a topic holds from before the others were added; None if it is not that alone."""
+    if topic.type != f"{PACKAGE}/msg/{cls.__name__}":
+        return None
+    then = get_types_from_msg(topic.definition, topic.type)
+    today = typestore.store().fielddefs
+    if any(list(fields) != list(today[name][1]) for name, (_, fields) in then.items()
+           if name.startswith(f"{PACKAGE}/") and name != topic.type):  # fmt: skip
+        return None
+    written = list(then[topic.type][1])
+    if written != list(today[topic.type][1])[: len(written)]:
+        return None
+    return before_defaults(cls, len(written))

@@ -20,7 +20,7 @@ from __future__ import annotations
 import types
 import typing
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import MISSING, dataclass, fields, is_dataclass
 from typing import Any
 
 import numpy as np
@@ -60,12 +60,15 @@ class _Field:
 class Generated:
     """The ROS type ``hbba_msgs/msg/<Class>`` of a dataclass: registered when made."""
 
-    def __init__(self, cls: type[Any]) -> None:
-        """Raises UnrecordableType."""
-        self.type = f"{PACKAGE}/msg/{cls.__name__}"
+    def __init__(self, cls: type[Any], count: int | None = None) -> None:
+        """Of its first ``count`` fields alone, if that is given: as ``hbba_msgs/msg/<Class>First<count>``.
+
+        Raises UnrecordableType.
+        """
+        self.type = f"{PACKAGE}/msg/{cls.__name__}" + ("" if count is None else f"First{count}")
         hints = typing.get_type_hints(cls)
         self._cls = cls
-        self._names = [f.name for f in fields(cls)]
+        self._names = [f.name for f in fields(cls)][:count]
         self._fields = [_field(cls, name, hints[name]) for name in self._names]
         declared = [pair for field in self._fields for pair in field.declared]
         if len({name for _, name in declared}) < len(declared):
@@ -101,16 +104,33 @@ class Generated:
         return self._cls(*[field.empty for field in self._fields])
 
 
-def generated(cls: type[Any]) -> Generated:
-    """The ROS type of ``cls``, a dataclass; the same each time. Raises UnrecordableType."""
-    found = _made.get(cls)
+def generated(cls: type[Any], count: int | None = None) -> Generated:
+    """The ROS type of ``cls``, a dataclass, or of its first ``count`` fields; the same each time.
+
+    Raises UnrecordableType.
+    """
+    found = _made.get((cls, count))
     if found is None:
-        found = _made[cls] = Generated(cls)
+        found = _made[cls, count] = Generated(cls, count)
     return found
 
 
+def before_defaults(cls: type[Any], declared: int) -> int | None:
+    """How many fields of ``cls`` the first ``declared`` fields of its ROS type hold, if all others have defaults.
+
+    None where they do not, or where a field of ``cls`` would be torn apart. Raises UnrecordableType.
+    """
+    hints = typing.get_type_hints(cls)
+    for count, field in enumerate(fields(cls)):
+        if declared == 0:
+            rest = fields(cls)[count:]
+            return count if all(f.default is not MISSING or f.default_factory is not MISSING for f in rest) else None
+        declared -= len(_field(cls, field.name, hints[field.name]).declared)
+    return None
+
+
 #: What has been made: a type is registered once for the whole process, as the store is one.
-_made: dict[type[Any], Generated] = {}
+_made: dict[tuple[type[Any], int | None], Generated] = {}
 
 
 def _field(cls: type[Any], name: str, hint: Any) -> _Field:

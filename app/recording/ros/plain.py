@@ -25,9 +25,10 @@ _NUMBER = -8
 class GeneratedConverter:
     """Any message, as the definition made of its class."""
 
-    def __init__(self, channel: str, cls: type[Any]) -> None:
-        """Raises UnrecordableType."""
+    def __init__(self, channel: str, cls: type[Any], count: int | None = None) -> None:
+        """Reads records of the first ``count`` fields, from before there were others. Raises UnrecordableType."""
         self._generated = generated(cls)
+        self._written = generated(cls, count)
         self._topic = f"/{channel}"
         self.topics: tuple[Topic, ...] = (Topic(self._topic, self._generated.type),)
 
@@ -37,7 +38,7 @@ class GeneratedConverter:
 
     def decode(self, parts: Mapping[str, bytes]) -> Any:
         """The message."""
-        return self._generated.decode(parts[MAIN])
+        return self._written.decode(parts[MAIN])
 
 
 class OdometryConverter:
