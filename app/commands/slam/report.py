@@ -122,8 +122,8 @@ def _compared(source: SweepSource, log: MappedLog, poses: NDArray[np.float64], r
     if len(pairs) < 3:
         raise ConfigError(f"--reference: {reference.path} shares {len(pairs)} scans with {source.path}; 3 are needed")
     ours, theirs = (np.array(rows) for rows in zip(*pairs, strict=True))
-    rmse, most = trajectory_error(poses[ours], reference.poses[theirs])
-    return {"file": str(reference.path), "scans": len(pairs), "rmse_m": round(rmse, 4), "max_m": round(most, 4)}
+    mean, rmse, most = (round(error, 4) for error in trajectory_error(poses[ours], reference.poses[theirs]))
+    return {"file": str(reference.path), "scans": len(pairs), "mean_m": mean, "rmse_m": rmse, "max_m": most}
 
 
 def _intact(document: dict[str, Any]) -> bool:
@@ -156,7 +156,12 @@ def print_figures(document: dict[str, Any]) -> None:
         rows.append(("relations", f"{metres}; {degrees}; {r['gross']} of {r['relations']} gross"))
     if "reference" in document:
         r = document["reference"]
-        rows.append(("reference", f"{r['rmse_m']:.3f} m off (rms of {r['scans']} scans), greatest {r['max_m']:.2f} m"))
+        rows.append(
+            (
+                "reference",
+                f"{r['mean_m']:.3f} m off ({r['scans']} scans; rms {r['rmse_m']:.3f}, greatest {r['max_m']:.2f})",
+            )
+        )
     print(document["log"])
     for note in document["notes"]:
         print(f"  {note}")

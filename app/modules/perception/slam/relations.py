@@ -68,15 +68,15 @@ def relation_errors(first: Poses, second: Poses, measured: Poses) -> RelationErr
     )
 
 
-def trajectory_error(poses: Poses, reference: Poses) -> tuple[float, float]:
-    """Root mean square and greatest distance (m) from ``reference``, laid over it as well as can be (Horn, 1987)."""
+def trajectory_error(poses: Poses, reference: Poses) -> tuple[float, float, float]:
+    """Mean, root mean square and greatest distance (m) from ``reference``, laid over it as well as can be (Horn, 1987)."""
     ours, theirs = poses[:, :2] - poses[:, :2].mean(axis=0), reference[:, :2] - reference[:, :2].mean(axis=0)
     cross = (ours[:, 0] * theirs[:, 1] - ours[:, 1] * theirs[:, 0]).sum()
     turn = np.arctan2(cross, (ours * theirs).sum())
     c, s = np.cos(turn), np.sin(turn)
     off = ours @ np.array([[c, s], [-s, c]]) - theirs
     away = np.hypot(off[:, 0], off[:, 1])
-    return float(np.sqrt((away**2).mean())), float(away.max())
+    return float(away.mean()), float(np.sqrt((away**2).mean())), float(away.max())
 
 
 def filled_in(rows: NDArray[np.int64], poses: Poses, odometry: Poses) -> Poses:

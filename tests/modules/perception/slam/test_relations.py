@@ -39,9 +39,10 @@ def test_a_trajectory_elsewhere_is_no_error_and_a_bent_one_is() -> None:
     assert trajectory_error(moved, path)[0] < 1e-9
     bent = path.copy()
     bent[7, 0] += 1.0
-    rmse, most = trajectory_error(bent, path)
+    mean, rmse, most = trajectory_error(bent, path)
     assert rmse == pytest.approx(1 / math.sqrt(50), rel=0.05)
     assert most == pytest.approx(1.0, abs=0.1)
+    assert 1 / 50 <= mean < rmse
 
 
 def test_between_scans_odometry_leads_from_both_sides() -> None:
