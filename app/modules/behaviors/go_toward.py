@@ -31,6 +31,7 @@ from app.modules.behaviors.navigation.dynamic_window import DynamicWindow, Dynam
 from app.modules.behaviors.navigation.follower import Follower, Goal, Step
 from app.modules.behaviors.navigation.goals import Plan
 from app.modules.behaviors.navigation.health import unfit
+from app.modules.behaviors.navigation.kernels import load_kernels
 from app.modules.behaviors.navigation.motion import Body, Motion
 from app.modules.behaviors.navigation.pose_watch import PoseWatch
 from app.modules.behaviors.navigation.recovery import RecoverySettings
@@ -88,6 +89,8 @@ class GoToward(Module):
     async def start(self) -> None:
         """Learn what the body is. Raises ModuleFailed for one that does not drive."""
         description = robot_link(self).description
+        await self.compute(load_kernels)
+        self._zones = (None if self.zones.channel is None else self.zones.channel.latest) or self._zones
         try:
             body = Body.of(description.footprint, description.limits)
         except ValueError as error:

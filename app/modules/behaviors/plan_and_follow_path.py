@@ -50,6 +50,7 @@ from app.modules.behaviors.navigation.desired import goal_of
 from app.modules.behaviors.navigation.follower import FollowerSettings, Goal
 from app.modules.behaviors.navigation.goals import Plan
 from app.modules.behaviors.navigation.inflation import CostSettings
+from app.modules.behaviors.navigation.kernels import load_kernels
 from app.modules.behaviors.navigation.pilot import CONTROLLERS, Pilot, PilotSettings, Senses, Told
 from app.modules.behaviors.navigation.pose_watch import PoseWatch
 from app.modules.behaviors.navigation.recovery import RecoverySettings
@@ -143,8 +144,9 @@ class PlanAndFollowPath(Module):
         self._costmap_version = 0
 
     async def start(self) -> None:
-        """Learn what the body is. Raises ModuleFailed for one that does not drive."""
+        """Load what is compiled, and learn what the body is. Raises ModuleFailed for one that does not drive."""
         description = robot_link(self).description
+        await self.compute(load_kernels)
         s = self.settings
         settings = PilotSettings(
             costmap=CostmapSettings(
@@ -165,6 +167,9 @@ class PlanAndFollowPath(Module):
             raise ModuleFailed(f"{self.name} cannot drive {description.name}: {error}") from None
         costs = CostSettings(unknown=s.unknown, closeness=s.closeness, reach_m=s.reach_m)
         self._wayfinder = Wayfinder(self._pilot.footprint, costs)
+        # What was said before a restart still holds.
+        self._grid = None if self.map.channel is None else self.map.channel.latest
+        self._zones = (None if self.zones.channel is None else self.zones.channel.latest) or self._zones
 
     async def stop(self) -> None:
         """Let the planner's thread end."""
