@@ -1,5 +1,4 @@
 """Loading what is compiled before a robot waits for it: numba takes seconds to wake, and more to compile."""
-compiled."""
 
 from __future__ import annotations
 
@@ -11,8 +10,7 @@ _NAMES = ("costing", "depth", "lines", "rays", "rollouts", "search", "touching")
 
 
 def load_kernels() -> None:
-    """Compile, in a process of its own, what is not compiled yet, and load all kernels of this room; blocks
-    meanwhile."""
+    """Load all kernels of this room, compiled before in a process of its own where they are not yet; blocks."""
     make_ready()
     for name in _NAMES:
         importlib.import_module(f"app.modules.behaviors.navigation.{name}")
