@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import hashlib
 import math
 import zipfile
 from collections import deque
@@ -15,7 +16,7 @@ import numpy as np
 
 from app.commands.arguments import find_log
 from app.errors import ConfigError
-from app.geometry import Pose2, Pose3
+from app.geometry import Pose2
 from app.messages import LaserScan, Odometry
 from app.pose_buffer import PoseBuffer
 
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from app.modules.perception.slam.offline import Sweep
-    from app.modules.perception.slam.scans import Beams
     from app.recording.log import Log
 
 #: Arrays without times are taken to be so far apart (s).
@@ -52,7 +52,8 @@ class SweepSource:
 def sweep_key(ranges: NDArray[np.floating[Any]]) -> bytes:
     """By which a sweep is known again in another file: its readings below 80 m, to a centimetre."""
     near = np.where(np.asarray(ranges, dtype=np.float64) < _RANGE_MAX_M, ranges, 0.0)
-    return np.round(np.nan_to_num(near) * 100.0).astype(np.int32).tobytes()
+    readings = np.round(np.nan_to_num(near) * 100.0).astype(np.int32)
+    return hashlib.blake2b(readings.tobytes(), digest_size=16).digest()
 
 
 def open_sweeps(args: argparse.Namespace) -> SweepSource:
@@ -101,6 +102,7 @@ def _channel(
 
 def _of_log(source: SweepSource, log: Log, scans: str, odometry: str) -> Iterator[Sweep]:
     """Raises ConfigError where the log is damaged."""
+    from app.modules.perception.slam.beams import BeamsOf
     from app.modules.perception.slam.offline import Sweep
     from app.recording.log import LogError
 
@@ -108,7 +110,7 @@ def _of_log(source: SweepSource, log: Log, scans: str, odometry: str) -> Iterato
     twist = (0.0, 0.0)
     newest = -math.inf
     waiting: deque[LaserScan] = deque()
-    beams = _BeamsOf()
+    beams = BeamsOf()
     try:
         for logged in log.messages(channels=(scans, odometry)):
             message = logged.message
@@ -131,31 +133,6 @@ def _of_log(source: SweepSource, log: Log, scans: str, odometry: str) -> Iterato
         raise ConfigError(str(failure)) from None
     finally:
         log.close()
-
-
-class _BeamsOf:
-    """The geometry of scans, made once for those alike."""
-
-    def __init__(self) -> None:
-        self._key: tuple[float, ...] = ()
-        self._beams: Beams | None = None
-
-    def __call__(self, scan: LaserScan) -> Beams:
-        from app.modules.perception.slam.scans import Beams
-
-        X_BL, sign = planar(scan.X_BL)
-        key = (len(scan.ranges), scan.angle_min, scan.angle_increment, scan.range_max, X_BL.x, X_BL.y, X_BL.theta, sign)
-        if self._beams is None or key != self._key:
-            angles = sign * (scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges), dtype=np.float64))
-            self._key, self._beams = key, Beams(angles, scan.range_min, scan.range_max, X_BL)
-        return self._beams
-
-
-def planar(X_BL: Pose3) -> tuple[Pose2, int]:
-    """A laser's pose in the plane, and which way it counts angles: −1 for one mounted upside down."""
-    x, y = float(X_BL.translation[0]), float(X_BL.translation[1])
-    theta = math.atan2(X_BL.rotation[1, 0], X_BL.rotation[0, 0])
-    return Pose2(x, y, theta), 1 if X_BL.rotation[2, 2] >= 0 else -1
 
 
 # --- Arrays ----------------------------------------------------------------------------------------------------------

@@ -17,7 +17,8 @@ for in a second thread, so that these delay no pose::
 
 On a map that was loaded and stays, the pose is followed (``tracking``); where the scans do not fit for a while, the
 robot is ``lost`` and looks for itself (``searching``), believing nothing before motion tells (slam/relocalization.py).
-On a map that grows, odometry leads over places where scans do not fit. ``rays`` (one in so many is looked at) and
+On a map that grows, odometry leads over places where scans do not fit; nothing is added while the robot is ``lost``:
+it may have been carried. ``rays`` (one in so many is looked at) and
 ``mapping`` (false: the map stays as it is, though it could grow) are parameters of the strategies.
 """
 
@@ -38,17 +39,24 @@ from app.maps.library import MapLibrary
 from app.messages import LaserScan, Localization, OccupancyGrid, Odometry, Zone, Zones, read_only
 from app.modules.perception.pose_at import PoseAt
 from app.modules.perception.slam.keeper import Keeper
-from app.modules.perception.slam.place import FITS, FITS_NOT, empty_grid, spread_of
+from app.modules.perception.slam.optimizer import OptimizerProcess
+from app.modules.perception.slam.place import FITS_NOT, FitWatch, empty_grid, spread_of
 from app.runtime.module import Module, ModuleContext, Settings
 
 if TYPE_CHECKING:  # compiled, or loaded, when they are imported: that is left to the module's thread
     from app.modules.perception.slam.drawing import Glance
     from app.modules.perception.slam.relocalization import Place, PlaceSearch
     from app.modules.perception.slam.session import Followed, KeptMap, MapSession
-    from app.modules.perception.slam.values import Match
+    from app.modules.perception.slam.values import Match, SlamState
 
-#: What an instance leaves to the next: the name of the map in use, and whether it grows.
-_MAP, _GROWS = "map", "grows"
+#: What an instance leaves to the next: the name of the map in use, whether it grows, and how far it has grown.
+_MAP, _GROWS, _GROWN = "map", "grows", "grown"
+#: On a map that grows, odometry leads over fewer scans in a row than these that do not fit, however far apart they are.
+_LEAST_MISFITS = 3
+#: ... and it grows on once so much of each scan lies on it: long walls are alike, and what is added wrongly stays.
+_SURE = 0.8
+#: The graph's correction holds the interpreter's lock for some 0.05 ms an edge.
+_LEAST_EDGES = 400
 #: Scans wait so long (s) for odometry to come as far.
 _PATIENCE_S = 0.2
 
@@ -86,10 +94,7 @@ class SLAM2D(Module):
         self._name = ""
         self._zones: tuple[Zone, ...] = ()
         self._told: Localization | None = None
-        #: Whether scans have not fitted for a while; when they last did, and last did not well, None before the first.
-        self._lost = False
-        self._fitted: float | None = None
-        self._misfitted: float | None = None
+        self._fits = FitWatch(self.settings.lost_after_s, self.settings.sure_after_s)
         #: Looking for the robot: asked for, under way, and where it may be by now.
         self._search_due = False
         self._search: PlaceSearch | None = None
@@ -102,6 +107,9 @@ class SLAM2D(Module):
         self._draw_due = False
         self._version = 0
         self._wake = asyncio.Event()
+        #: The timer and whoever saves a map draw in turn.
+        self._drawing = asyncio.Lock()
+        self._optimizer = OptimizerProcess(_LEAST_EDGES)
         self._working: asyncio.Task[None] | None = None
         self._detach: Callable[[], None] = lambda: None
         self.scans = self.input("scans", LaserScan)
@@ -128,6 +136,7 @@ class SLAM2D(Module):
         if self._working is not None:
             self._working.cancel()
             await asyncio.wait({self._working})
+        await asyncio.to_thread(self._optimizer.close)
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take ``mapping`` and ``rays`` from the intention."""
@@ -156,7 +165,7 @@ class SLAM2D(Module):
             self._wake.set()
         odometry = self._odometry
         twist = (0.0, 0.0) if odometry is None else (odometry.linear_mps, odometry.angular_radps)
-        maps = self._mapping and self._search is None and not self._search_due
+        maps = self._mapping and not self._fits.lost and self._search is None and not self._search_due
         followed = await self.compute(session.follow, scan, X_OB, twist, maps, self._rays)
         if session is not self._session:
             return
@@ -175,28 +184,22 @@ class SLAM2D(Module):
             self._wake.set()
         if followed.glance is not None:
             self._glances.append(followed.glance)
-        match, settings = followed.match, self.settings
-        if self._misfitted is None or match.inliers < FITS:
-            self._misfitted = match.stamp
-        fits = match.matched if session.grows else match.inliers >= FITS_NOT
-        if self._lost:
-            # A scan or two fit everywhere.
-            fits = match.stamp - self._misfitted > settings.sure_after_s
-        if self._fitted is None or fits:
-            self._fitted, self._lost = match.stamp, False
-        self._lost = self._lost or match.stamp - self._fitted > settings.lost_after_s
-        if self._search is not None and not self._lost:
+        match = followed.match
+        if session.grows:
+            self._fits.see(match.stamp, match.inliers, match.matched, _SURE, _LEAST_MISFITS)
+        else:
+            self._fits.see(match.stamp, match.inliers, match.inliers >= FITS_NOT)
+        if self._search is not None and not self._fits.lost:
             self.log.info("the robot is where it was thought to be, after all")
             self._end_search()
 
     def _state(self, session: MapSession, match: Match) -> str:
-        assert self._fitted is not None
-        unfit_s = match.stamp - self._fitted
+        unfit_s = self._fits.unfit_s(match.stamp)
         if unfit_s > self.settings.search_after_s and not session.grows and not self._search_due:
             self.log.warning("scans do not fit the map where the robot should be: it looks for itself")
             self._search_due = True
             self._wake.set()
-        if self._lost:
+        if self._fits.lost:
             return "lost"
         return "mapping" if session.grows and self._mapping else "tracking"
 
@@ -217,7 +220,7 @@ class SLAM2D(Module):
 
     def _end_search(self) -> None:
         self._search, self._sighting, self._places, self._search_due = None, None, (), False
-        self._lost, self._fitted, self._misfitted = False, None, None
+        self._fits.begin()
 
     # --- Behind ----------------------------------------------------------------------------------------------------
 
@@ -243,7 +246,7 @@ class SLAM2D(Module):
         """Begin to look for the robot, or go on with it."""
         if self._search_due and self._search is None:
             search = await self.compute_behind(session.begin_search)
-            if session is self._session:
+            if session is self._session and self._search_due:
                 self._search, self._search_due = search, False
         search, sighting, self._sighting = self._search, self._sighting, None
         if search is None or sighting is None:
@@ -256,7 +259,8 @@ class SLAM2D(Module):
             at = X_MO @ sighting[1]
             self.log.info("the robot found itself at x %.2f m, y %.2f m on the map", at.x, at.y)
             await self.compute(session.place, X_MO)
-            self._end_search()
+            if search is self._search:
+                self._end_search()
 
     async def _close_loops(self, session: MapSession) -> None:
         followed, self._followed = self._followed, None
@@ -268,14 +272,18 @@ class SLAM2D(Module):
         """Draw what changed, and tell the map if its cells did."""
         if not session.grows:
             return
-        snapshot = await self.compute(session.snapshot)
-        while await self.compute_behind(session.draw, snapshot):
-            await self._close_loops(session)
-        glances, self._glances = self._glances, []
-        grid = await self.compute_behind(session.drawn, glances, self.clock.now(), self._version + 1)
-        if grid is not None and session is self._session:
-            self._version = grid.version
-            self.map.publish(grid)
+        async with self._drawing:
+            snapshot, state = await self.compute(session.snapshot), await self.compute(session.state)
+            while await self.compute_behind(session.draw, snapshot):
+                await self._close_loops(session)
+            glances, self._glances = self._glances, []
+            grid = await self.compute_behind(session.drawn, glances, self.clock.now(), self._version + 1)
+            if session is not self._session:
+                return
+            self.kept[_GROWN] = state
+            if grid is not None:
+                self._version = grid.version
+                self.map.publish(grid)
 
     def _ended(self, working: asyncio.Task[None]) -> None:
         error = None if working.cancelled() else working.exception()
@@ -316,7 +324,16 @@ class SLAM2D(Module):
 
         settings = self.settings
         grid, state = (None, None) if kept is None else (kept.grid, kept.state)
-        return MapSession(grid, state, grows=grows, X_MO=X_MO, cell_m=settings.cell_m, side_m=settings.side_m)
+        return MapSession(
+            grid, state, grows=grows, X_MO=X_MO, cell_m=settings.cell_m, side_m=settings.side_m,
+            optimize=self._optimizer,
+        )  # fmt: skip
+
+    def _grown(self, shown: OccupancyGrid, state: SlamState, X_MO: Pose2 | None) -> MapSession:
+        """*Behind.* A session on a map that grew until the module failed."""
+        from app.modules.perception.slam.session import KeptMap
+
+        return self.new_session(KeptMap("", shown, (), state), X_MO, True)
 
     def use(self, session: MapSession, name: str, zones: tuple[Zone, ...]) -> None:
         """Take a map into use, and tell it with its zones and where the robot is on it."""
@@ -324,6 +341,7 @@ class SLAM2D(Module):
         self._followed, self._glances = None, []
         self.call(name)
         self.kept[_GROWS] = session.grows
+        self.kept.pop(_GROWN, None)
         now, settings = self.clock.now(), self.settings
         grid = session.grid or empty_grid(settings.cell_m, settings.side_m)
         self._version += 1
@@ -375,6 +393,12 @@ class SLAM2D(Module):
         self._told = last
         X_MO = None if last is None else last.X_MO
         name, grows = self.kept.get(_MAP, self.settings.map), self.kept.get(_GROWS, self.settings.extend)
+        grown = self.kept.get(_GROWN)
+        if grown is not None and shown is not None:
+            # Left once: who fails again before the map grew goes on without what may be the cause.
+            session = await self.compute_behind(self._grown, shown, grown, X_MO)
+            self.use(session, name, () if zones is None else zones.zones)
+            return
         if name:
             try:
                 kept = await self.compute_behind(_kept, self.service(MapLibrary), name)
@@ -386,6 +410,8 @@ class SLAM2D(Module):
                 return
         if shown is not None and last is not None and (shown.cells >= 0).any():
             # It was drawn before a restart, or is shown at some place of a recording.
+            if grows and self.kept:
+                self.log.warning("the map grows no more: it failed too soon again; begin another, or load one")
             session = await self.compute_behind(_following, shown, X_MO)
             self.use(session, last.map, () if zones is None else zones.zones)
             return

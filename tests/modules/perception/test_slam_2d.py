@@ -12,10 +12,12 @@ import numpy as np
 import pytest
 
 from app import compiled
-from app.geometry import Pose2
+from app.geometry import Pose2, Pose3
 from app.maps.control import MapControl, MapUnavailable
 from app.maps.library import GRAPH, MapLibrary
-from app.messages import LaserScan, Localization, OccupancyGrid, Odometry, Zone, Zones
+from app.messages import LaserScan, Localization, OccupancyGrid, Odometry, Zone, Zones, read_only
+from app.modules.perception.slam.session import kept_map
+from app.modules.perception.slam_2d import SLAM2D
 from app.runtime.clock import run_virtual
 from app.runtime.filter import CLOSED
 
@@ -208,6 +210,86 @@ def test_closed_scans_leave_it_to_odometry_and_then_it_goes_on(library: MapLibra
     assert body.states() == ["mapping"]
 
 
+def test_whatever_begins_or_ends_mapping_the_way_since_the_last_scan_counts(library: MapLibrary) -> None:
+    async def script(body: Body) -> None:
+        filters = body.bench.graph.filters
+        await body.go(ROUND[:80])
+        told = len(body.told)
+        filters.apply({"Tested.scans": CLOSED})
+        await body.go(ROUND[80:120])
+        body.bench.slot.configure({"mapping": False})
+        filters.apply({"Tested.scans": 1})
+        await body.go(ROUND[118:121])
+        for place in body.told[told:]:
+            assert place.state == "tracking"
+        assert body.is_within(0.2, 0.05)
+
+    live(script, library)
+
+
+def test_a_robot_that_was_carried_off_adds_nothing_to_the_map(library: MapLibrary) -> None:
+    def keyframes(body: Body) -> int:
+        module = body.bench.slot.context.instance
+        assert isinstance(module, SLAM2D)
+        return len(module.session.snapshot().keyframes)
+
+    async def script(body: Body) -> None:
+        await body.go(ROUND[:60])
+        at = body.X_WB
+        body.walls, body.X_WB = polygon((0, 0), (5, 0), (3, 4)), Pose2(1.5, 1.0)
+        await body.stand(8.0)
+        assert body.state == "lost"
+        known, drawn_then = keyframes(body), body.maps[-1]
+        await body.go(way((1.5, 1.0), (3.0, 1.0), (2.0, 1.5)))
+        assert body.state == "lost"
+        assert keyframes(body) == known
+        assert body.maps[-1] is drawn_then
+        body.walls, body.X_WB = HALL, at
+        await body.control.keeper.place(ROUND[0].inverse() @ at)
+        await body.go(ROUND[60:100])
+        assert body.state == "mapping"
+        assert keyframes(body) > known
+
+    assert live(script, library).is_within(0.06, 0.02)
+
+
+def test_odometry_that_begins_anew_moves_no_robot(library: MapLibrary) -> None:
+    async def script(body: Body) -> None:
+        await body.go(ROUND[:60])
+        body.X_OB = Pose2(900.0, -3.0, 2.0)
+        await body.bench.clock.sleep(0.3)
+        await body.go(ROUND[60:90])
+
+    body = live(script, library)
+    assert body.states() == ["mapping"]
+    assert body.is_within(0.06, 0.02)
+    assert body.maps[-1].cells.shape == (1000, 1000)
+
+
+def test_a_laser_may_hang_upside_down(library: MapLibrary) -> None:
+    down = Pose3.from_translation_rpy((0.2, 0.0, 0.4), (math.pi, 0.0, 0.0))
+
+    async def script(body: Body) -> None:
+        for pose in ROUND[:80]:
+            step = body.X_WB.inverse() @ pose
+            body.X_WB, body.X_OB = pose, body.X_OB @ step
+            now = body.bench.clock.now()
+            body.bench.feed("odometry", Odometry(now, body.X_OB, 0.0, 0.0))
+            body._scans += 1
+            upright = scan(HALL, pose, now, seed=body._scans)
+            body.bench.feed("scans", replace(upright, ranges=read_only(upright.ranges[::-1].copy()), X_BL=down))
+            await body.bench.clock.sleep(0.1)
+
+    body = live(script, library)
+    assert body.is_within(0.05, 0.02)
+    # The wall on the left of the start is 2 m away, that on the right 3 m.
+    grid = body.maps[-1]
+    rows = np.flatnonzero((grid.cells[:, 505:515] >= 65).any(axis=1)) * 0.05 - 25.0
+    assert np.abs(rows - 2.0).min() < 0.1
+    assert np.abs(rows + 3.0).min() < 0.1
+    assert np.abs(rows - 3.0).min() > 0.5
+
+
 def test_scans_whose_pose_never_comes_are_left_out(library: MapLibrary, caplog: pytest.LogCaptureFixture) -> None:
     async def script(body: Body) -> None:
         for _ in range(3):
@@ -378,7 +460,7 @@ def test_zones_are_kept_with_a_map_that_has_a_name(library: MapLibrary) -> None:
     assert [zone.name for zone in library.zones("foreign")] == ["stairs"]
 
 
-def test_after_a_restart_it_goes_on_following_on_the_map_it_had(kept: MapLibrary) -> None:
+def test_after_a_restart_it_goes_on_with_the_map_it_had(kept: MapLibrary) -> None:
     async def script(body: Body) -> None:
         await body.go(ROUND[:60])
         broken = replace(scan(HALL, body.X_WB, body.bench.clock.now() - 0.15), X_BL=None)
@@ -388,10 +470,14 @@ def test_after_a_restart_it_goes_on_following_on_the_map_it_had(kept: MapLibrary
         assert body.bench.supervisor.states["Tested"].restarts == 1
         told = len(body.told)
         await body.go(ROUND[60:90])
-        assert set(body.states(told)) <= {"tracking", "lost"}
-        assert body.states(told)[0] == "tracking"
+        assert body.states(told) == ["mapping"]
+        await body.control.keeper.save("grown")
 
-    live(script, kept, fails="AttributeError")
+    assert live(script, kept, fails="AttributeError").is_within(0.1, 0.03)
+    grown = kept_map(kept, "grown").state
+    assert grown is not None
+    assert len({round(keyframe.stamp) for keyframe in grown.keyframes}) > 6
+    kept.delete("grown")
 
 
 def test_configured_to_it_begins_on_a_kept_map(kept: MapLibrary) -> None:

@@ -61,7 +61,8 @@ class Slam:
     """Follows the robot and, unless ``frozen``, maps as it goes. Not to be called from two threads at once.
 
     The map begins with the robot at ``X_MB``; with ``state``, it is the one that was kept, and the robot is about
-    at ``X_MB`` on it. ``frozen``: the map stays as it is, memory too. ``optimize`` corrects the graph.
+    at ``X_MB`` on it: how surely, ``covariance`` says (as of :class:`Match`) where it is known. ``frozen``: the map
+    stays as it is, memory too. ``optimize`` corrects the graph.
     """
 
     def __init__(
@@ -72,6 +73,7 @@ class Slam:
         X_MB: Pose2 | None = None,
         frozen: bool = False,
         optimize: Optimize = optimized,
+        covariance: NDArray[np.float64] | None = None,
     ) -> None:
         self.settings = settings or SlamSettings()
         self._optimize = optimize
@@ -103,6 +105,8 @@ class Slam:
         self._local: LocalMap | None = None
         self._placed = False
         self.place(X_MB or Pose2())
+        if covariance is not None:
+            self._covariance = covariance
 
     def place(self, X_MB: Pose2) -> None:
         """The robot is about at ``X_MB``: it is looked for around there in the next scan."""
@@ -187,6 +191,11 @@ class Slam:
         self._X_MB = self._poses[self._keyframe] @ self._X_KB
         self._moved = True
         self._version += 1
+
+    @property
+    def X_MO(self) -> Pose2:
+        """Where odometry's frame is on the map: by the last scan, and by what was corrected since."""
+        return self._X_MB if self._X_OB is None else self._X_MB @ self._X_OB.inverse()
 
     @property
     def version(self) -> int:

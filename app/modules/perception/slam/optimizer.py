@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import ctypes
 import multiprocessing
 import os
+import signal
+import sys
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 
@@ -14,6 +17,7 @@ from app.modules.perception.slam.pose_graph import GraphArrays, optimized
 
 #: The driving itself comes first.
 _NICENESS = 5
+_PR_SET_PDEATHSIG = 1
 
 
 class OptimizerProcess:
@@ -22,11 +26,15 @@ class OptimizerProcess:
     Called by one thread at a time, which waits meanwhile without the interpreter's lock; :meth:`close` ends it.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, least_edges: int = 0) -> None:
+        """Graphs of fewer than ``least_edges`` are solved here: that takes less than the handing over."""
+        self._least_edges = least_edges
         self._pool: ProcessPoolExecutor | None = None
 
     def __call__(self, graph: GraphArrays) -> NDArray[np.float64]:
         """The corrected poses (N, 3). A process that was killed is replaced; the second time, BrokenProcessPool."""
+        if len(graph.ends) < self._least_edges:
+            return optimized(graph)
         try:
             return self._running().submit(optimized, graph).result()
         except BrokenProcessPool:
@@ -48,6 +56,10 @@ class OptimizerProcess:
 
 
 def _begin() -> None:
+    """Leave Ctrl-C to the parent, and do not outlive it."""
     import gtsam  # noqa: F401
 
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if sys.platform == "linux":
+        ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
     os.nice(_NICENESS)

@@ -17,6 +17,43 @@ FITS, FITS_NOT = 0.6, 0.45
 _SIGMAS = (0.3, 0.15)
 
 
+class FitWatch:
+    """Whether the robot is lost: it is once scans have not fitted for ``lost_after_s``, and stays so until the share
+    ``sure`` of each has lain on the map for ``sure_after_s``, for a scan or two fit everywhere. Stamps and times in s.
+    """
+
+    def __init__(self, lost_after_s: float, sure_after_s: float) -> None:
+        self._lost_after_s = lost_after_s
+        self._sure_after_s = sure_after_s
+        self.begin()
+
+    def begin(self) -> None:
+        """The robot was placed anew."""
+        self.lost = False
+        self._fitted: float | None = None
+        self._misfitted = 0.0
+        self._misfits = 0
+
+    def see(self, stamp: float, inliers: float, fits: bool, sure: float = FITS, least: int = 1) -> None:
+        """A scan of which the share ``inliers`` lies on the map. Fewer than ``least`` in a row that do not fit say
+        nothing, however far apart they are.
+        """
+        if self._fitted is None:
+            self._fitted, self._misfitted = stamp, stamp
+        if inliers < sure:
+            self._misfitted = stamp
+        if self.lost:
+            fits = stamp - self._misfitted > self._sure_after_s
+        self._misfits = 0 if fits else self._misfits + 1
+        if fits:
+            self._fitted, self.lost = stamp, False
+        self.lost = self.lost or (self._misfits >= least and self.unfit_s(stamp) > self._lost_after_s)
+
+    def unfit_s(self, stamp: float) -> float:
+        """For how long scans have not fitted now."""
+        return 0.0 if self._fitted is None else stamp - self._fitted
+
+
 def spread_of(places: Sequence[Pose2], grid: OccupancyGrid | None) -> NDArray[np.float64]:
     """(3, 3) covariance of x, y (m^2) and heading (rad^2) where the robot may be at any of ``places``, the likeliest
     first; of the whole map where there is none.

@@ -118,7 +118,8 @@ def without(edges: Iterable[Edge], removed: int) -> list[Edge]:
     """``edges`` that say the same of all keyframes but ``removed``.
 
     What hung on it hangs, through the surest of its edges, on that one's other end instead: a star, where Kretzschmar
-    and Stachniss (2012) make a tree.
+    and Stachniss (2012) make a tree. What is surely joined already is not joined once more: or edges would grow with
+    the time that a place is passed, while its keyframes do not.
     """
     kept: list[Edge] = []
     touching: list[Edge] = []
@@ -128,12 +129,24 @@ def without(edges: Iterable[Edge], removed: int) -> list[Edge]:
     if hub is None:
         return kept
     X_hr = hub.X_ab.inverse()
-    kept.extend(
-        Edge(hub.b, spoke.b, X_hr @ spoke.X_ab, _summed(hub, spoke), hub.loop or spoke.loop)
-        for spoke in (_from(edge, removed) for edge in touching)
-        if spoke.b != hub.b
-    )
-    return kept
+    joined = {edge.b + edge.a - hub.b: edge for edge in kept if hub.b in (edge.a, edge.b)}
+    replaced: set[int] = set()
+    for spoke in (_from(edge, removed) for edge in touching):
+        if spoke.b == hub.b:
+            continue
+        edge = Edge(hub.b, spoke.b, X_hr @ spoke.X_ab, _summed(hub, spoke), hub.loop or spoke.loop)
+        before = joined.get(spoke.b)
+        if before is not None and _sureness(before) >= _sureness(edge):
+            continue
+        if before is not None:
+            replaced.add(id(before))
+        joined[spoke.b] = edge
+        kept.append(edge)
+    return [edge for edge in kept if id(edge) not in replaced] if replaced else kept
+
+
+def _sureness(edge: Edge) -> tuple[bool, float]:
+    return not edge.loop, edge.information[0]
 
 
 def _from(edge: Edge, id: int) -> Edge:

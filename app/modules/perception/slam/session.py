@@ -7,6 +7,7 @@ long). The two share nothing but frozen values.
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,6 +20,7 @@ from app.geometry import Pose2
 from app.maps.control import MapUnavailable
 from app.maps.library import GRAPH, MapLibrary
 from app.messages import LaserScan, OccupancyGrid, Zone, read_only
+from app.modules.perception.slam.beams import BeamsOf
 from app.modules.perception.slam.drawing import GLANCES, Glance, MapDrawing
 from app.modules.perception.slam.field import PlaceField
 from app.modules.perception.slam.grid_views import state_of
@@ -26,8 +28,8 @@ from app.modules.perception.slam.loop_closure import LoopJob, LoopOutcome
 from app.modules.perception.slam.mapper import Slam
 from app.modules.perception.slam.occupancy import OccupancyCounts, cropped, view_of
 from app.modules.perception.slam.place import FITS
+from app.modules.perception.slam.pose_graph import Optimize, optimized
 from app.modules.perception.slam.relocalization import Place, PlaceSearch, Sighting
-from app.modules.perception.slam.scans import Beams
 from app.modules.perception.slam.storage import read_state, write_state
 from app.modules.perception.slam.values import Keyframe, Match, SlamState
 
@@ -35,6 +37,8 @@ from app.modules.perception.slam.values import Keyframe, Match, SlamState
 GLANCE_S = 1.0
 #: Something moved where more than this share of the rays are longer or shorter by this (m).
 MOVED_SHARE, MOVED_M = 0.015, 0.25
+#: Odometry that goes farther than this (m), and faster (m/s), has begun anew.
+LEAP_M, LEAP_MPS = 2.0, 10.0
 #: Keyframes drawn before other work has its turn.
 _DRAWN_AT_ONCE = 50
 
@@ -96,11 +100,14 @@ class MapSession:
         X_MO: Pose2 | None = None,
         cell_m: float = 0.05,
         side_m: float = 50.0,
+        optimize: Optimize = optimized,
     ) -> None:
         """*Behind.* An empty map, which begins around the robot, or one that was kept.
 
         That is ``grid``, with ``state`` where it has one. ``X_MO`` says where the robot is on it; None: nobody knows.
+        ``optimize`` corrects the graph.
         """
+        self._optimize = optimize
         self.grows = grows
         self.extendable = grid is None or state is not None
         #: The cells as drawn last; those that were kept, of a map that stays.
@@ -110,7 +117,8 @@ class MapSession:
         self._frozen = False
         #: The robot is to be followed from here; on an empty map, wherever odometry says it is.
         self._X_MO = X_MO
-        self._X_MB = Pose2()
+        #: When a scan was followed last, where odometry had the body then, and how sure its place was.
+        self._last: tuple[float, Pose2, NDArray[np.float64]] | None = None
         #: Nobody knows where the robot is.
         self.lost = X_MO is None and grid is not None
         self._drawing = MapDrawing(OccupancyCounts(cell_m, side_m)) if grows else None
@@ -118,7 +126,7 @@ class MapSession:
         self._glanced = -math.inf
         self._looked_at: tuple[int, NDArray[np.float32]] | None = None
         self._quiet = 0
-        self._beams: tuple[object, Beams] | None = None
+        self._beams = BeamsOf()
 
     # --- Ahead -----------------------------------------------------------------------------------------------------
 
@@ -135,6 +143,11 @@ class MapSession:
             scan = replace(scan, ranges=thin[0], intensities=thin[1], angle_increment=increment)
         slam = self._slam
         frozen = not (self.grows and maps)
+        if self._last is not None and slam is not None and self._X_MO is None and not self.lost:
+            before, X_OB_before, _ = self._last
+            if _leapt(X_OB_before.inverse() @ X_OB, scan.stamp - before):
+                # Odometry began anew; the robot did not move.
+                self._X_MO = slam.X_MO @ X_OB_before @ X_OB.inverse()
         if self._X_MO is not None:
             slam = self._follow_from(self._X_MO @ X_OB, frozen)
         elif self.lost:
@@ -142,9 +155,9 @@ class MapSession:
         elif slam is None:
             slam = self._follow_from(Pose2(), frozen=False)
         elif frozen != self._frozen and slam.keyframes:
-            slam = self._follow_from(self._X_MB, frozen)
-        match = slam.add(scan.stamp, scan.ranges, self._beams_of(scan), X_OB, twist, scan.duration_s)
-        self._X_MB = match.X_MB
+            slam = self._follow_from(slam.X_MO @ X_OB, frozen, None if self._last is None else self._last[2])
+        match = slam.add(scan.stamp, scan.ranges, self._beams(scan), X_OB, twist, scan.duration_s)
+        self._last = scan.stamp, X_OB, match.covariance
         job = None if self._frozen else slam.pending()
         glance = None if self._frozen else self._glance(scan, match)
         return Followed(match, job, glance, slam, slam.version)
@@ -181,9 +194,9 @@ class MapSession:
             return None
         return self._state if self._slam is None else self._slam.state()
 
-    def _follow_from(self, X_MB: Pose2, frozen: bool) -> Slam:
+    def _follow_from(self, X_MB: Pose2, frozen: bool, covariance: NDArray[np.float64] | None = None) -> Slam:
         state = self._state if self._slam is None else self._slam.state()
-        slam = Slam(state=state, X_MB=X_MB, frozen=frozen)
+        slam = Slam(state=state, X_MB=X_MB, frozen=frozen, optimize=self._optimize, covariance=covariance)
         self._slam, self._frozen, self._X_MO = slam, frozen, None
         return slam
 
@@ -199,18 +212,6 @@ class MapSession:
             self._quiet = 0
         self._quiet += 1
         return Glance(match.keyframe, match.X_KB, view_of(scan)) if self._quiet <= GLANCES else None
-
-    def _beams_of(self, scan: LaserScan) -> Beams:
-        key = (
-            len(scan.ranges), scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max,
-            *scan.X_BL.translation.tolist()[:2], *scan.X_BL.rotation[:2, 0].tolist(),
-        )  # fmt: skip
-        if self._beams is None or self._beams[0] != key:
-            angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges), dtype=np.float64)
-            x, y = scan.X_BL.translation.tolist()[:2]
-            c, s = scan.X_BL.rotation[:2, 0].tolist()
-            self._beams = key, Beams(angles, scan.range_min, scan.range_max, Pose2(x, y, math.atan2(s, c)))
-        return self._beams[1]
 
     # --- Behind ----------------------------------------------------------------------------------------------------
 
@@ -236,6 +237,11 @@ class MapSession:
         if self.grid is None or not (self.grid.cells >= 0).any():
             return None
         return PlaceSearch(PlaceField(self.grid))
+
+
+def _leapt(step: Pose2, seconds: float) -> bool:
+    """Whether odometry says what no body does."""
+    return math.hypot(step.x, step.y) > LEAP_M + LEAP_MPS * max(0.0, seconds)
 
 
 def differ(before: NDArray[np.float32], now: NDArray[np.float32]) -> bool:
@@ -266,6 +272,8 @@ def keep(library: MapLibrary, name: str, grid: OccupancyGrid, zones: tuple[Zone,
     def write_graph(path: Path) -> None:
         assert state is not None
         write_state(path, state)
+        with path.open("rb") as file:
+            os.fsync(file.fileno())
 
     try:
         library.keep(name, shown, zones, {} if state is None else {GRAPH: write_graph})

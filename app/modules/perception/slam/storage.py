@@ -103,6 +103,10 @@ def _state(a: Mapping[str, NDArray[Any]]) -> SlamState:
     submaps = _split(_checked(a, "submap", np.int64, (-1,)), a, "submap_of", None)
     if not known.issuperset(pairs.ravel().tolist()) or not known.issuperset(a["submap"].tolist()):
         raise ValueError("it names keyframes that it does not have")
+    if not all(len(submap) for submap in submaps):
+        raise ValueError("a submap has no keyframe")
+    if not (information > 0).all():
+        raise ValueError("edge_information is not above 0")
     edges = tuple(
         Edge(int(one), int(other), Pose2(*X.tolist()), (float(w[0]), float(w[1]), float(w[2])), bool(loop))
         for (one, other), X, w, loop in zip(pairs, measured, information, loops, strict=True)

@@ -67,6 +67,22 @@ def test_the_rest_stays_where_it_was_when_keyframes_are_removed(removed: set[int
     assert worst(optimized(graph_arrays(shaken, left)), list(rest.values())) < 0.01
 
 
+def test_a_place_passed_for_ever_is_joined_no_more_often() -> None:
+    edges = [Edge(0, 1, Pose2(1.0, 0.0, 0.0), SURE, loop=False)]
+    for id in range(2, 60):
+        edges += [Edge(0, id, Pose2(0.5, 0.0, 0.0), SURE, loop=True), Edge(1, id, Pose2(-0.5, 0.0, 0.0), SURE, True)]
+        edges = without(edges, id)
+    assert edges == [Edge(0, 1, Pose2(1.0, 0.0, 0.0), SURE, loop=False)]
+
+
+def test_a_surer_way_round_replaces_what_joins_two() -> None:
+    weak = Edge(0, 1, Pose2(1.2, 0.0, 0.0), (1.0, 1.0, 1.0), loop=True)
+    round_about = [Edge(0, 2, Pose2(0.5, 0.0, 0.0), SURE, False), Edge(2, 1, Pose2(0.5, 0.0, 0.0), SURE, False)]
+    (left,) = without([weak, *round_about], 2)
+    assert {left.a, left.b} == {0, 1}
+    assert abs(left.X_ab.x) == 1.0
+
+
 def test_the_oldest_of_what_shows_the_same_goes() -> None:
     poses = {id: Pose2(0.5, 0.5, 0.1) for id in range(30)} | {99: Pose2(5.5, 0.5, 0.1)}
     assert redundant(poses, {3}, per_m2=10, sectors=4) == [*range(3), *range(4, 21)]

@@ -44,12 +44,13 @@ def states(draw: st.DrawFn) -> SlamState:
             )
         )
     one = st.sampled_from(ids) if ids else st.nothing()
-    edges = st.builds(Edge, one, one, poses, st.tuples(numbers, numbers, numbers), st.booleans())
+    sure = st.floats(1e-6, 1e9)
+    edges = st.builds(Edge, one, one, poses, st.tuples(sure, sure, sure), st.booleans())
     return SlamState(
         tuple(keyframes),
         tuple(draw(poses) for _ in ids),
         tuple(draw(st.lists(edges, max_size=4))) if ids else (),
-        tuple(draw(st.lists(st.lists(one, max_size=4).map(tuple), max_size=3))) if ids else (),
+        tuple(draw(st.lists(st.lists(one, min_size=1, max_size=4).map(tuple), max_size=3))) if ids else (),
     )
 
 
@@ -118,6 +119,16 @@ def changed(written: Path, tmp_path: Path, **arrays: Any) -> Path:
         ({"stamp": np.array(["now"])}, "stamp has 1 dimensions of <U3"),
         ({"points_of": np.array([0, 1, 2])}, "points_of has the shape"),
         ({"edge": np.array([[0, 10**9]])}, "damaged"),
+        ({"submap": np.array([0]), "submap_of": np.array([0, 1, 1])}, "a submap has no keyframe"),
+        (
+            {
+                "edge": np.array([[0, 1]]),
+                "edge_pose": np.zeros((1, 3)),
+                "edge_information": np.zeros((1, 3)),
+                "edge_loop": np.array([False]),
+            },
+            "edge_information is not above 0",
+        ),
         ({"submap": np.array([10**9]), "submap_of": np.array([0, 1])}, "keyframes that it does not have"),
     ],
 )
