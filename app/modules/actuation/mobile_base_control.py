@@ -143,7 +143,7 @@ class MobileBaseControl(Module):
         if not self._scans.connected or not sees or not body.footprint:
             why = "has no laser" if not sees else "has no footprint" if self._scans.connected else "has no input scans"
             who = self.name if sees and body.footprint else body.name
-            self.log.info("%s %s: nothing keeps it from driving into things", who, why)
+            self.log.warning("%s %s: nothing keeps it from driving into things", who, why)
             return None
         try:
             monitor = CollisionMonitor(body.footprint, body.limits, self.settings.monitor.rules())

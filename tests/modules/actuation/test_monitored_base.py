@@ -146,7 +146,7 @@ def test_without_a_fresh_scan_nothing_drives() -> None:
             await d.go(1.0, 0.4)
             stopped = next(when for when, twist in d.bench.link.commands if twist.linear_mps == 0.0)
             assert 0.3 <= stopped - last <= 0.35
-            assert "stopped: the laser has given no scan for" in d.limited
+            assert d.limited == "stopped: the laser gives no new scans"
             d.override = True
             await d.go(0.5, 0.4)
             assert d.sent.linear_mps == pytest.approx(0.1)
@@ -272,8 +272,8 @@ def test_a_body_without_laser_or_footprint_has_no_monitor_and_says_so_once(
 
     with caplog.at_level(logging.INFO, "hbba"):
         run_virtual(main())
-    assert [r.message for r in caplog.records if "driving into things" in r.message] == [
-        f"a test body has no {without}: nothing keeps it from driving into things"
+    assert [(r.levelname, r.message) for r in caplog.records if "driving into things" in r.message] == [
+        ("WARNING", f"a test body has no {without}: nothing keeps it from driving into things")
     ]
 
 

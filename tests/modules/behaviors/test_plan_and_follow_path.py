@@ -196,7 +196,7 @@ async def test_scans_that_stop_coming_stop_it() -> None:
         async with Living(world, drive.bench, scans=False):
             await drive.bench.clock.sleep(1.5)
         assert drive.status.state == "waiting"
-        assert "laser scan is" in drive.status.reason
+        assert "laser scan is too old" in drive.status.reason
         assert abs(world.linear) < 0.01
 
 

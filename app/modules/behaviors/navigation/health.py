@@ -53,7 +53,8 @@ def unfit(
     depth: DepthWatch | None,
     limit_s: float = 0.3,
 ) -> str:
-    """Why the robot must not be driven, in words; "" if it may. ``depth`` None: a body without such a camera.
+    """Why the robot must not be driven, in words that stay while it is so; "" if it may. ``depth`` None: a body without
+    such a camera.
 
     Sensors must not be older than ``limit_s``: the laser's newest scan, and the newest depth picture that was alive.
     """
@@ -62,7 +63,7 @@ def unfit(
     if not now - scan_stamp >= -limit_s:
         return "the laser's stamps are not of the robot's clock"
     if now - scan_stamp > limit_s:
-        return f"the newest laser scan is {now - scan_stamp:.1f} s old, {limit_s:g} s is the limit"
+        return f"the laser scan is too old: the laser or this computer is too slow; {limit_s:g} s is the limit"
     if depth is None:
         return ""
     if depth.good is None:
@@ -70,8 +71,9 @@ def unfit(
     if not now - depth.good >= -limit_s:
         return "the depth camera's stamps are not of the robot's clock"
     if now - depth.good > limit_s:
-        age = f"the newest good depth picture is {now - depth.good:.1f} s old, {limit_s:g} s is the limit"
-        return f"{depth.problem}: {age}" if depth.problem else age
+        if depth.problem:
+            return depth.problem
+        return f"the depth picture is too old: the camera or this computer is too slow; {limit_s:g} s is the limit"
     return ""
 
 

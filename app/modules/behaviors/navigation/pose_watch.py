@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from app.geometry import Pose2
 from app.messages import Localization, Odometry
 from app.modules.behaviors.navigation.motion import Motion
@@ -13,6 +15,7 @@ _ODOMETRY_S = 0.3
 _LOCALIZATION_S = 1.0
 _PERIODS = 1.5
 _LONGEST_S = 5.0
+_NO_ODOMETRY = "there is no odometry: the wheels' encoders give nothing"
 
 
 class PoseWatch:
@@ -26,14 +29,16 @@ class PoseWatch:
 
     def feel(self, odometry: Odometry) -> None:
         """Take odometry."""
-        self._buffer.add(odometry.stamp, odometry.X_OB)
+        if math.isfinite(odometry.stamp):
+            self._buffer.add(odometry.stamp, odometry.X_OB)
         self._odometry = odometry
 
     def localize(self, localization: Localization) -> None:
         """Take what localization says."""
         before = self.localization
         if before is not None:
-            self._period_s = min(max(localization.stamp - before.stamp, 0.0), _LONGEST_S)
+            period_s = localization.stamp - before.stamp
+            self._period_s = min(max(period_s, 0.0), _LONGEST_S) if math.isfinite(period_s) else 0.0
         self.localization = localization
 
     def at(self, stamp: float) -> Pose2 | None:
@@ -51,7 +56,8 @@ class PoseWatch:
         if newest is None:
             return None
         motion = Motion(newest.X_OB, newest.linear_mps, newest.angular_radps)
-        return motion.after(min(max(now - newest.stamp, 0.0), 0.1))
+        age_s = now - newest.stamp
+        return motion.after(min(max(age_s, 0.0), 0.1) if math.isfinite(age_s) else 0.0)
 
     def X_MB(self, now: float) -> Pose2 | None:
         """The body on the map now; None without odometry or localization."""
@@ -60,8 +66,13 @@ class PoseWatch:
 
     def problem(self, now: float) -> str:
         """Why the poses must not be driven by, in words for people; "" if they may."""
-        if self._odometry is None or now - self._odometry.stamp > _ODOMETRY_S:
-            return "there is no odometry: the wheels' encoders give nothing"
+        if self._odometry is None:
+            return _NO_ODOMETRY
+        # One that is not a number is neither old nor ahead.
+        if not now - self._odometry.stamp >= -_ODOMETRY_S:
+            return "odometry's stamps are not of the robot's clock"
+        if now - self._odometry.stamp > _ODOMETRY_S:
+            return _NO_ODOMETRY
         where = self.localization
         if where is None:
             return "it does not know where it is: nothing localizes it yet"
@@ -73,6 +84,8 @@ class PoseWatch:
             case _:
                 return "it is lost: what the laser sees does not fit the map; drive it a little, or say where it is"
         age_s = now - where.stamp
+        if not age_s >= -_ODOMETRY_S:
+            return "localization's stamps are not of the robot's clock"
         if age_s > min(_LOCALIZATION_S + _PERIODS * self._period_s, _LONGEST_S):
-            return f"it was last localized {age_s:.1f} s ago"
+            return "it has not been localized for too long: SLAM or this computer is too slow"
         return ""

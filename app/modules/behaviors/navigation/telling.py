@@ -12,12 +12,14 @@ _AGAIN_S = 0.5
 
 
 class Teller:
-    """Publishes statuses, at most as often as there is something to tell, and logs states once each."""
+    """Publishes statuses, at most as often as there is something to tell, and logs a state once on entering, and each new reason in it."""
 
     def __init__(self, publish: Callable[[NavigationStatus], None], log: logging.Logger) -> None:
         self._publish = publish
         self._log = log
         self.told: NavigationStatus | None = None
+        #: Reasons logged since the state was entered.
+        self._logged: set[str] = set()
 
     @property
     def idle(self) -> bool:
@@ -31,10 +33,17 @@ class Teller:
             again = status.state != "idle" and status.stamp - told.stamp >= _AGAIN_S - 1e-6
             if not again:
                 return
+        if told is None or told.state != status.state:
+            self._logged.clear()
         if told is not None and (told.state, told.reason) != (status.state, status.reason):
-            self._log.info("%s%s", status.state, f": {status.reason}" if status.reason else "")
+            self._log_once(status)
         self.told = status
         self._publish(status)
+
+    def _log_once(self, status: NavigationStatus) -> None:
+        if status.reason not in self._logged:
+            self._logged.add(status.reason)
+            self._log.info("%s%s", status.state, f": {status.reason}" if status.reason else "")
 
 
 def _is_news(told: NavigationStatus, status: NavigationStatus) -> bool:

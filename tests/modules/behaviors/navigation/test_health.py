@@ -27,6 +27,10 @@ def scan(range_m: float) -> LaserScan:
     return LaserScan(0.0, "hokuyo", ranges, ranges, -math.pi / 2, math.pi / 180, 0.1, 30.0, 0.0125, X_BL)
 
 
+OLD_SCAN = "the laser scan is too old: the laser or this computer is too slow; 0.3 s is the limit"
+OLD_PICTURE = "the depth picture is too old: the camera or this computer is too slow; 0.3 s is the limit"
+
+
 def test_fresh_sensors_may_be_driven_by() -> None:
     watch = watch_depth(DepthWatch(), picture(10.0, alive(0)))
     assert watch.problem == ""
@@ -38,8 +42,10 @@ def test_old_and_missing_sensors_may_not() -> None:
     watch = watch_depth(DepthWatch(), picture(10.0, alive(0)))
     assert unfit(10.2, None, watch) == "no laser scan has come yet"
     assert unfit(10.2, 10.2, DepthWatch()) == "no depth picture has come yet"
-    assert unfit(10.8, 10.4, watch) == "the newest laser scan is 0.4 s old, 0.3 s is the limit"
-    assert unfit(10.8, 10.8, watch) == "the newest good depth picture is 0.8 s old, 0.3 s is the limit"
+    assert unfit(10.8, 10.4, watch) == OLD_SCAN
+    assert unfit(10.8, 10.8, watch) == OLD_PICTURE
+    assert unfit(19.8, 19.8, watch) == OLD_PICTURE, "a state is told in one sentence, not in one for each age"
+    assert unfit(19.8, 10.4, watch) == OLD_SCAN
 
 
 @pytest.mark.parametrize("off_s", [5.0, math.nan])
@@ -67,7 +73,7 @@ def test_a_camera_that_goes_on_sending_dead_pictures_may_not(depth: NDArray[np.u
         assert watch.problem == said
         assert watch.good == 10.0
     now = 10.0 + 7 / 15
-    assert unfit(now, now, watch) == f"{said}: the newest good depth picture is 0.5 s old, 0.3 s is the limit"
+    assert unfit(now, now, watch) == said
     assert unfit(now, now, watch_depth(watch, picture(now, alive(2)))) == "", "it lives again"
 
 
