@@ -1,0 +1,58 @@
+"""Which poses may be driven by."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from app.geometry import Pose2
+from app.messages import Localization, Odometry
+from app.modules.behaviors.navigation.pose_watch import PoseWatch
+
+NOW = 10.0
+
+
+def odometry(stamp: float) -> Odometry:
+    return Odometry(stamp, Pose2(), 0.0, 0.0)
+
+
+def localization(stamp: float) -> Localization:
+    return Localization(stamp, Pose2(), Pose2(), np.zeros((3, 3)), "tracking", 1.0, "lab")
+
+
+def watch(moved: float = NOW, placed: float = NOW) -> PoseWatch:
+    poses = PoseWatch()
+    poses.feel(odometry(moved))
+    poses.localize(localization(placed))
+    return poses
+
+
+def test_fresh_poses_may_be_driven_by() -> None:
+    assert watch().problem(NOW) == watch(NOW - 0.2, NOW - 0.9).problem(NOW) == ""
+
+
+@pytest.mark.parametrize("off_s", [5.0, math.inf, math.nan])
+def test_poses_of_another_clock_may_not(off_s: float) -> None:
+    assert watch(moved=NOW + off_s).problem(NOW) == "odometry's stamps are not of the robot's clock"
+    assert watch(placed=NOW + off_s).problem(NOW) == "localization's stamps are not of the robot's clock"
+
+
+def test_a_stamp_that_is_no_number_leaves_the_place_one() -> None:
+    poses = watch(moved=math.nan)
+    assert poses.X_MB(NOW) == Pose2()
+    poses.feel(odometry(NOW))
+    assert poses.at(NOW) == Pose2()
+
+
+def test_one_bad_stamp_does_not_make_the_next_ones_last_longer() -> None:
+    poses = watch(placed=math.nan)
+    poses.localize(localization(NOW - 1.2))
+    assert poses.problem(NOW)
+
+
+def test_old_poses_may_not_and_the_words_stay() -> None:
+    said = {watch(placed=NOW - age_s).problem(NOW) for age_s in (1.1, 2.0, 60.0)}
+    assert said == {"it has not been localized for too long: SLAM or this computer is too slow"}
+    assert watch(moved=NOW - 0.4).problem(NOW).startswith("there is no odometry")
