@@ -30,7 +30,8 @@ class Patience:
     """Times in s. Without progress for ``insist_s`` the robot insists, for ``inhibit_s`` it inhibits others, for
     ``give_up_s`` it gives up; a goal called unreachable for ``unreachable_s`` is given up too. What was done about it
     stands for ``relief_s`` at least, so that it can help; but where it has led to nobody's going there for
-    ``unserved_s``, it was too much to ask for."""
+    ``unserved_s``, it was too much to ask for. It gets on again once it is
+    ``nearer_m`` (m) nearer: a robot that creeps is in distress all the same."""
 
     insist_s: float = 20.0
     inhibit_s: float = 40.0
@@ -38,6 +39,7 @@ class Patience:
     unreachable_s: float = 10.0
     relief_s: float = 20.0
     unserved_s: float = 5.0
+    nearer_m: float = 0.5
 
 
 class Level(Enum):
@@ -67,7 +69,8 @@ class Errand:
 class Distress:
     """What is remembered of the errand: what is done about it, since when; when people drove last; since when the goal
     has been called unreachable (None: it is not) and nobody has gone there; ``overreached``: that came of insisting,
-    which is not tried again."""
+    which is not tried again; ``furthest_m``: how long its way was at most since something is done about it (None:
+    nobody has said)."""
 
     goal: Pose2 | None = None
     given: float = -math.inf
@@ -77,6 +80,7 @@ class Distress:
     unreachable: float | None = None
     unserved: float | None = None
     overreached: bool = False
+    furthest_m: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,10 +170,17 @@ def decide(
             GiveUp(f"{why} ({details})" if details else why),
         )
     wanted = _level(stuck_s, patience)
+    if state.level is not Level.CALM and status.remaining_m is not None:
+        # A detour makes the way longer: getting on is from there.
+        state = replace(state, furthest_m=max(status.remaining_m, state.furthest_m or 0.0))
     if wanted.value > state.level.value and not state.overreached:
-        return replace(state, level=wanted, raised=now), (Raise(wanted, stuck_s),)
+        furthest = status.remaining_m if state.level is Level.CALM else state.furthest_m
+        return replace(state, level=wanted, raised=now, furthest_m=furthest), (Raise(wanted, stuck_s),)
     if state.level is not Level.CALM and wanted is Level.CALM and now - state.raised >= patience.relief_s:
-        return replace(state, level=Level.CALM), (Restore("it gets on again"),)
+        far, left = state.furthest_m, status.remaining_m
+        if far is not None and left is not None and far - left < patience.nearer_m:
+            return state, ()
+        return replace(state, level=Level.CALM, furthest_m=None), (Restore("it gets on again"),)
     return state, ()
 
 

@@ -30,9 +30,16 @@ PATIENCE = Patience(insist_s=20, inhibit_s=40, give_up_s=90, unreachable_s=5, re
 
 
 def status(
-    stamp: float, state: str = "following", progress: float | None = GIVEN, reason: str = "", goal: Pose2 = GOAL
+    stamp: float,
+    state: str = "following",
+    progress: float | None = GIVEN,
+    reason: str = "",
+    goal: Pose2 = GOAL,
+    left_m: float | None = None,
 ) -> NavigationStatus:
-    return NavigationStatus(stamp, "PlanAndFollowPath", state, reason, goal, goal, 2.0, progress)
+    # It is neared by as much as there was progress, unless said.
+    left_m = 50.0 - 0.1 * ((progress or GIVEN) - GIVEN) if left_m is None else left_m
+    return NavigationStatus(stamp, "PlanAndFollowPath", state, reason, goal, goal, left_m, progress)
 
 
 @dataclass
@@ -104,6 +111,20 @@ def test_getting_on_again_restores_everything_but_not_at_once() -> None:
     assert story.acts[1:] == [(40, Restore("it gets on again"))]
     story.until(81, lambda now: status(now, progress=GIVEN + 60))
     assert list(story.said())[2:] == [(80, "INSISTING")], "and the next distress is a new one"
+
+
+def test_creeping_is_no_getting_on() -> None:
+    story = Story()
+    story.until(21, lambda now: status(now, left_m=3.0))
+    # 0.2 m in two minutes, which a behavior calls progress now and then.
+    story.until(141, lambda now: status(now, progress=now - (now % 20), left_m=3.0 - 0.2 * (now - GIVEN - 21) / 120))
+    assert list(story.said()) == [(20, "INSISTING")], "it neither ends nor begins anew"
+    # A detour is a longer way; half a metre of that is getting on.
+    story.until(142, lambda now: status(now, progress=now, left_m=5.0))
+    story.until(150, lambda now: status(now, progress=now, left_m=4.6))
+    assert len(story.acts) == 1
+    story.until(151, lambda now: status(now, progress=now, left_m=4.4))
+    assert story.acts[1:] == [(150.25, Restore("it gets on again"))]
 
 
 @pytest.mark.parametrize("after", ["arrived", "another", "none", "unreachable"])

@@ -51,6 +51,7 @@ class Life:
         merged = {**SETTINGS, **(settings or {})}
         self.bench = Bench(MODULE, inputs=inputs or PORTS, services=services, settings=merged)
         self.progress: float | None = None
+        self.left_m = 2.0
 
     def go(self, x: float = 3.0, y: float = 4.0, heading: float | None = None, **options: Any) -> Desire:
         params = {"x": x, "y": y, "heading": heading}
@@ -65,7 +66,7 @@ class Life:
             goal = Pose2(desire.params["x"], desire.params["y"], math.nan if heading is None else heading)
         now = self.bench.clock.now()
         behavior = {"navigation": "PlanAndFollowPath", "going_toward": "GoToward"}[port]
-        self.bench.feed(port, NavigationStatus(now, behavior, state, reason, goal, goal, 1.0, self.progress))
+        self.bench.feed(port, NavigationStatus(now, behavior, state, reason, goal, goal, self.left_m, self.progress))
 
     def drives(self, behavior: str | None, limited: str = "") -> None:
         now = self.bench.clock.now()
@@ -139,7 +140,7 @@ def test_distress_insists_inhibits_and_is_over_when_it_gets_on() -> None:
             await life.pass_time(5, "recovering", goal)
             assert life.workspace.strongest()["LocateFaces"].utility == 0, "silenced"
             assert life.workspace.strongest()["FindQRCodes"].security, "security is not"
-            life.progress = life.bench.clock.now()
+            life.progress, life.left_m = life.bench.clock.now(), 1.0
             await life.pass_time(4.5, "following", goal)
             assert life.workspace.get(goal.id) == goal
             assert life.workspace.strongest()["LocateFaces"] == faces
@@ -209,7 +210,7 @@ def test_a_desire_that_people_change_meanwhile_stays_as_they_want_it() -> None:
             goal = life.go()
             await life.pass_time(6, "following", goal)
             life.workspace.change(goal.id, intensity=3.0)
-            life.progress = life.bench.clock.now()
+            life.progress, life.left_m = life.bench.clock.now(), 1.0
             await life.pass_time(5, "following", goal)
             assert (life.workspace.get(goal.id).intensity, life.workspace.get(goal.id).utility) == (3, 8)
 
