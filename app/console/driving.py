@@ -21,7 +21,8 @@ Notify = Callable[[str, Literal["info", "warning", "error"], str], None]
 
 class Driving:
     """The lease at work. ``notify(session, level, text)`` reaches one page; ``stopped()`` is called when the emergency
-    stop is latched, by whomever, so that a robot that is released does not set out again.
+    stop is latched, by whomever, and again when it is released, so that a robot that is released does not set out for
+    what was wanted before or meanwhile.
 
     ``channel`` takes the driver's commands; None: this program drives nothing, and nobody is given the wheel. Nor is
     anybody where what happens is a ``recording``.
@@ -80,13 +81,14 @@ class Driving:
     def clear_e_stop(self, session: str | None = None) -> None:
         """Release the latch; nothing moves before a fresh command."""
         if not self._is_in_vain(session):
+            self._stopped()
             self._link.clear_e_stop()
 
     def heed(self, status: LinkStatus) -> None:
         """Take over what the guard says of its latch."""
         if status.e_stopped != self._lease.e_stopped:
             self.handle(control.EmergencyStop(status.e_stopped))
-            if status.e_stopped and not self.recording:
+            if not self.recording:
                 self._stopped()
 
     def close(self) -> None:

@@ -28,7 +28,7 @@ async def test_a_goal_is_a_desire_and_a_second_one_replaces_it(client: httpx.Asy
     answer = await client.put("/goal", json={"x": 2, "y": 1.5, "heading": 4.0, "speed": 0.5}, headers=ANN)
     assert answer.status_code == 200, answer.text
     desire = models.DesireModel.model_validate(answer.json())
-    assert (desire.cls, desire.intensity, desire.utility) == ("GoTo", 8, 1)
+    assert (desire.cls, desire.intensity, desire.utility) == ("GoTo", 8, 4)
     assert (desire.source.kind, desire.source.name) == ("operator", "Ann")
     assert desire.params["heading"] == pytest.approx(4.0 - math.tau)
     assert (desire.params["x"], desire.params["y"], desire.params["speed"]) == (2, 1.5, 0.5)
@@ -127,8 +127,22 @@ async def test_whoever_stops_the_robot_it_does_not_set_out_again(
         await client.put("/goal", json={"x": 1, "y": 1})
         await stop()
         assert goals(system) == [], stop.__name__
+        system.workspace.add("GoTo", intensity=1, utility=1, source=own, params={"x": 8, "y": 8})
         await client.delete("/robot/e-stop")
+        assert goals(system) == [], "what was wanted while it was stopped is not set out for at its release"
         body.emit_status(system.clock.now())
+
+
+async def test_no_goal_is_taken_while_the_emergency_stop_is_latched(
+    client: httpx.AsyncClient, system: System, body: Body
+) -> None:
+    await client.post("/robot/e-stop")
+    document = is_problem(await client.put("/goal", json={"x": 1, "y": 1}), 409, "e-stop-latched")
+    assert document["detail"] == "The emergency stop is latched: release it first."
+    assert goals(system) == []
+    await client.delete("/robot/e-stop")
+    body.emit_status(system.clock.now())
+    assert (await client.put("/goal", json={"x": 1, "y": 1})).status_code == 200
 
 
 async def test_a_goal_on_one_map_is_none_on_another(client: httpx.AsyncClient, system: System) -> None:
