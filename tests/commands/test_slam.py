@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import os
 from pathlib import Path
@@ -81,6 +82,8 @@ def test_a_carmen_log_is_mapped_and_fewer_scans_are_taken(log: Path, capsys: pyt
         (["{log}", "--reference", "{folder}/bad.txt"], "--reference"),
         (["{folder}/other.npz"], "has no array ranges and no array pose; it has x"),
         (["{folder}/shape.npz"], "must be (N, B) numbers"),
+        (["{folder}/blind.npz"], "has no scan with odometry to it that shows anything"),
+        (["{folder}/times.npz"], "`stamp` must be times in s, every one a finite number"),
         (["{log}", "--out", "{log}"], "--out: {log} is a file"),
         (["{folder}/true.log", "--range-max", "5"], "--range-max is for .npz"),
         (["{folder}/true.log", "--scans", "left"], "no such channel 'left'; it has scan"),
@@ -94,11 +97,33 @@ def test_mistakes_are_told_in_a_sentence(
     (folder / "far.txt").write_text("0 99999 0 0 0\n")
     np.savez(folder / "other.npz", x=np.zeros(3))
     np.savez(folder / "shape.npz", ranges=np.zeros((3, 180)), pose=np.zeros((2, 3)))
+    np.savez(folder / "blind.npz", ranges=np.full((9, 180), np.inf), pose=np.zeros((9, 3)))
+    np.savez(folder / "times.npz", ranges=np.ones((3, 180)), pose=np.zeros((3, 3)), stamp=np.array(["a", "b", "c"]))
     names = {"log": str(log), "folder": str(folder)}
     assert main(["slam", *(argument.format(**names) for argument in arguments)]) == 2
     captured = capsys.readouterr()
     assert said.format(**names) in captured.err
     assert "Traceback" not in captured.err
+
+
+def test_a_log_that_shows_nothing_at_first_is_mapped_from_where_it_does(
+    log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with np.load(log) as whole:
+        ranges, poses = whole["ranges"].copy(), whole["pose"]
+    ranges[:5] = np.inf
+    np.savez(tmp_path / "late.npz", ranges=ranges, pose=poses)
+    assert main(["slam", str(tmp_path / "late.npz"), "--relations", str(log.parent / "relations.txt"), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["intact"]
+    assert told["relations"]["mean_m"] < 0.02
+
+
+def test_a_log_that_was_cut_off_says_so(log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    packed = gzip.compress((log.parent / "true.log").read_bytes())
+    (tmp_path / "cut.log.gz").write_bytes(packed[: len(packed) // 2])
+    assert main(["slam", str(tmp_path / "cut.log.gz")]) == 0
+    assert "ends in the middle of its packed text" in capsys.readouterr().out
 
 
 @pytest.mark.slow

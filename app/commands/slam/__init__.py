@@ -68,7 +68,7 @@ def run(args: argparse.Namespace) -> int:
 
         log = mapped(source.sweeps, phi=args.phi, tell=lambda done, text: progress(done, source.count, text))
     if not log.rows:
-        raise ConfigError(f"{args.log}: has no scan with odometry to it")
+        raise ConfigError(f"{args.log}: has no scan with odometry to it that shows anything")
     document = figures(source, log, args.phi, relations, reference)
     if args.out is not None:
         from app.commands.slam.outputs import write

@@ -77,7 +77,9 @@ def open_sweeps(args: argparse.Namespace) -> SweepSource:
     odometry = _channel(
         path, {n: c.message_type for n, c in channels.items()}, Odometry, args.odometry, "--odometry", "odometry"
     )
-    source = SweepSource(path, channels[scans].count, iter(()), notes=list(log.info.notes))
+    # Topics that are of no use here go without saying; a log that ends too soon does not.
+    unread = [f"not read: {what}: {why}" for what, why in log.info.ignored.items() if not what.startswith("/")]
+    source = SweepSource(path, channels[scans].count, iter(()), notes=[*log.info.notes, *unread])
     source.sweeps = _of_log(source, log, scans, odometry)
     return source
 
@@ -184,7 +186,7 @@ def _loaded(path: Path) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any] | None
             f"{path}: has no array {' and no array '.join(missing)}; it has {', '.join(arrays) or 'none'}"
         )
     ranges, poses = arrays["ranges"], arrays["pose"]
-    numbers = all(np.issubdtype(array.dtype, np.number) for array in (ranges, poses))
+    numbers = all(array.dtype.kind in "iuf" for array in (ranges, poses))
     if not numbers or ranges.ndim != 2 or min(ranges.shape) < 1 or poses.shape != (len(ranges), 3):
         raise ConfigError(
             f"{path}: `ranges` must be (N, B) numbers and `pose` (N, 3), not {ranges.shape} and {poses.shape}"
@@ -193,7 +195,10 @@ def _loaded(path: Path) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any] | None
         raise ConfigError(f"{path}: row {int(np.argmin(np.isfinite(poses).all(axis=1)))} of `pose` is no finite pose")
     for name in ("stamp", "time", "timestamp"):
         if name in arrays and arrays[name].shape == (len(ranges),):
-            return ranges, poses, arrays[name]
+            stamps = arrays[name]
+            if stamps.dtype.kind not in "iuf" or not np.isfinite(stamps).all():
+                raise ConfigError(f"{path}: `{name}` must be times in s, every one a finite number")
+            return ranges, poses, stamps
     return ranges, poses, None
 
 

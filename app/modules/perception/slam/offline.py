@@ -106,6 +106,8 @@ def mapped(
         before = time.thread_time()
         match = log.slam.add(sweep.stamp, sweep.ranges, sweep.beams, sweep.X_OB, sweep.twist, sweep.sweep_s)
         log.scan_s.append(time.thread_time() - before)
+        if match.keyframe < 0:
+            continue  # nothing was seen so far: the map begins later
         x, y, theta = np.sqrt(np.diagonal(match.covariance))
         log.rows.append(
             _Row(
