@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from app.compiled import kernel
 from app.geometry import Pose2
 
+#: No laser sees farther (m), though some say that their range has no end.
+_FURTHEST_M = 1000.0
 #: Neighbours on either side of a reading that its surface is estimated from.
 _NEIGHBOURS = 4
 
@@ -55,10 +57,11 @@ def prepared(
     if len(ranges) != len(beams.angles):
         raise ValueError(f"{len(ranges)} ranges of {len(beams.angles)} beams")
     readings = np.array(ranges, dtype=np.float64)
+    range_max = min(beams.range_max, _FURTHEST_M)
     ends, origins = _ends(
         readings,
         np.array(beams.angles, dtype=np.float64),
-        beams.range_max,
+        range_max,
         beams.X_BL.x,
         beams.X_BL.y,
         beams.X_BL.theta,
@@ -66,13 +69,13 @@ def prepared(
         twist[1],
         sweep_s,
     )
-    limit = min(range_max_m, beams.range_max)
+    limit = min(range_max_m, range_max)
     points = _surface(readings, ends, origins, beams.range_min, limit, thinning_m)
     measured = readings >= beams.range_min  # False of NaN
     return Scan(
         points=points,
         ends=ends[measured].astype(np.float32),
-        hits=readings[measured] < beams.range_max,
+        hits=readings[measured] < range_max,
         origin=origins[len(origins) // 2].astype(np.float32),
     )
 

@@ -64,6 +64,13 @@ def test_what_was_not_measured_is_no_point() -> None:
     assert scan.hits.tolist() == [True, False, False, True, True]
 
 
+def test_a_laser_that_names_no_greatest_range_has_ends_all_the_same() -> None:
+    beams = Beams(np.linspace(-1.0, 1.0, 5), 0.05, math.inf)
+    scan = prepared(np.array([1.0, math.inf, math.nan, 2.0, 3.0]), beams, (0.0, 0.0), 0.0, 25.0, 0.0)
+    assert np.isfinite(scan.ends).all()
+    assert scan.hits.tolist() == [True, False, True, True]
+
+
 def test_other_ranges_than_beams_are_refused() -> None:
     with pytest.raises(ValueError, match="3 ranges of 7 beams"):
         prepared(np.ones(3), half_circle(7), (0.0, 0.0), 0.0, 25.0, 0.0)
