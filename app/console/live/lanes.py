@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Protocol
 
 from app.attention.chronicle import divisor_json
-from app.attention.strategies import Strategy
+from app.attention.strategies import CLOSED, Strategy
 from app.runtime.graph import Graph
 
 #: Relative rates are measured over this long.
@@ -80,10 +80,13 @@ class LaneSampler:
         #: Filters by class, over all its strategies, and by strategy.
         self._filters: dict[str, tuple[str, ...]] = dict.fromkeys(self._classes, ())
         self._of_strategy: dict[str, tuple[str, ...]] = {}
+        #: What a strategy closes on purpose: another behavior's output, a stream it does without.
+        self._closes: dict[str, frozenset[str]] = {}
         self._class_of: dict[str, str] = {}
         for strategy in strategies:
             names = tuple(name for name in strategy.filters if name in graph.filters.names())
             self._of_strategy[strategy.name] = names
+            self._closes[strategy.name] = frozenset(name for name in names if strategy.filters[name] == CLOSED)
             self._class_of[strategy.name] = strategy.cls
             if strategy.cls in self._filters:
                 self._filters[strategy.cls] = tuple(dict.fromkeys(self._filters[strategy.cls] + names))
@@ -146,7 +149,9 @@ class LaneSampler:
         divisors: Mapping[str, float],
         passing: Mapping[str, float | None],
     ) -> dict[str, Any]:
-        names = tuple(dict.fromkeys(n for s in strategies for n in self._of_strategy[s])) or self._filters[cls]
+        # What a strategy closes on purpose holds nothing up.
+        served = (name for s in strategies for name in self._of_strategy[s] if name not in self._closes[s])
+        names = tuple(dict.fromkeys(served)) or self._filters[cls]
         # What gets through the whole way is what the tightest filter lets through.
         divisor = max((divisors[name] for name in names), default=1.0)
         ratios = [ratio for name in names if (ratio := passing[name]) is not None]

@@ -210,8 +210,13 @@ class PlanAndFollowPath(Module):
 
     # --- a cycle ---
 
+    @property
+    def _given(self) -> Goal | None:
+        """The goal, while attention has it go there: none where its output is closed, as another behavior drives."""
+        return self._goal if self.twist.filter.is_open else None
+
     async def _cycle(self) -> None:
-        now, goal = self.clock.now(), self._goal
+        now, goal = self.clock.now(), self._given
         if goal is None and self._teller.idle:
             self._teller.tell(NavigationStatus(now, self.name, "idle", "no goal"))
             return
@@ -234,7 +239,7 @@ class PlanAndFollowPath(Module):
             self._steering_with = self._controller
             await self.compute(self._pilot.steer_with, self._controller)
         told = await self.compute(self._pilot.cycle, senses, self.settings.period_s)
-        if self._goal is not goal:
+        if self._given is not goal:
             # Another desire came while this was decided: what was decided is not for it.
             told_goal = None
         else:
@@ -278,6 +283,7 @@ class PlanAndFollowPath(Module):
             )
         )  # fmt: skip
         if goal is None:
+            self._planned_for = None
             self._forget_way(now)
         if told.around is not None and self.costmap.wanted and now - self._costmap_at >= _COSTMAP_S - 1e-6:
             self._costmap_at = now

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.console.live.lanes import RatioWindow
+from app.attention.strategies import CLOSED, Strategy
+from app.console.live.lanes import LaneSampler, RatioWindow
 from app.runtime.filter import RateFilter
 
 
@@ -48,3 +52,22 @@ def test_while_time_stands_nothing_piles_up_and_the_rate_stays() -> None:
         window.add(29 * 0.05, 290, 145)
     assert window.ratio() == rate
     assert len(window._samples) < 30
+
+
+def test_what_a_strategy_closes_on_purpose_holds_its_class_not_up() -> None:
+    planned = {"Plan.scans": 1.0, "Plan.twist": 1.0}
+    straight = {"Toward.scans": 4.0, "Toward.twist": 1.0, "Plan.twist": CLOSED}
+    strategies = [Strategy("plan", "GoTo", 8.0, filters=planned), Strategy("toward", "GoTo", 2.0, filters=straight)]
+    graph: Any = SimpleNamespace(filters=SimpleNamespace(names=lambda: {*planned, *straight}))
+    lanes = LaneSampler(graph, ["GoTo"], strategies)
+
+    def told(selected: list[str], divisors: dict[str, float], ratios: dict[str, float]) -> tuple[Any, Any]:
+        all_closed = dict.fromkeys([*planned, *straight], CLOSED)
+        nothing: dict[str, float | None] = dict.fromkeys(all_closed)
+        (row,) = lanes.rows({}, selected, {}, all_closed | divisors, nothing | ratios)
+        return row["divisor"], row["rate"]
+
+    assert told(["toward"], straight, {"Toward.scans": 0.25, "Plan.twist": 0.0}) == (4, 0.25)
+    assert told(["plan"], planned, {"Plan.scans": 1.0, "Plan.twist": 1.0}) == (1, 1.0)
+    assert told(["plan"], planned | {"Plan.scans": CLOSED}, {"Plan.twist": 1.0}) == (None, 0.0), "not on purpose"
+    assert told([], {}, {}) == (None, 0.0)

@@ -201,6 +201,23 @@ async def test_scans_that_stop_coming_stop_it() -> None:
 
 
 @in_virtual_time
+async def test_while_another_drives_it_is_idle_and_makes_no_excuses() -> None:
+    world = DrivenWorld(HOUSE, Pose2(1.0, 1.0, 0.0))
+    async with Drive(world, x=3.5, y=1.0) as drive:
+        await drive.until("never", 1.5)
+        assert drive.status.state == "following"
+        drive.bench.graph.filters.apply({"Tested.twist": math.inf})
+        before = len(drive.statuses)
+        async with Living(world, drive.bench, scans=False):
+            await drive.bench.clock.sleep(2.0)
+        assert (drive.status.state, drive.status.goal) == ("idle", None)
+        assert {s.state for s in drive.statuses[before:]} <= {"following", "idle"}
+        assert drive.paths[-1].poses.shape == (0, 3)
+        drive.bench.graph.filters.apply({"Tested.twist": 1})
+        assert await drive.until("arrived", 15.0)
+
+
+@in_virtual_time
 async def test_a_robot_that_is_lost_stands_until_it_knows_where_it_is() -> None:
     world = DrivenWorld(HOUSE, Pose2(1.0, 1.0, 0.0))
     async with Drive(world, x=3.5, y=1.0) as drive:
