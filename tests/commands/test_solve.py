@@ -11,7 +11,9 @@ from typing import Any
 
 import pytest
 
+from app import paths
 from app.commands import solve
+from app.console.rest.goal import INTENSITY, UTILITY
 from app.errors import ConfigError
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -140,3 +142,19 @@ def test_schema(capsys: pytest.CaptureFixture[str]) -> None:
         assert validator.is_valid(load_text(strategy % value, "x").data) is good
     assert not validator.is_valid({"desires": [{"class": "A", "intensity": 9}]})
     assert not validator.is_valid({"desire": []})
+
+
+def test_a_sound_does_not_take_the_planner_from_peoples_goal_in_the_lab(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Nor does the goal take anybody's all: the others get less."""
+    others = {"FindQRCodes": 4, "LocateFaces": 4, "DetectNoises": 4, "SLAM": 4, "Telepresence": 4, "LocateVoices": 6}
+    desires = [{"class": cls, "intensity": intensity, "utility": 1} for cls, intensity in others.items()]
+    goal = {"class": "GoTo", "intensity": INTENSITY, "utility": UTILITY, "params": {"x": 4, "y": -1}}
+    table = str(paths.config_dir() / "strategies" / "lab.yaml")
+    for wanted in (desires[:-1], desires):
+        path = tmp_path / "way.json"
+        path.write_text(json.dumps({"desires": [goal, *wanted], "tables": [table]}))
+        found = answer(capsys, str(path))
+        assert any(name.startswith("plan-and-") for name in names(found))
+        assert set(found["fulfilled"]) == {"GoTo", *(desire["class"] for desire in wanted)}

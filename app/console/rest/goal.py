@@ -23,8 +23,10 @@ if TYPE_CHECKING:
 
 #: As much as anything can be desired, since whoever points somewhere wants it now; of equals the newest is heard.
 INTENSITY = 8.0
-#: Whatever goes there will do; attention gives the best it can afford.
-UTILITY = 1.0
+#: What finds its way around things and sees with all that the robot has, though slowly: not whatever goes somewhere.
+#: Asked for less, attention would hand the wheel to the straight line under way, for any sound that is worth a look.
+UTILITY = 4.0
+LATCHED = "The emergency stop is latched: release it first."
 RECORDING = "This is a recording: there is no robot to send anywhere."
 
 
@@ -48,6 +50,8 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
         `navigation` of GET /goal and of the live stream. The same goal again changes nothing."""
         if hub.driving.recording:
             raise Problem(409, "a-recording", RECORDING)
+        if hub.driving.lease.e_stopped:
+            raise Problem(409, "e-stop-latched", LATCHED)
         if GO_TO not in system.classes or not any(strategy.cls == GO_TO for strategy in system.table.strategies):
             raise Problem(
                 409, "cannot-go", "This program goes nowhere by itself: it has no strategy for the class GoTo."
