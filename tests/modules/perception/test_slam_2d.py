@@ -253,6 +253,23 @@ def test_a_robot_that_was_carried_off_adds_nothing_to_the_map(library: MapLibrar
     assert live(script, library).is_within(0.06, 0.02)
 
 
+def test_a_robot_that_is_placed_where_it_is_not_adds_nothing_to_the_map(library: MapLibrary) -> None:
+    async def script(body: Body) -> None:
+        await body.go(ROUND[:60])
+        await body.stand(2.0)
+        drawn = body.maps[-1]
+        await body.control.keeper.place(Pose2(100.0, 100.0))
+        await body.go(ROUND[60:80])
+        await body.stand(2.0)
+        assert body.states()[-1] == "lost"
+        assert body.maps[-1] is drawn
+        await body.control.keeper.place(ROUND[0].inverse() @ body.X_WB)
+        await body.go(ROUND[80:120])
+        assert body.state == "mapping"
+
+    assert live(script, library).is_within(0.06, 0.02)
+
+
 def test_odometry_that_begins_anew_moves_no_robot(library: MapLibrary) -> None:
     async def script(body: Body) -> None:
         await body.go(ROUND[:60])

@@ -27,9 +27,9 @@ class FitWatch:
         self._sure_after_s = sure_after_s
         self.begin()
 
-    def begin(self) -> None:
-        """The robot was placed anew."""
-        self.lost = False
+    def begin(self, doubted: bool = False) -> None:
+        """The robot was placed anew; ``doubted``: it is lost until scans fit there (``FITS`` is enough for that)."""
+        self.lost = self._doubted = doubted
         self._fitted: float | None = None
         self._misfitted = 0.0
         self._misfits = 0
@@ -40,13 +40,13 @@ class FitWatch:
         """
         if self._fitted is None:
             self._fitted, self._misfitted = stamp, stamp
-        if inliers < sure:
+        if inliers < (FITS if self._doubted else sure):
             self._misfitted = stamp
         if self.lost:
             fits = stamp - self._misfitted > self._sure_after_s
         self._misfits = 0 if fits else self._misfits + 1
         if fits:
-            self._fitted, self.lost = stamp, False
+            self._fitted, self.lost, self._doubted = stamp, False, False
         self.lost = self.lost or (self._misfits >= least and self.unfit_s(stamp) > self._lost_after_s)
 
     def unfit_s(self, stamp: float) -> float:
