@@ -69,7 +69,7 @@ def relation_errors(first: Poses, second: Poses, measured: Poses) -> RelationErr
 
 
 def trajectory_error(poses: Poses, reference: Poses) -> tuple[float, float, float]:
-    """Mean, root mean square and greatest distance (m) from ``reference``, laid over it as well as can be (Horn, 1987)."""
+    """Mean, root mean square and greatest distance (m) from ``reference``, laid over it at its best (Horn, 1987)."""
     ours, theirs = poses[:, :2] - poses[:, :2].mean(axis=0), reference[:, :2] - reference[:, :2].mean(axis=0)
     cross = (ours[:, 0] * theirs[:, 1] - ours[:, 1] * theirs[:, 0]).sum()
     turn = np.arctan2(cross, (ours * theirs).sum())
