@@ -144,7 +144,8 @@ def _validation_problem(error: RequestValidationError) -> Problem:
     if details and details[0]["loc"] == ("body",):
         message = "should be a JSON object, sent with the header Content-Type: application/json"
         return Problem(422, "invalid-request", f"The body {message}.", errors=[("body", message)])
-    errors = [(_field(detail["loc"]), str(detail["msg"])) for detail in details]
+    # What a validator of ours says stands behind words of the library's.
+    errors = [(_field(detail["loc"]), str(detail["msg"]).removeprefix("Value error, ")) for detail in details]
     listed = "; ".join(f"{field}: {message}" for field, message in errors)
     return Problem(422, "invalid-request", listed, errors=errors)
 
