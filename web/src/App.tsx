@@ -168,7 +168,7 @@ function Side({ phone }: { phone: boolean }) {
   ];
   if (!store.replay.value) {
     const alarm = store.recorder.value?.state === "stopped";
-    items.push({ id: "recordings", title: "Recordings", short: "Record", alarm, content: () => <Recordings /> });
+    items.push({ id: "recordings", title: "Recordings", alarm, content: () => <Recordings /> });
   }
   if (phone) items.splice(2, 0, { id: "lanes", title: "Lanes", content: () => <Lanes /> });
   return <Tabs items={items} />;

@@ -134,7 +134,7 @@ function ToolButton(props: {
 
 const HINTS: Record<Tool, string> = {
   look: "",
-  goal: "Press on the place, drag to the heading.",
+  goal: "Press where it should go, drag to where it should look.",
   pose: "Press where it is, drag to where it looks.",
   keep_out: "Drag a rectangle, or click corner after corner.",
   slow: "Drag a rectangle, or click corner after corner.",

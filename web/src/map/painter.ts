@@ -3,6 +3,7 @@
 import { effect } from "@preact/signals";
 import type { App } from "../state/context";
 import type { MapPlace } from "../state/store";
+import { showsNow } from "../state/freshness";
 import { narrow } from "../ui/media";
 import { draw } from "./draw";
 import { sketch } from "./hands";
@@ -23,11 +24,12 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
     const X_MO = localization?.X_MO ?? null;
     const navigation = store.navigation.peek();
     const going = navigation && navigation.state !== "idle" && navigation.state !== "arrived" ? navigation : null;
+    const around = map.costmap.peek() ? grid.costmap.picture.peek() : null;
     const hands = map.hands.peek();
     const onMap = ({ x, y }: Point) => (X_MO ? [composed(X_MO, { x, y, theta: 0 })] : []);
     draw(canvas.getContext("2d")!, size, map.view.peek(), {
       map: grid.map.picture.peek(),
-      costmap: map.costmap.peek() ? grid.costmap.picture.peek() : null,
+      costmap: around && showsNow(around.info.stamp, store.now.peek(), store.clock.rate) ? around : null,
       X_MO,
       robot: map.robot.peek(),
       body: {
@@ -77,7 +79,8 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
       store.landmarks.value,
     ];
     void [map.view.value, map.hands.value, map.robot.value, map.zones.value, map.selected.value, map.costmap.value];
-    void [grid.costmap.picture.value, store.hello.value];
+    // Seconds, as what stands around is only shown while it does.
+    void [grid.costmap.picture.value, store.seconds.value, store.hello.value];
     map.met(grid.map.picture.value);
     later();
   });

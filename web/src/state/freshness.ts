@@ -5,6 +5,9 @@ const STALE_MS = 500;
 /** A paused recording has nothing to tell by itself, but it answers pings: two of them may be lost. */
 const REPLAY_STALE_MS = 2600;
 
+/** A local costmap that is older (s) does not show what stands around the robot now. */
+const COSTMAP_S = 2;
+
 /** Milliseconds since the last status, and since anything was heard. */
 export interface Silence {
   status: number;
@@ -13,4 +16,9 @@ export interface Silence {
 
 export function isFresh(silence: Silence, replay: boolean): boolean {
   return replay ? silence.anything <= REPLAY_STALE_MS : silence.status <= STALE_MS;
+}
+
+/** Whether a local costmap made at `stamp` shows what stands around now; time runs at `rate`, in a recording. */
+export function showsNow(stamp: number, now: number | null, rate: number): boolean {
+  return now === null || now - stamp <= COSTMAP_S * Math.max(1, rate);
 }

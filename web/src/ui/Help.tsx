@@ -32,7 +32,7 @@ const RECORDING: [string[], string][] = [
 ];
 const MAP: [string[], string][] = [
   [["M"], "The map over all of the view, and back"],
-  [["G"], "Go to: press on the place, drag to the heading"],
+  [["G"], "Go to: press on the place, drag to where it should look"],
   [["↑ ↓", "← →"], "With the map in focus: move the cursor, with Shift further"],
   [["Enter"], "A goal there: arrows turn it, Enter sends it; a zone's corner with its tool"],
   [["+", "−", "⌫"], "Zoom; take back the last corner"],

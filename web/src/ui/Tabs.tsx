@@ -7,8 +7,6 @@ import type { Tab } from "../state/store";
 export interface TabItem {
   id: Tab;
   title: string;
-  /** Where there is little room. */
-  short?: string;
   badge?: string | number;
   alarm?: boolean;
   content: () => ComponentChildren;
@@ -38,7 +36,6 @@ export function Tabs({ items }: { items: TabItem[] }) {
             aria-selected={item === chosen}
             aria-controls="tab-panel"
             tabIndex={item === chosen ? 0 : -1}
-            aria-label={item.short && item.title}
             data-testid={`tab-${item.id}`}
             onFocus={(event) => event.currentTarget.scrollIntoView({ inline: "nearest", block: "nearest" })}
             onClick={(event) => {
@@ -47,14 +44,7 @@ export function Tabs({ items }: { items: TabItem[] }) {
               if (event.detail > 0) event.currentTarget.blur();
             }}
           >
-            {item.short ? (
-              <>
-                <span class="tab-title">{item.title}</span>
-                <span class="tab-short">{item.short}</span>
-              </>
-            ) : (
-              item.title
-            )}
+            {item.title}
             {item.badge !== undefined && item.badge !== 0 && <span class="badge">{item.badge}</span>}
           </button>
         ))}

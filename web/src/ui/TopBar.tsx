@@ -5,7 +5,7 @@ import { useApp } from "../state/context";
 import { Marker } from "../playback/Marker";
 import { RecordButton } from "../recordings/RecordButton";
 import { EStop } from "./EStop";
-import { millis } from "./format";
+import { millis, moduleTitle } from "./format";
 import { LinkIcon, WarnIcon } from "./icons";
 import { Operator } from "./Operator";
 
@@ -111,6 +111,7 @@ function LiveMetrics() {
   const status = store.status.value;
   const live = store.live.value;
   const guard = status?.guard;
+  const driver = driverName(status, store.load.value?.modules ?? []);
   return (
     <>
       <Metric
@@ -131,8 +132,12 @@ function LiveMetrics() {
       >
         {live ? millis(store.viewAgeMs.value) : "–"}
       </Metric>
-      <Metric id="driver" label="Drives" hint="Who has the wheel, and the behavior that commands the base">
-        {live ? driverName(status) : "–"}
+      <Metric
+        id="driver"
+        label="Drives"
+        hint={`Who has the wheel, or the behavior that commands the base: ${live ? driver : "not known"}`}
+      >
+        {live ? driver : "–"}
       </Metric>
     </>
   );
@@ -165,10 +170,11 @@ function commandAge(guard: { command_age_ms: number | null; state: string } | un
 
 function driverName(
   status: { driver: { operator: string; mine: boolean } | null; exploited: string | null } | null,
+  modules: readonly { name: string; title: string }[],
 ): string {
   if (!status) return "–";
   if (status.driver) return status.driver.mine ? "You" : status.driver.operator;
-  return status.exploited ?? "Nobody";
+  return status.exploited === null ? "Nobody" : moduleTitle(status.exploited, modules);
 }
 
 function tone(value: number | null, fair: number, poor: number): string {

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { ago, clockSpan, divisor, left, millis, nameAndTitle, number, reasonText, sentence, size, small, spaced, stateWord } from "./format";
+import { ago, clockSpan, divisor, left, millis, moduleTitle, nameAndTitle, number, reasonText, sentence, size, small, spaced, stateWord } from "./format";
 
 test("ages are said as people say them", () => {
   expect([0.4, 12.3, 89, 200, 7200, 200_000].map(ago)).toEqual([
@@ -73,4 +73,10 @@ test("a reason does not repeat the state that stands beside it", () => {
   expect(reasonText("unfulfilled", "unfulfilled: no room")).toBe("No room");
   expect(reasonText("fulfilled", "fulfilled at its best")).toBe("Fulfilled at its best");
   expect(reasonText("undesired", "Nobody desires it.")).toBe("Nobody desires it.");
+});
+
+test("a module is called as people call it", () => {
+  const modules = [{ name: "PlanAndFollowPath", title: "Plan and follow path" }];
+  expect(moduleTitle("PlanAndFollowPath", modules)).toBe("Plan and follow path");
+  expect(moduleTitle("GoToward", modules)).toBe("Go toward");
 });

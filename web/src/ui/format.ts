@@ -52,6 +52,11 @@ export function spaced(name: string): string {
   return words.map((word, i) => (i === 0 || /^[A-Z0-9]{2,}/.test(word) ? word : word.toLowerCase())).join(" ");
 }
 
+/** What people call a module, by its name in the program. */
+export function moduleTitle(name: string, modules: readonly { name: string; title: string }[]): string {
+  return modules.find((module) => module.name === name)?.title || spaced(name);
+}
+
 /** Telepresence: see through the robot's eyes. The name as everywhere on the page, then what the class says it is. */
 export function nameAndTitle(kind: { name: string; title: string }): string {
   const name = spaced(kind.name);
