@@ -193,11 +193,17 @@ async def _live(
     playback = Playback(replay.system, replay.body, clock, past, speed=speed)
     app = create_app(replay.system, token=token, host=host, playback=playback)  # takes long: before anything plays
     async with replay, playback:
-        serving = serve(app, host, port, listener=listener, started=announce)
+        up = asyncio.Event()
+
+        def started(url: str) -> None:
+            announce(url)
+            up.set()
+
+        serving = serve(app, host, port, listener=listener, started=started)
         tasks = [asyncio.create_task(serving, name="console")]
         tasks.append(asyncio.create_task(_failed(replay), name="replay's failure"))
         if args.exit_when_unwatched is not None:
-            tasks.append(asyncio.create_task(_unwatched(app, args.exit_when_unwatched), name="unwatched"))
+            tasks.append(asyncio.create_task(_unwatched(app, up, args.exit_when_unwatched), name="unwatched"))
         try:
             done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
             for task in done:
@@ -214,8 +220,9 @@ async def _failed(replay: Replay) -> None:
     raise await replay.system.wait_failed()
 
 
-async def _unwatched(app: FastAPI, after_s: float) -> None:
-    """Wait until nobody has watched for ``after_s``."""
+async def _unwatched(app: FastAPI, up: asyncio.Event, after_s: float) -> None:
+    """Wait until nobody has watched for ``after_s`` since one could."""
+    await up.wait()
     unwatched_s = 0.0
     while unwatched_s < after_s:
         await asyncio.sleep(LOOK_S)
