@@ -21,7 +21,7 @@ _HEAD = 4096
 
 ACCEPTED = (
     "accepted are recordings of hbba (.mcap), ROS 1 bags (.bag), ROS 2 bags (a folder with metadata.yaml, or its .mcap "
-    "or .db3 file) and CARMEN logs (.log, .log.gz)"
+    "or .db3 file) and CARMEN logs (.log, .clf, .gz)"
 )
 
 

@@ -77,6 +77,7 @@ def test_a_carmen_log_is_mapped_and_fewer_scans_are_taken(log: Path, capsys: pyt
         (["nowhere.npz"], "there is no file nowhere.npz"),
         (["{log}", "--relations", "{log}"], "cannot be read"),
         (["{folder}/bad.txt"], "no log this program can read"),
+        (["{folder}/bad.txt"], ", and arrays (.npz)"),
         (["{log}", "--relations", "{folder}/bad.txt"], "bad.txt:1"),
         (["{log}", "--relations", "{folder}/far.txt"], "names scan 99999"),
         (["{log}", "--reference", "{folder}/bad.txt"], "--reference"),

@@ -66,12 +66,13 @@ def open_sweeps(args: argparse.Namespace) -> SweepSource:
             raise ConfigError(f"--{option.replace('_', '-')} is for .npz; {path} says it itself")
     from app.recording.foreign.remap import load_remap
     from app.recording.log import LogError
-    from app.recording.open import open_log
+    from app.recording.open import ACCEPTED, open_log
 
     try:
         log = open_log(path, None if args.remap is None else load_remap(args.remap))
     except LogError as failure:
-        raise ConfigError(str(failure)) from None
+        also = ", and arrays (.npz)" if str(failure).endswith(ACCEPTED) else ""
+        raise ConfigError(f"{failure}{also}") from None
     channels = log.info.channels
     scans = _channel(path, {n: c.message_type for n, c in channels.items()}, LaserScan, args.scans, "--scans", "scan")
     odometry = _channel(
