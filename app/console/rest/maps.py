@@ -254,7 +254,9 @@ def _zones(zones: ZonesModel) -> tuple[Zone, ...]:
         try:
             checked([zone])
         except ValidationError as refusal:
-            raise _invalid_zones([(f"zones.{number}.{e['loc'][0]}", e["msg"].removeprefix("Value error, ")) for e in refusal.errors()]) from None
+            raise _invalid_zones(
+                [(f"zones.{number}.{e['loc'][0]}", e["msg"].removeprefix("Value error, ")) for e in refusal.errors()]
+            ) from None
     return messages
 
 

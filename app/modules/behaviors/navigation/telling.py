@@ -12,7 +12,8 @@ _AGAIN_S = 0.5
 
 
 class Teller:
-    """Publishes statuses, at most as often as there is something to tell, and logs a state once on entering, and each new reason in it."""
+    """Publishes statuses, at most as often as there is something to tell; logs a state on entering it, and then each
+    new reason once."""
 
     def __init__(self, publish: Callable[[NavigationStatus], None], log: logging.Logger) -> None:
         self._publish = publish
