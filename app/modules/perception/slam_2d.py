@@ -360,8 +360,8 @@ class SLAM2D(Module):
     def placed(self) -> None:
         """The robot was placed: it is not looked for any more."""
         self._end_search()
-        # What a slip of the hand would add to a map that grows would stay: nothing is added before scans fit there.
-        self._fits.begin(doubted=self.session.grows)
+        # Hands slip: nothing is added to the map, and nothing drives by the place, before scans fit there.
+        self._fits.begin(doubted=True)
 
     def search(self) -> None:
         """Look for the robot on the map in use."""
