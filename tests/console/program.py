@@ -182,6 +182,8 @@ class Body:
 
     def clear_e_stop(self) -> None:
         self.e_stopped = False
+        if self.confirms:
+            asyncio.get_running_loop().call_soon(self.emit_status, time.time())
 
     def emit(self, stream: str, message: Any) -> None:
         """What the body's stream gives now."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from typing import TYPE_CHECKING, Annotated, Any
 
 from fastapi import APIRouter, Path, Request
@@ -91,9 +92,18 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
         "/robot/e-stop", response_model=EStopModel, summary="Release the emergency stop", responses=problems(409)
     )
     async def clear_e_stop() -> Response:
-        """The base stays still until the next fresh command."""
+        """The base stays still until the next fresh command. Answers once the guard has confirmed it, or half a second
+        later: a goal that is given next is not refused for a latch that is gone."""
         _refuse_recording(hub)
-        hub.driving.clear_e_stop()
+        released = asyncio.Event()
+        detach = system.link.attach("status", lambda status: None if status.e_stopped else released.set())
+        try:
+            hub.driving.clear_e_stop()
+            if hub.driving.lease.e_stopped:
+                with contextlib.suppress(TimeoutError):
+                    await asyncio.wait_for(released.wait(), CONFIRM_WITHIN_S)
+        finally:
+            detach()
         return Json({"e_stop": "released"})
 
     return router
