@@ -9,11 +9,11 @@ A kernel calls only kernels of its own file: numba's cache does not notice when 
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import importlib
 import os
 import platform
+import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -31,8 +31,9 @@ except ImportError:  # Windows: two may compile at once, which does no harm
 F = TypeVar("F", bound=Callable[..., Any])
 
 _APP = Path(__file__).resolve().parent
-#: What the import of a file with kernels looks like.
-_MARK = "from app.compiled import"
+#: How a file imports :func:`kernel` itself, not just this file's other functions. By its text alone: modules look for
+#: kernels in threads of their own at once, and what ``ast.parse`` builds in several threads can come to a SystemError.
+_IMPORT = re.compile(r"^\s*from app\.compiled import (?:\([^)]*|[^\n(]*)\bkernel\b", re.MULTILINE)
 
 
 def kernel(signature: str | list[str], *, fastmath: bool = False, **options: Any) -> Callable[[F], F]:
@@ -122,14 +123,7 @@ def _note(name: str, digest: str) -> None:
 
 
 def _has_kernel(file: Path) -> bool:
-    """Whether the file imports :func:`kernel` itself, not just this file's other functions."""
-    text = file.read_text(encoding="utf-8")
-    return _MARK in text and any(
-        isinstance(node, ast.ImportFrom)
-        and node.module == "app.compiled"
-        and any(alias.name == "kernel" for alias in node.names)
-        for node in ast.walk(ast.parse(text))
-    )
+    return _IMPORT.search(file.read_text(encoding="utf-8")) is not None
 
 
 def _digest(name: str) -> str:

@@ -16,6 +16,23 @@ def test_files_with_kernels_are_found() -> None:
     assert "app.compiled" not in names
 
 
+@pytest.mark.parametrize(
+    ("text", "has"),
+    [
+        ("from app.compiled import kernel", True),
+        ("if True:\n    from app.compiled import kernel as k, make_ready", True),
+        ("from app.compiled import (\n    kernel,\n    make_ready,\n)", True),
+        ("from app.compiled import make_ready", False),
+        ("from app.compiled import (\n    kernel_modules,\n)\nkernel = 1", False),
+        ("from app.compiled import kernel_modules, make_ready  # and no other\n", False),
+        ('"""Not so: from app.compiled import kernel"""', False),
+    ],
+)
+def test_a_file_with_kernels_imports_what_makes_them(text: str, has: bool, tmp_path: Path) -> None:
+    (tmp_path / "file.py").write_text(text)
+    assert compiled._has_kernel(tmp_path / "file.py") is has
+
+
 def test_what_changed_is_compiled_again_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiled, "_stamp_file", lambda: tmp_path / "made" / "kernels.sha256")
     names = ["app.modules.perception.slam.matching", "app.modules.perception.slam.search"]
