@@ -59,7 +59,8 @@ class Footprint:
             for begin, end in zip(low, high, strict=True)
         ]
         inside = np.stack(np.meshgrid(*steps), axis=-1).reshape(-1, 2)
-        beyond = np.hypot(inside[:, 0], inside[:, 1]) > self.inscribed_m
+        # What lies just beyond the circle may have its nearest point just within.
+        beyond = np.hypot(inside[:, 0], inside[:, 1]) > self.inscribed_m - spacing_m * math.sqrt(0.5)
         return np.concatenate((*pieces, inside[beyond & self.contains(inside)]))
 
     def contains(self, points: NDArray[np.float64], margin_m: float = 0.0) -> NDArray[np.bool_]:
