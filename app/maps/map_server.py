@@ -89,7 +89,9 @@ def _pixels(path: Path) -> NDArray[np.uint8]:
         raise ConfigError(f"the map's picture cannot be read: {failure.strerror or failure}", str(path)) from None
     pixels = _decoded(data)
     if pixels is None:
-        raise ConfigError("the map's picture is damaged or cut off, or of a kind that is none of PGM and PNG", str(path))
+        raise ConfigError(
+            "the map's picture is damaged or cut off, or of a kind that is none of PGM and PNG", str(path)
+        )
     if max(pixels.shape) > LONGEST_SIDE:
         raise ConfigError(f"the map's picture has more than {LONGEST_SIDE} pixels on a side", str(path))
     if pixels.dtype == np.uint16:

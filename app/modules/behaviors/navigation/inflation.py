@@ -24,6 +24,8 @@ OCCUPIED, KEEP_OUT, TEMPORARY, UNKNOWN, AT_OCCUPIED, AT_KEEP_OUT, AT_TEMPORARY =
 
 #: Changes are looked for, and mended, in squares of so many cells.
 _TILE = 64
+#: In cells: no map is as large.
+_VERY_FAR = np.float32(1e6)
 #: Cells are unknown where most in such a square are.
 _AROUND = (5, 5)
 
@@ -192,7 +194,11 @@ def _prices(field: CostField) -> tuple[float, float, float, float]:
 
 def _distances(free: NDArray[np.bool_], resolution_m: float) -> NDArray[np.float32]:
     """m from each cell's middle to that of the nearest that is not free; very far where all are."""
-    distances = cv2.distanceTransform(free.view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    distances = np.asarray(cv2.distanceTransform(free.view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE))
+    # Squares of distances between cells are whole numbers. OpenCV's roots are right to a last bit that depends on how
+    # its threads share the rows, and on that bit which of two ways is taken.
+    np.minimum(distances, _VERY_FAR, out=distances)
+    np.sqrt(np.rint(np.square(distances, out=distances), out=distances), out=distances)
     return np.asarray(distances * np.float32(resolution_m), dtype=np.float32)
 
 
