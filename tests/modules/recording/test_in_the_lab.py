@@ -32,8 +32,8 @@ async def test_the_kinect_runs_for_a_recording_only(tmp_path: Path) -> None:
             return status
 
         await until("idle")
-        # What the robot looks for by itself needs the Kinect too: it is to want nothing here. Scans it always wants, for
-        # nothing drives without.
+        # What the robot looks for by itself needs the Kinect too: it is to want nothing here. Scans it always wants,
+        # for nothing drives without.
         with system.workspace.transaction():
             for motive in system.workspace.desires():
                 system.workspace.remove(motive.id)
