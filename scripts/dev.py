@@ -229,6 +229,27 @@ def read_stamp() -> dict[str, object] | None:
         return None
 
 
+#: Rooms of tests in virtual time or without any, which several processes may share ...
+UNHURRIED = (
+    "tests/attention",
+    "tests/commands",
+    "tests/docs",
+    "tests/experiments",
+    "tests/maps",
+    "tests/modules",
+    "tests/recording",
+    "tests/replay",
+)
+#: ... but for these, which drive programs against the clock, as all the others do.
+HURRIED = (
+    "tests/commands/test_body.py",
+    "tests/commands/test_run.py",
+    "tests/experiments/overload",
+    "tests/modules/recording",
+    "tests/replay/test_playback.py",
+)
+
+
 # --- Tasks -------------------------------------------------------------------------------------------------------
 
 
@@ -259,11 +280,28 @@ def test(arguments: list[str]) -> int:
     linted = lint()
     web = web_tests()
     say(f"running pytest (set-up took {set_up_s:.0f} s)")
-    tested = run([PYTHON, "-m", "pytest", *arguments])
+    tested = first_failure_of_tests(arguments)
     for what, status in (("lint", linted), ("the page's tests", web)):
         if status:
             sys.stderr.write(f"{what}: failed, see above\n")
     return tested or linted or web
+
+
+def first_failure_of_tests(arguments: list[str]) -> int:
+    """All tests, or those asked for: first those that processes may share, then those that run against the clock."""
+    pytest = [PYTHON, "-m", "pytest"]
+    if arguments:
+        return run([*pytest, *arguments])
+    workers = str(min(os.cpu_count() or 1, 4))
+    shared = run([*pytest, "-n", workers, "--dist", "loadfile", *UNHURRIED, *(f"--ignore={room}" for room in HURRIED)])
+    say("running the tests that run against the clock")
+    rooms = [f"tests/{path.name}" for path in sorted((ROOT / "tests").iterdir()) if has_tests(path)]
+    return run([*pytest, *HURRIED, *(room for room in rooms if room not in UNHURRIED)]) or shared
+
+
+def has_tests(path: Path) -> bool:
+    """Whether there are tests in ``path``, a file or a folder."""
+    return path.match("test_*.py") or any(path.rglob("test_*.py"))
 
 
 def web_tests() -> int:
