@@ -9,6 +9,11 @@ import pytest
 from blockbuster import blockbuster_ctx
 from hypothesis import settings
 
+from app.robots.simulated.gl import gl_environment
+
+for name, value in gl_environment().items():
+    os.environ.setdefault(name, value)  # before anything imports mujoco, which reads it then
+
 # No deadline: on a shared computer a slow example says nothing about the program.
 settings.register_profile("house", deadline=None)
 settings.load_profile("house")

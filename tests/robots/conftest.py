@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import itertools
-import os
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from app.robots.config import RobotConfig, load_robot_config
-from app.robots.simulated.gl import check_gl, gl_environment
+from app.robots.simulated.gl import check_gl
 from app.robots.simulated.world_config import WorldConfig
 from app.yaml_source import parse
-
-for name, value in gl_environment().items():
-    os.environ.setdefault(name, value)  # before anything imports mujoco, which reads it then
 
 CONFIG = Path(__file__).parents[2] / "config"
 needs_gl = pytest.mark.skipif(check_gl() is not None, reason=check_gl() or "")
