@@ -22,7 +22,6 @@ from app.modules.behaviors.navigation.costmap import CostmapSettings, LocalCostm
 from app.modules.behaviors.navigation.footprint import Footprint
 from app.modules.behaviors.navigation.goals import check_path, plan
 from app.modules.behaviors.navigation.inflation import CostField, cost_field, with_obstacles
-from app.modules.behaviors.navigation.planner import cost_to_go
 from app.robots.config import circle
 from benchmarks.report import Row, benchmark_main, row
 
@@ -67,14 +66,11 @@ def _fields(count: int) -> list[Row]:
     goal = _place(field, rng)
     way = next(found for found in (plan(field, _place(field, rng), goal) for _ in range(50)) if len(found.poses) > 200)
     pose = Pose2(*way.poses[0])
-    cell = field.frame.cell(goal.x, goal.y)
-    assert cell is not None
     rows: list[Row] = []
     works: dict[str, Callable[[], object]] = {
         "costs, whole map": lambda: cost_field(grid, BODY),
         "costs, 1 x 1.5 m changed": lambda: cost_field(_grid(changed), BODY, previous=field),
         "costs, 300 temporary obstacles": lambda: with_obstacles(field, points),
-        "cost to go, whole map": lambda: cost_to_go(field, cell),
         "is the path still free": lambda: check_path(field, way.poses, pose),
     }
     for case, work in works.items():

@@ -22,6 +22,8 @@ from tests.browser.running import CHROMIUM_ARGUMENTS, Robot, running_robot
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "images"
 DESKTOP = {"width": 1440, "height": 900}
 PHONE = {"width": 390, "height": 844}
+#: Before the door of the room across, as seen on the map from where the robot starts.
+ZONE = {"name": "Deliveries", "kind": "keep_out", "polygon": [[2.5, 2.4], [3.3, 2.4], [3.3, 3.6], [2.5, 3.6]]}
 #: To stop a replay so many seconds after its beginning, in JavaScript.
 _STAND_AT = """async (seconds) => {
   const url = "api/v1/playback", { begin } = await (await fetch(url)).json();
@@ -33,8 +35,8 @@ _STAND_AT = """async (seconds) => {
 def main() -> None:
     """Take every picture."""
     FOLDER.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory() as recordings:
-        os.environ["HBBA_RECORDINGS"] = recordings
+    with tempfile.TemporaryDirectory() as recordings, tempfile.TemporaryDirectory() as maps:
+        os.environ["HBBA_RECORDINGS"], os.environ["HBBA_MAPS"] = recordings, maps
         take()
 
 
@@ -46,6 +48,7 @@ def take() -> None:
             tour(browser, robot)
         scenario = config_dir() / "scenarios" / "lab.yaml"
         with tempfile.TemporaryDirectory() as folder, running_robot(Path(folder), scenario) as robot:
+            going(browser, robot)
             people(browser, robot)
         browser.close()
 
@@ -111,6 +114,25 @@ def replay(browser: Browser, robot: Robot) -> None:
     shoot(page, "replay")
     page.context.close()
     robot.request("DELETE", "/recordings/corridor/replay")
+
+
+def going(browser: Browser, robot: Robot) -> None:
+    """On the way along the corridor, past a zone to keep out of, on the map that grows meanwhile; and back."""
+    page = opened(browser, f"{robot.url}/?scene=off", DESKTOP)
+    page.get_by_test_id("tab-map").click()
+    page.get_by_test_id("map-enlarge").click()
+    robot.request("PUT", "/map/zones", {"zones": [ZONE]})
+    robot.request("PUT", "/goal", {"x": 3.4, "y": 5.0, "heading": 1.57})
+    page.locator("[data-testid=map-way][data-state=following]").wait_for()
+    page.wait_for_timeout(9_000)
+    page.get_by_test_id("map-fit").click()
+    page.wait_for_timeout(1_000)
+    shoot(page, "tour-map")
+    # People are met where the robot starts.
+    robot.request("PUT", "/goal", {"x": 0.0, "y": 0.0, "heading": 0.0})
+    while robot.get("/goal")["desire"] is not None:
+        page.wait_for_timeout(500)
+    page.context.close()
 
 
 def people(browser: Browser, robot: Robot) -> None:

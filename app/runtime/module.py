@@ -99,8 +99,9 @@ class Module:
     @property
     def kept(self) -> dict[str, Any]:
         """What outlives this instance: after a restart the next one finds it here. For little that must not be told
-        twice (the next number to give out), never for state that may be what it failed of. Begins empty, and again
-        whenever all begins anew (a replay that jumps).
+        twice (the next number to give out), or frozen values that would be lost for good (a map nobody saved); what it
+        may have failed of is handed on once, not again and again. Begins empty, and again whenever all begins anew (a
+        replay that jumps).
         """
         return self._context.kept
 

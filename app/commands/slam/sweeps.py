@@ -18,6 +18,7 @@ from app.commands.arguments import find_log
 from app.errors import ConfigError
 from app.geometry import Pose2
 from app.messages import LaserScan, Odometry
+from app.npz_source import read_arrays
 from app.pose_buffer import PoseBuffer
 
 if TYPE_CHECKING:
@@ -174,13 +175,7 @@ def _arrays(path: Path, args: argparse.Namespace) -> SweepSource:
 
 
 def _loaded(path: Path) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any] | None]:
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-    except OSError as failure:
-        raise ConfigError(f"{path}: cannot be read: {failure.strerror or failure}") from None
-    except (ValueError, EOFError, zipfile.BadZipFile) as damage:
-        raise ConfigError(f"{path}: is damaged: {damage}") from None
+    arrays = read_arrays(path, "the log")
     missing = [name for name in ("ranges", "pose") if name not in arrays]
     if missing:
         raise ConfigError(

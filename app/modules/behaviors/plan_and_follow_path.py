@@ -14,7 +14,7 @@
     └─────────────────────────────────────────────────────────────────────────────────────────────┘
 
 Every ``period_s`` (10 Hz as in the thesis), in the module's thread: the newest scan and picture enter the costmap, and
-the controller chooses velocities along the way (``navigation/follower.py``). Ways are planned in a thread of their own
+the controller chooses velocities along the way (``navigation/follower.py``). Ways are planned in the second thread
 (``navigation/wayfinder.py``): once a second, and at once where something is in the way or localization jumped.
 
 It does not drive, and says so, without a pose it can trust, with a scan or picture older than ``fresh_s``, or with
@@ -59,7 +59,6 @@ from app.modules.behaviors.navigation.wayfinder import Answer, Request, Wayfinde
 from app.modules.body import robot_link
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
-from app.runtime.worker import ModuleWorker
 
 #: Between two costmaps published, s.
 _COSTMAP_S = 0.2
@@ -131,7 +130,6 @@ class PlanAndFollowPath(Module):
         self._goal: Goal | None = None
         self._controller = self.settings.controller
         self._steering_with = self._controller
-        self._planner = ModuleWorker(f"{self.name} planning")
         self._planning: asyncio.Task[Answer] | None = None
         self._planned_at = -math.inf
         self._planned_from: Localization | None = None
@@ -172,10 +170,9 @@ class PlanAndFollowPath(Module):
         self._zones = (None if self.zones.channel is None else self.zones.channel.latest) or self._zones
 
     async def stop(self) -> None:
-        """Let the planner's thread end."""
+        """Look for no way any more."""
         if self._planning is not None:
             self._planning.cancel()
-        self._planner.shutdown()
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take the desire's goal, and the strategy's ``controller``; without ``x`` and ``y`` nobody wants to go
@@ -303,7 +300,7 @@ class PlanAndFollowPath(Module):
     def _publish_path(self, now: float, poses: Any) -> None:
         self.path.publish(PlannedPath(now, "map", read_only(np.array(poses, dtype=np.float64).reshape(-1, 3))))
 
-    # --- planning, in a thread of its own ---
+    # --- planning, behind ---
 
     def _plan_if_wanted(self, now: float, goal: Goal, told: Told) -> None:
         if self._planning is not None:
@@ -322,7 +319,8 @@ class PlanAndFollowPath(Module):
         )
         self._planned_at, self._planned_from, self._planned_for = now, localization, goal
         self._wanted_plan = ""
-        self._planning = asyncio.create_task(self._find(request), name=f"{self.name} plans")
+        finding = self.compute_behind(self._wayfinder.find, request)
+        self._planning = asyncio.create_task(finding, name=f"{self.name} plans")
         self._planning.add_done_callback(self._planned)
 
     def _why_plan(self, now: float, goal: Goal, told: Told) -> str | None:
@@ -338,11 +336,6 @@ class PlanAndFollowPath(Module):
             # What blocks the controller may not block the way: another is taken only if it is better or the old is not.
             return "" if self._plan is not None and len(self._plan.poses) and told.step.state == "following" else wanted
         return "" if since >= self.settings.replan_s else None
-
-    async def _find(self, request: Request) -> Answer:
-        loop = asyncio.get_running_loop()
-        with self._context.activity.one():
-            return await loop.run_in_executor(self._planner, self._context.meter.call, self._wayfinder.find, request)
 
     def _planned(self, task: asyncio.Task[Answer]) -> None:
         self._planning = None

@@ -180,7 +180,7 @@ async def shown(ann, system, body) -> bytes:  # type: ignore[no-untyped-def]
     async def run_camera() -> None:
         while True:
             body.emit("kinect", image(system.clock.now()))
-            await asyncio.sleep(0.02)
+            await system.clock.sleep(0.02)
 
     camera = asyncio.create_task(run_camera())
     try:

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from app.modules.behaviors.navigation.inflation import CostField
 
-#: Eight for each metre in the open, of blocks two cells long whose costs add up in pairs (``search``)
-_UNITS_PER_CELL = 16.0
 _UNREACHED = np.iinfo(np.int32).max
 
 
@@ -66,29 +64,6 @@ def explore(
     width = blocks.shape[1]
     cost, came = search(blocks, _block(start, odd, width), -1 if goal is None else _block(goal, odd, width))
     return Reached(field, start, blocks, cost, came, odd, fee)
-
-
-def cheapest_way(field: CostField, start: tuple[int, int], goal: tuple[int, int]) -> NDArray[np.int64] | None:
-    """Cells (N, 2) row, column from ``start`` to ``goal``, each a neighbour of the last, none lethal; None: no way."""
-    if not (np.isfinite(field.cost[start]) and np.isfinite(field.cost[goal])):
-        return None
-    reached = explore(field, start, goal)
-    return reached.way(goal) if reached.has(goal) else None
-
-
-def cost_to_go(field: CostField, goal: tuple[int, int]) -> NDArray[np.float32]:
-    """What the cheapest way from each cell to ``goal`` costs (metres in the open), +inf where none leads; (H, W).
-
-    By blocks of two cells, along 8 directions: up to 8 % above what the straightest way costs.
-    """
-    reached = explore(field, goal)
-    rows, columns = field.cost.shape
-    grid = reached.cost.reshape(reached.blocks.shape)
-    scale = field.frame.resolution_m / _UNITS_PER_CELL
-    metres = np.where(grid == _UNREACHED, np.inf, grid * scale).astype(np.float32)[1:-1, 1:-1]
-    cells = metres.repeat(2, axis=0).repeat(2, axis=1)
-    cells = cells[reached.odd[0] : reached.odd[0] + rows, reached.odd[1] : reached.odd[1] + columns]
-    return np.where(np.isfinite(field.cost), cells, np.float32(np.inf))
 
 
 def _block(cell: tuple[int, int], odd: tuple[int, int], width: int) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import cv2
@@ -27,11 +28,37 @@ def rasterize(zones: Sequence[Zone], frame: GridFrame) -> tuple[NDArray[np.uint8
         corners = np.rint(np.clip(cells, -_FAR, _FAR) * 2**_SHIFT).astype(np.int32)[None]
         if zone.kind == "keep_out":
             cv2.fillPoly(shut, [corners], 1, shift=_SHIFT)
-            # However thin it is, no way leads through.
-            cv2.polylines(shut, [corners], isClosed=True, color=1, thickness=1, shift=_SHIFT)
+            _shut_edges(shut, cells)
         else:
             cv2.fillPoly(share, [corners], zone.speed, shift=_SHIFT)
     return shut, share
+
+
+def _shut_edges(shut: NDArray[np.uint8], corners: NDArray[np.float64]) -> None:
+    """Shut every cell that the polygon's edges pass: however thin it is, no way leads through.
+
+    ``corners`` (N, 2) column, row. OpenCV's own lines break where they leave the grid.
+    """
+    last = np.array([shut.shape[1], shut.shape[0]], dtype=np.float64)
+    for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        begin, end = _within(a, b - a, last)
+        if begin <= end:
+            steps = math.ceil(4.0 * (end - begin) * float(np.abs(b - a).max())) + 1
+            cells = np.rint(a + np.linspace(begin, end, steps)[:, None] * (b - a)).astype(np.int64)
+            columns, rows = cells[((cells >= 0) & (cells < last)).all(axis=1)].T
+            shut[rows, columns] = 1
+
+
+def _within(a: NDArray[np.float64], along: NDArray[np.float64], last: NDArray[np.float64]) -> tuple[float, float]:
+    """The part [begin, end] of the segment from ``a``, of 0 to 1, between (-1, -1) and ``last``; begin > end: none."""
+    still = along == 0.0
+    if bool((still & ((a < -1.0) | (a > last))).any()):
+        return 1.0, 0.0
+    step = np.where(still, 1.0, along)
+    one, other = (-1.0 - a) / step, (last - a) / step
+    enters = np.where(still, 0.0, np.minimum(one, other))
+    leaves = np.where(still, 1.0, np.maximum(one, other))
+    return max(0.0, float(enters.max())), min(1.0, float(leaves.min()))
 
 
 def speed_share(zones: Sequence[Zone], x: float, y: float, margin_m: float = 0.0) -> tuple[float, str]:

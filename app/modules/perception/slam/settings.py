@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 
@@ -40,9 +39,9 @@ class SlamSettings:
     loop_score: float = 0.55
     #: A loop that would move the robot farther than this is believed when a second one says the same.
     loop_alone_m: float = 0.6
-    #: Keyframes kept where the robot passes again and again: per square metre and quarter of heading.
+    #: Keyframes kept where the robot passes again and again: per square metre and sector of headings, ...
     keyframes_per_m2: int = 10
-    #: A scan is a keyframe's at most so many times: bounds what a resting robot adds.
+    #: ... of which there are so many.
     heading_sectors: int = 4
 
     def odometry_sigmas(self, distance_m: float, turn_rad: float) -> tuple[float, float]:
@@ -52,8 +51,3 @@ class SlamSettings:
             self.odometry_floor_m + self.odometry_m_per_m * distance_m + self.odometry_m_per_rad * turn,
             self.odometry_floor_rad + self.odometry_rad_per_rad * turn + self.odometry_rad_per_m * distance_m,
         )
-
-    @property
-    def sector_rad(self) -> float:
-        """Width of a sector of headings."""
-        return 2.0 * math.pi / self.heading_sectors

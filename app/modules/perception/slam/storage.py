@@ -6,9 +6,6 @@ An archive of arrays, as numpy writes them, without pickles. Rows of keyframes s
 
 from __future__ import annotations
 
-import struct
-import zipfile
-import zlib
 from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
@@ -20,13 +17,9 @@ from numpy.typing import NDArray
 from app.errors import ConfigError
 from app.geometry import Pose2
 from app.modules.perception.slam.values import Edge, Keyframe, SlamState
+from app.npz_source import read_arrays
 
 FORMAT = 1
-#: What reading a damaged archive raises: NotImplementedError and RuntimeError where its flags say what cannot be.
-_DAMAGE = (
-    ValueError, EOFError, KeyError, OverflowError, MemoryError, NotImplementedError, RuntimeError, struct.error,
-    zlib.error, zipfile.BadZipFile,
-)  # fmt: skip
 
 
 def write_state(path: Path, state: SlamState) -> None:
@@ -58,14 +51,7 @@ def write_state(path: Path, state: SlamState) -> None:
 
 def read_state(path: Path) -> SlamState:
     """The state in the file ``path``. Raises ConfigError for one that is damaged or of another format."""
-    try:
-        # Opened here: numpy leaves a file open that is no archive.
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-    except OSError as failure:
-        raise ConfigError(f"the map's graph cannot be read: {failure.strerror or failure}", str(path)) from None
-    except _DAMAGE as damage:
-        raise ConfigError(f"the map's graph is damaged: {damage}", str(path)) from None
+    arrays = read_arrays(path, "the map's graph")
     try:
         if int(arrays["format"]) != FORMAT:
             raise ConfigError(f"the map's graph has format {arrays['format']}; this program reads {FORMAT}", str(path))

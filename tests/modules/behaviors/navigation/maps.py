@@ -12,6 +12,7 @@ from app.geometry import Pose2
 from app.messages import OccupancyGrid, Zone
 from app.modules.behaviors.navigation.footprint import Footprint
 from app.modules.behaviors.navigation.inflation import CostField
+from app.modules.behaviors.navigation.planner import explore
 from app.robots.config import circle
 
 ROUND = Footprint.polygon(np.array(circle(0.28)))
@@ -137,3 +138,11 @@ def free_place(field: CostField, random: Callable[[int], int]) -> Pose2 | None:
         return None
     k = random(len(rows))
     return Pose2(*field.frame.middle(int(rows[k]), int(columns[k])), math.nan)
+
+
+def cheapest_way(field: CostField, start: tuple[int, int], goal: tuple[int, int]) -> NDArray[np.int64] | None:
+    """Cells (N, 2) from ``start`` to ``goal`` as A* finds them; None: one of them is lethal, or there is no way."""
+    if not (np.isfinite(field.cost[start]) and np.isfinite(field.cost[goal])):
+        return None
+    reached = explore(field, start, goal)
+    return reached.way(goal) if reached.has(goal) else None

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from app.modules.behaviors.navigation.footprint import Footprint
 from app.modules.behaviors.navigation.inflation import CostField, CostSettings, cost_field
-from app.modules.behaviors.navigation.planner import cheapest_way, cost_to_go
 
-from .maps import grid_of, random_cells
+from .maps import cheapest_way, grid_of, random_cells
 
 #: So small that narrow gaps and single cells matter.
 SMALL = Footprint.polygon(np.array([[0.05, -0.05], [0.05, 0.05], [-0.05, 0.05], [-0.05, -0.05]]))
@@ -119,22 +118,6 @@ def test_ways_do_not_depend_on_where_the_map_lies(seed: int, right: int, up: int
     assert (way is None) == (other is None)
     if way is not None and other is not None:
         assert np.array_equal(way, other)
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_the_cost_to_go_is_that_of_ways(seed: int) -> None:
-    field = field_of(seed)
-    goal, start = ends(field, seed)
-    field_to_go = cost_to_go(field, goal)
-    assert field_to_go.shape == field.cost.shape
-    assert np.isinf(field_to_go[~np.isfinite(field.cost)]).all()
-    assert field_to_go[goal] == 0.0
-    way = cheapest_way(field, start, goal)
-    if way is None:
-        assert field_to_go[start] == np.inf
-    else:
-        assert field_to_go[start] == pytest.approx(0.05 * way_cost(field, way), rel=0.15, abs=0.4)
-        assert field_to_go[start] >= 0.9 * 0.05 * math.dist(start, goal) - 0.2
 
 
 def test_from_or_to_a_lethal_cell_there_is_no_way() -> None:

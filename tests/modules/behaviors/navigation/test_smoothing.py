@@ -8,10 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.modules.behaviors.navigation.inflation import CostSettings, cost_field
-from app.modules.behaviors.navigation.planner import cheapest_way
 from app.modules.behaviors.navigation.smoothing import length_of, smooth, with_headings
 
-from .maps import ROUND, cost_along, grid_of, lethal_along, office, random_cells
+from .maps import ROUND, cheapest_way, cost_along, grid_of, lethal_along, office, random_cells
 
 
 def middles(cells: np.ndarray, resolution_m: float = 0.05) -> np.ndarray:
