@@ -1,15 +1,22 @@
-"""Trials in child processes, a few at a time: a world that takes its process down takes no other trial with it."""
+"""Trials in child processes, a few at a time: a world that takes its process down takes no other trial with it.
+
+``Trials`` gives one result a trial; ``TrialSeries`` any number of them, each as soon as it is there.
+"""
 
 from __future__ import annotations
 
 import ctypes
 import os
+import pickle
 import signal
 import sys
+import traceback
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
 from multiprocessing import get_context
+from multiprocessing.connection import Connection, wait
+from multiprocessing.context import SpawnProcess
 from typing import Generic, TypeVar
 
 T = TypeVar("T")
@@ -24,39 +31,136 @@ class TrialLost(Exception):
     """A child process died in a trial; the message says which and what is left to do."""
 
 
-class Trials(Generic[T, R]):
-    """``work(trial)`` for every one of ``trials`` in ``jobs`` processes; both must be picklable."""
+@dataclass(frozen=True, slots=True)
+class _Result(Generic[R]):
+    value: R
 
-    def __init__(self, work: Callable[[T], R], trials: Sequence[T], jobs: int) -> None:
+
+@dataclass(frozen=True, slots=True)
+class _Over:
+    """The trial has given all its results; or it ended by ``error``."""
+
+    error: Exception | None = None
+
+
+class TrialSeries(Generic[T, R]):
+    """What ``work(trial, give)`` gives, for every one of ``trials`` in ``jobs`` processes; all must be picklable."""
+
+    def __init__(self, work: Callable[[T, Callable[[R], None]], None], trials: Sequence[T], jobs: int) -> None:
         self._work = work
         self._trials = trials
         self._jobs = max(1, min(jobs, len(trials)))
 
     def __iter__(self) -> Iterator[tuple[T, R]]:
-        """Trials with their results, as they end. Raises what ``work`` raises, and TrialLost."""
+        """Each result with its trial, when it comes. Raises what ``work`` raises, and TrialLost."""
         for name in _SINGLE:
             os.environ.setdefault(name, "1")  # children inherit it; it is read when they load the library
-        waiting = iter(self._trials)
-        under_way: dict[Future[R], T] = {}
-        pool = ProcessPoolExecutor(self._jobs, mp_context=get_context("spawn"), initializer=_quiet)
+        context = get_context("spawn")
+        waiting = deque(self._trials)
+        children: list[SpawnProcess] = []
+        under_way: dict[Connection, T] = {}
         try:
-            while True:
-                while len(under_way) < self._jobs + 1 and (trial := next(waiting, None)) is not None:
-                    under_way[pool.submit(self._work, trial)] = trial
-                if not under_way:
-                    return
-                for future in wait(under_way, return_when=FIRST_COMPLETED).done:
-                    trial = under_way.pop(future)
-                    yield trial, future.result()
-        except BrokenProcessPool:
-            raise TrialLost(
-                "A child process of the experiment died (out of memory?). Results are kept: start it again to go on."
-            ) from None
+            while waiting and len(children) < self._jobs:
+                ours, theirs = context.Pipe()
+                child = context.Process(target=_serve, args=(theirs, self._work))
+                child.start()
+                theirs.close()
+                children.append(child)
+                under_way[ours] = trial = waiting.popleft()
+                _give(ours, trial)
+            while under_way:
+                for connection in wait(list(under_way)):
+                    assert isinstance(connection, Connection)
+                    trial = under_way[connection]
+                    answer: _Result[R] | _Over = _taken(connection)
+                    if isinstance(answer, _Result):
+                        yield trial, answer.value
+                    elif answer.error is not None:
+                        raise answer.error
+                    elif waiting:
+                        under_way[connection] = trial = waiting.popleft()
+                        _give(connection, trial)
+                    else:
+                        del under_way[connection]
+                        connection.close()
         finally:
-            children = list((pool._processes or {}).values())  # a trial under way has no other end
-            pool.shutdown(wait=False, cancel_futures=True)
-            for child in children:
+            for connection in under_way:
+                connection.close()
+            for child in children:  # a trial under way has no other end
                 child.terminate()
+            for child in children:
+                child.join()
+
+
+class Trials(Generic[T, R]):
+    """``work(trial)`` for every one of ``trials`` in ``jobs`` processes; both must be picklable."""
+
+    def __init__(self, work: Callable[[T], R], trials: Sequence[T], jobs: int) -> None:
+        self._series: TrialSeries[T, R] = TrialSeries(_Once(work), trials, jobs)
+
+    def __iter__(self) -> Iterator[tuple[T, R]]:
+        """Trials with their results, as they end. Raises what ``work`` raises, and TrialLost."""
+        return iter(self._series)
+
+
+@dataclass(frozen=True, slots=True)
+class _Once(Generic[T, R]):
+    work: Callable[[T], R]
+
+    def __call__(self, trial: T, give: Callable[[R], None]) -> None:
+        give(self.work(trial))
+
+
+def _give(connection: Connection, trial: object) -> None:
+    try:
+        connection.send(trial)
+    except OSError:
+        raise _lost() from None
+
+
+def _taken(connection: Connection) -> _Result[R] | _Over:
+    try:
+        answer: _Result[R] | _Over = connection.recv()
+    except (EOFError, OSError):
+        raise _lost() from None
+    return answer
+
+
+def _lost() -> TrialLost:
+    return TrialLost(
+        "A child process of the experiment died (out of memory?). Results are kept: start it again to go on."
+    )
+
+
+def _serve(connection: Connection, work: Callable[[T, Callable[[R], None]], None]) -> None:
+    """In a child: work the trials that come until there are no more."""
+
+    def give(result: R) -> None:
+        connection.send(_Result(result))
+
+    _quiet()
+    while True:
+        try:
+            trial = connection.recv()
+        except EOFError:
+            return
+        try:
+            work(trial, give)
+        except Exception as error:  # noqa: BLE001 - it is raised again, in the parent
+            connection.send(_Over(_portable(error)))
+        else:
+            connection.send(_Over())
+
+
+def _portable(error: Exception) -> Exception:
+    """``error`` as it can be sent, with where it was raised."""
+    where = "".join(traceback.format_exception(error))
+    try:
+        copy: Exception = pickle.loads(pickle.dumps(error))
+    except Exception:  # noqa: BLE001 - what an error's own pickling may raise is anything
+        return RuntimeError(f"In a child process:\n{where}")
+    copy.add_note(f"In a child process:\n{where}")
+    return copy
 
 
 def _quiet() -> None:

@@ -6,8 +6,8 @@ import os
 
 import pytest
 
-from app.experiments.pool import TrialLost, Trials
-from tests.experiments.tripling import tripled
+from app.experiments.pool import TrialLost, Trials, TrialSeries
+from tests.experiments.tripling import multiples, tripled
 
 pytestmark = pytest.mark.slow
 
@@ -24,3 +24,11 @@ def test_a_trials_mistake_is_raised_and_a_dead_child_said() -> None:
         list(Trials(tripled, [13], 1))
     with pytest.raises(TrialLost, match="start it again to go on"):
         list(Trials(tripled, [99], 1))
+
+
+def test_a_series_gives_each_result_when_it_is_there_also_those_before_a_mistake() -> None:
+    series = iter(TrialSeries(multiples, [2, 13], 1))
+    assert [next(series) for _ in range(6)] == [(2, 2), (2, 4), (2, 6), (13, 13), (13, 26), (13, 39)]
+    with pytest.raises(ValueError, match="thirteen") as mistake:
+        next(series)
+    assert any("in multiples" in note for note in mistake.value.__notes__)

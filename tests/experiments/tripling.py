@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 
 
 def tripled(number: int) -> tuple[int, int]:
@@ -11,3 +12,10 @@ def tripled(number: int) -> tuple[int, int]:
     if number == 99:
         os._exit(1)
     return 3 * number, os.getpid()
+
+
+def multiples(number: int, give: Callable[[int], None]) -> None:
+    for factor in range(1, 4):
+        give(factor * number)
+    if number == 13:
+        raise ValueError("thirteen")

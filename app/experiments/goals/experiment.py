@@ -16,12 +16,13 @@ from app.experiments.goals.result import GoalResult
 from app.experiments.goals.shift import MAP, Shift, seeing, simulated_body, work
 from app.experiments.goals.tour import make_map
 from app.experiments.kept import KeptResults, program_digest
-from app.experiments.pool import Trials
+from app.experiments.pool import TrialSeries
 from app.geometry import Pose2
 from app.robots.factory import simulated_parts
 
-#: A shift's goals are given one after another in one life of the program; shifts run beside each other.
-SHIFT_GOALS = 20
+#: A shift's goals are given one after another in one life of the program; shifts run beside each other. One that was
+#: broken off begins anew, so that it is the same as an unbroken one: a few goals are soon repeated.
+SHIFT_GOALS = 5
 #: Goals lie where the robot has so much room (m) beyond its outermost corner, and so far (m) from the one before.
 SPARE_M, LEAST_M = 0.12, 2.0
 TOLERANCE_M, TOLERANCE_RAD, SLACK_M = 0.25, 0.2, 0.05
@@ -93,13 +94,12 @@ def run(what: GoalsPlan, kept: KeptResults, told: Told, began: Callable[[str], N
         make_map(what.config, what.tour, maps, began)
     shifts = [shift for shift in _shifts(what, maps) if any(number not in results for number, _ in shift.goals)]
     began("going to goals")
-    for _, some in Trials(work, shifts, what.jobs):
-        for result in some:
-            if result.number in results:
-                continue
-            kept.add(result.document())
-            results[result.number] = result
-            told(result, len(results), what.count)
+    for _, result in TrialSeries(work, shifts, what.jobs):
+        if result.number in results:
+            continue
+        kept.add(result.document())
+        results[result.number] = result
+        told(result, len(results), what.count)
     return tuple(results[number] for number in range(1, what.count + 1))
 
 

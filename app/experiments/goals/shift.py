@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -67,36 +68,39 @@ def seeing(body: RobotConfig) -> RobotConfig:
     return body.model_copy(update={"streams": body.streams.model_copy(update={"imv": None})})
 
 
-def work(shift: Shift) -> tuple[GoalResult, ...]:
-    """Work ``shift`` to its end. Raises ConfigError, and any mistake of the program's own."""
+def work(shift: Shift, give: Callable[[GoalResult], None]) -> None:
+    """Work ``shift`` to its end; each result is given as soon as it is there.
+
+    Raises ConfigError, and any mistake of the program's own.
+    """
     body = seeing(simulated_body(shift.config, shift.scenario))
     start = body.start.model_copy(
         update={"x": shift.start.x, "y": shift.start.y, "heading_deg": math.degrees(shift.start.theta)}
     )
     body = body.model_copy(update={"start": start, "seed": shift.seed})
     configuration = load_configuration(shift.config)
-    return run_in_world(
+    run_in_world(
         configuration,
         body,
-        lambda run: _live(run, shift, body.footprint),
+        lambda run: _live(run, shift, body.footprint, give),
         cameras=shift.cameras,
         without=UNCONCERNED,
         maps=MapLibrary(shift.maps),
     )
 
 
-async def _live(run: WorldRun, shift: Shift, footprint: tuple[tuple[float, float], ...]) -> tuple[GoalResult, ...]:
+async def _live(
+    run: WorldRun, shift: Shift, footprint: tuple[tuple[float, float], ...], give: Callable[[GoalResult], None]
+) -> None:
     workspace = run.system.workspace
     workspace.add("SLAM", intensity=8, utility=1, source=_EXPERIMENT)
     X_MB = shift.origin.inverse() @ shift.start
     await _take_map(run, X_MB)
-    results = []
     last = shift.start
     for number, goal in shift.goals:
         watch = _Watch(run, shift, footprint)
-        results.append(await watch.go(number, last, goal))
+        give(await watch.go(number, last, goal))
         last = run.link.true_pose()
-    return tuple(results)
 
 
 async def _take_map(run: WorldRun, X_MB: Pose2) -> None:
@@ -133,12 +137,12 @@ class _Watch:
         self._people_m: float | None = None
         self._driven_m = 0.0
         self._last = run.link.true_pose()
+        self._touched = self._told = len(run.link.contacts)
 
     async def go(self, number: int, last: Pose2, goal: Pose2) -> GoalResult:
         """Desire ``goal`` (world) and wait until the program has ended the desire, or patience is over."""
         shift, system = self._shift, self._run.system
         on_map = shift.origin.inverse() @ goal
-        touched = len(self._run.link.contacts)
         with contextlib.ExitStack() as stack:
             for name in ("navigation", "going_toward"):
                 if (channel := system.graph.channels.get(name)) is not None:
@@ -170,7 +174,7 @@ class _Watch:
             error_m=round(error_m, 3),
             error_rad=round(error_rad, 3),
             recoveries=said.recoveries if said is not None else 0,
-            touched=tuple(contact.what for contact in self._run.link.contacts[touched:]),
+            touched=tuple(contact.what for contact in self._run.link.contacts[self._touched :]),
             people_m=None if self._people_m is None else round(self._people_m, 3),
             reason="" if outcome == "reached" or said is None else f"{said.state}: {said.reason}".strip(": "),
             story=tuple(self._story),
@@ -190,7 +194,8 @@ class _Watch:
 
     def _look(self) -> None:
         pose = self._run.link.true_pose()
-        self._driven_m += math.dist((pose.x, pose.y), (self._last.x, self._last.y))
+        went = math.dist((pose.x, pose.y), (self._last.x, self._last.y))
+        self._driven_m += went
         self._last = pose
         back = pose.inverse()
         for person in self._run.link.people:
@@ -199,15 +204,23 @@ class _Watch:
             if self._people_m is None or room < self._people_m:
                 self._people_m = room
 
+        for contact in self._run.link.contacts[self._told :]:
+            self._told += 1
+            x, y, _ = contact.at
+            at = contact.X_WB.inverse() @ Pose2(x, y)
+            where = f"at ({x:.2f}, {y:.2f}), ({at.x:.2f}, {at.y:.2f}) of the body"
+            self._note(contact.stamp, f"touched {contact.what} {where}, going {went / LOOK_S:.2f} m/s")
+
     def _hear(self, message: NavigationStatus) -> None:
         if message.goal is None:
             return
         before, self._said = self._said, message
-        if len(self._story) < _STORY and (
-            before is None or (before.state, before.reason) != (message.state, message.reason)
-        ):
-            told = f"{message.state}: {message.reason}".strip(": ")
-            self._story.append((round(message.stamp - self._began, 1), told))
+        if before is None or (before.state, before.reason) != (message.state, message.reason):
+            self._note(message.stamp, f"{message.state}: {message.reason}".strip(": "))
+
+    def _note(self, stamp: float, what: str) -> None:
+        if len(self._story) < _STORY:
+            self._story.append((round(stamp - self._began, 1), what))
 
 
 def _rounded(pose: Pose2) -> tuple[float, float, float]:

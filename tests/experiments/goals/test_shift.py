@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from app import paths
+from app.experiments.goals.result import GoalResult
 from app.experiments.goals.shift import MAP, Shift, work
 from app.experiments.goals.tour import make_map
 from app.geometry import Pose2
@@ -51,7 +52,9 @@ def test_goals_are_given_on_a_map_made_before_and_the_truth_is_told(tmp_path: Pa
         slack_m=0.05,
         patience_s=12.0,
     )
-    reached, not_reached = work(shift)
+    results: list[GoalResult] = []
+    work(shift, results.append)
+    reached, not_reached = results
     assert (reached.number, reached.outcome, reached.touched) == (1, "reached", ())
     assert reached.error_m <= 0.3
     assert abs(reached.error_rad) <= 0.25
