@@ -1,8 +1,9 @@
 """The cameras' thread: draws the world as the body's cameras see it, into the image rings.
 
 Drawing takes longer than a control step and releases the interpreter's lock, so it has a thread of its own; the control
-loop only leaves it a snapshot when it is free and picks up finished pictures: a computer too slow for the rates gives
-fewer pictures, never late ones. The OpenGL context lives and dies in this thread, as it must.
+loop only leaves it a snapshot when it is free and picks up finished pictures. Where one is not finished when the next
+is due, the loop has time stand a little: a computer too slow for the rates slows the world, not the camera. The OpenGL
+context lives and dies in this thread, as it must.
 
 One thread draws for all cameras: two would fight for the same processor, each with its copy of every texture. The
 camera with the shortest period goes first, even between the parts of another's picture; but one that has waited for
@@ -11,6 +12,8 @@ longer than its own period goes before all that have not, so that where time is 
 
 from __future__ import annotations
 
+import contextlib
+import os
 import threading
 import time
 from collections import deque
@@ -25,6 +28,8 @@ from app.robots.simulated.eyes import Eye, open_eyes
 from app.robots.simulated.image_ring import SLOTS, ImageRing
 from app.robots.simulated.painter import Painter, Snapshot
 from app.robots.simulated.wire import ImageNotice
+
+_NICENESS = -4
 
 
 @dataclass(slots=True, eq=False)
@@ -94,6 +99,8 @@ class CameraThread:
         self._thread.join(timeout_s)
 
     def _run(self) -> None:
+        with contextlib.suppress(OSError):  # where we may: the world goes before those who look at it
+            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _NICENESS)
         try:
             painter = Painter(self._model)
             eyes = open_eyes(painter, self._model, self._streams, self._rngs)

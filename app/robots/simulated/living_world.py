@@ -38,9 +38,13 @@ class Schedule:
         self.period_s = 1.0 / rate_hz
         self._next_s = 0.0
 
+    def ready(self, time_s: float) -> bool:
+        """Whether it is due now."""
+        return time_s + 1e-9 >= self._next_s
+
     def due(self, time_s: float) -> bool:
         """Whether it is due now; then the next time is a period on (a stream that fell behind skips, not hurries)."""
-        if time_s + 1e-9 < self._next_s:
+        if not self.ready(time_s):
             return False
         self._next_s = max(self._next_s + self.period_s, time_s + 0.5 * self.period_s)
         return True
@@ -173,6 +177,10 @@ class LivingWorld:
     def saw(self, stream: str, seen: float) -> None:
         """Note that ``stream`` has spoken at ``seen``: the guard watches the age of sensors."""
         self._last_seen[stream] = seen
+
+    def looks(self, stream: str) -> bool:
+        """Whether a picture of ``stream`` is wanted and due."""
+        return stream in self.wanted and self._schedules[stream].ready(self.simulation.time_s)
 
     def look(self, stream: str, stamp: float) -> Snapshot | None:
         """What the camera of ``stream`` is to draw now, None where no picture is wanted or due."""

@@ -5,19 +5,26 @@ from __future__ import annotations
 from collections import deque
 
 RATE_WINDOW_S = 1.0
+LONGEST_WAIT_S = 0.25
+"""Under the half second after which the guard takes a silent sensor for a broken one."""
 
 
 class Pacer:
     """Pure bookkeeping on the monotonic clock (s), stepped by its caller.
 
-    Up to ``backlog_s`` of lost time is made up for; what is lost beyond is given up, so an overloaded computer slows
-    the world down instead of making it jump. ``stamp`` names the real instant that simulated time stands for.
+    Up to ``backlog_s`` of lost time is made up for, ``waited_s`` of what was lost in waiting for pictures; what is lost
+    beyond is given up, so an overloaded computer slows the world down instead of making it jump. ``stamp`` names the
+    real instant that simulated time stands for.
     """
 
-    def __init__(self, now: float, step_s: float, backlog_s: float = 0.1, burst: int = 12) -> None:
+    def __init__(
+        self, now: float, step_s: float, backlog_s: float = 0.1, waited_s: float = 0.05, burst: int = 12
+    ) -> None:
         self._step_s = step_s
         self._backlog_s = backlog_s
+        self._waited_s = waited_s
         self._burst = burst
+        self._waits_since: float | None = None
         self._anchor = now
         self._steps = 0
         self._since_anchor = 0
@@ -29,13 +36,22 @@ class Pacer:
         return self._anchor + self._since_anchor * self._step_s
 
     def due(self, now: float) -> int:
-        """How many steps to take now (0 to ``burst``); they count as taken."""
-        lag = now - self.stamp
-        if lag > self._backlog_s:
-            self._anchor = now - self._backlog_s
-            self._since_anchor = 0
-            lag = self._backlog_s
-        return max(0, min(self._burst, int(lag / self._step_s)))
+        """How many steps to take now (0 to ``burst``)."""
+        self._give_up_beyond(self._backlog_s, now)
+        return max(0, min(self._burst, int((now - self.stamp) / self._step_s)))
+
+    def waits(self, now: float, missing: bool) -> bool:
+        """Whether time stands because something of the world's present is ``missing``: for ``LONGEST_WAIT_S``, then it
+        goes on without."""
+        if not missing:
+            self._waits_since = None
+            return False
+        if self._waits_since is None:
+            self._waits_since = now
+        if now - self._waits_since >= LONGEST_WAIT_S:
+            return False
+        self._give_up_beyond(self._waited_s, now)
+        return True
 
     def advance(self) -> None:
         """One step was taken."""
@@ -54,3 +70,8 @@ class Pacer:
             self._history.popleft()
         then, steps = self._history[0]
         return 1.0 if now - then < 0.2 else (self._steps - steps) * self._step_s / (now - then)
+
+    def _give_up_beyond(self, backlog_s: float, now: float) -> None:
+        if now - self.stamp > backlog_s:
+            self._anchor = now - backlog_s
+            self._since_anchor = 0

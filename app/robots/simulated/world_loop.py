@@ -109,10 +109,19 @@ class WorldLoop:
             self._log.write(time.monotonic(), applied.linear_mps, applied.angular_radps)
 
     def _stamps(self, now: float) -> Iterator[float]:
-        """The instants that the steps due now stand for."""
+        """The instants that the steps due now stand for. Where a picture is due while the one before is still being
+        drawn, or sound is late, time stands: a computer too slow for the sensors slows everything alike."""
         for _ in range(self._pacer.due(now)):
+            if self._pacer.waits(now, self._sensed_late()):
+                return
             self._pacer.advance()
             yield self._pacer.stamp + self._offset
+
+    def _sensed_late(self) -> bool:
+        camera, living = self._camera, self._living
+        if self._acoustics is not None and self._acoustics.late and "microphones" in living.wanted:
+            return True
+        return camera is not None and any(camera.busy(stream) and living.looks(stream) for stream in living.eyes)
 
     def _also(self, stamp: float) -> None:
         """Have pictures drawn and sound made of the world as it is after a step."""

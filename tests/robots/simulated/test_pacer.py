@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.robots.simulated.pacer import Pacer
+from app.robots.simulated.living_world import Schedule
+from app.robots.simulated.pacer import LONGEST_WAIT_S, Pacer
 
 STEP = 0.002
 
@@ -48,6 +51,44 @@ def test_an_overloaded_computer_slows_the_world_and_the_rate_says_so() -> None:
         now += 0.048  # each turn of at most 12 steps takes as long as 24
         turn(pacer, now)
     assert pacer.rate(now) == pytest.approx(0.5, abs=0.03)
+
+
+def test_who_waits_for_a_picture_makes_up_for_a_little() -> None:
+    pacer = Pacer(0.0, STEP)
+    turn(pacer, 0.02)
+    assert pacer.waits(0.03, missing=True)
+    assert pacer.waits(0.2, missing=True)
+    assert not pacer.waits(0.2, missing=False)
+    assert pacer.stamp == pytest.approx(0.15)
+
+
+def test_nobody_waits_for_ever() -> None:
+    pacer = Pacer(0.0, STEP)
+    assert pacer.waits(1.0, missing=True)
+    assert not pacer.waits(1.0 + LONGEST_WAIT_S, missing=True)
+    assert not pacer.waits(5.0, missing=True)
+    assert not pacer.waits(5.1, missing=False)
+    assert pacer.waits(5.2, missing=True)  # for the next one, again
+
+
+@given(st.lists(st.integers(1, 40), min_size=1, max_size=100))
+def test_pictures_keep_their_rate_in_the_worlds_time(drawing: list[int]) -> None:
+    """Each picture takes so many turns of 4 ms; one is due every 66 ms of the world's time."""
+    pacer, schedule, now, busy_until = Pacer(0.0, STEP), Schedule(15.0), 0.0, 0.0
+    steps, taken = 0, []
+    for turns in drawing:
+        while True:
+            now += 0.004
+            for _ in range(pacer.due(now)):
+                if pacer.waits(now, now < busy_until and schedule.ready(steps * STEP)):
+                    break
+                pacer.advance()
+                steps += 1
+            if now >= busy_until and schedule.due(steps * STEP):
+                taken.append(steps * STEP)
+                busy_until = now + turns * 0.004
+                break
+    assert all(b - a < 2 / 15 for a, b in pairwise(taken))
 
 
 def test_it_says_how_long_to_wait_for_the_next_steps() -> None:

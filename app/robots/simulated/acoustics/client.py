@@ -8,25 +8,23 @@ import pickle
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
 from typing import Any
 
-from app.errors import ConfigError
-from app.geometry import Pose2, Pose3
+from app.geometry import Pose2
 from app.messages import Audio, SoundTruth
 from app.robots.config import LoudspeakerConfig, MicrophonesConfig
 from app.robots.model import RobotModel
-from app.robots.simulated.acoustics.orders import Heard, Played, Scene, Setup, Sounding
-from app.robots.simulated.acoustics.sounds import PEAK_DB_SPL, VARIANTS, Key, Library
-from app.robots.simulated.acoustics.synthesis import MAKERS
+from app.robots.simulated.acoustics.orders import Heard, Played
+from app.robots.simulated.acoustics.soundscape import Soundscape
 from app.robots.simulated.image_ring import create_memory
-from app.robots.simulated.scenario_config import LONGEST_SOUND_S, ScenarioConfig
-from app.robots.simulated.stage import Cue, Stage
+from app.robots.simulated.scenario_config import ScenarioConfig
+from app.robots.simulated.stage import Stage
 from app.robots.simulated.wire import Socket
 from app.robots.simulated.world_config import WorldConfig
 
-AFTER_S = 0.3
-"""How long a sound is told of after its end: its way, of up to 100 m."""
+_LATE_S = 0.1
+"""So far behind the world sound may be, s: before the microphones' process leaves out what it cannot make up for."""
+_PAUSE_S = 0.3
 _RESTART_S = 2.0
 _TELL_S = 10.0
 
@@ -48,31 +46,8 @@ class Acoustics:
         wheels: tuple[str, str],
         seed: int,
     ) -> None:
-        self._library = Library(config.rate, config.sensitivity_db)
-        try:
-            clips = (
-                {key: self._library.at(key) for key in _keys(self._library, scenario)} if scenario is not None else {}
-            )
-        except ConfigError as failure:
-            assert scenario is not None
-            raise ConfigError(f"the scenario {scenario.name!r}: {failure.message}") from None
-        looping = {sound.clip for sound in scenario.sounds if sound.loop} if scenario is not None else set()
-        for (name, _), clip in clips.items():
-            if clip.seconds > LONGEST_SOUND_S and name not in looping:
-                raise ConfigError(
-                    f"{name!r} lasts {clip.seconds:.0f} s; {LONGEST_SOUND_S:g} s are the most without a loop"
-                )
-        setup = Setup(
-            config=config,
-            loudspeaker=loudspeaker,
-            world=world,
-            X_BM=model.pose(config.link),
-            X_BS=model.pose(loudspeaker.link) if loudspeaker is not None else Pose3.identity(),
-            p_BW=tuple(_place(model.pose(model.joints[wheel].child)) for wheel in wheels),  # type: ignore[arg-type]
-            clips={key: (clip.samples, clip.level) for key, clip in clips.items()},
-            seed=seed,
-        )
-        pickled = pickle.dumps(setup, protocol=5)
+        self._soundscape = Soundscape(config, loudspeaker, world, model, scenario, wheels, seed)
+        pickled = pickle.dumps(self._soundscape.setup, protocol=5)
         self._setup = create_memory(len(pickled))
         with open(os.dup(self._setup), "wb") as memory:
             memory.write(pickled)
@@ -81,6 +56,8 @@ class Acoustics:
         self._not_before_s = 0.0
         self._lost = 0
         self._told_s = -_TELL_S
+        self._scene_s = 0.0
+        self._heard_s: float | None = None
 
     @property
     def descriptors(self) -> list[int]:
@@ -94,15 +71,10 @@ class Acoustics:
                 return
             self._start()
             assert self._socket is not None
-        headings = {person.name: person.heading for person in stage.people}
-        sounds = tuple(
-            Sounding(
-                cue.name, self._key(cue), cue.begin_s, cue.gain_db, cue.loop, stage.place(cue), _mouth(cue, headings)
-            )
-            for cue in stage.cues
-            if self._heard_still(cue, time_s)
-        )
-        self._socket.send(Scene(time_s, stamp, X_WB, rims_mps, sounds))
+        if time_s - self._scene_s > _PAUSE_S:  # nobody listened meanwhile
+            self._heard_s = None
+        self._scene_s = time_s
+        self._socket.send(self._soundscape.scene(time_s, stamp, X_WB, rims_mps, stage))
         self._socket.flush()
         if self._socket.closed:
             self._lose(time_s)
@@ -121,6 +93,7 @@ class Acoustics:
         for heard in self._socket.receive():
             if isinstance(heard, Heard):
                 frames.append(heard.audio)
+                self._heard_s = (heard.audio.first_sample + len(heard.audio.samples)) / heard.audio.rate
                 self._lost += heard.lost
         if self._lost and time_s - self._told_s > _TELL_S:
             print(f"the microphones lost {self._lost} frames: the computer is too slow", file=sys.stderr, flush=True)
@@ -129,20 +102,14 @@ class Acoustics:
             self._lose(time_s)
         return frames
 
+    @property
+    def late(self) -> bool:
+        """Whether what has been told is not heard yet, though it should be."""
+        return self._socket is not None and self._heard_s is not None and self._scene_s - self._heard_s > _LATE_S
+
     def truth(self, time_s: float, stamp: float, stage: Stage) -> tuple[SoundTruth, ...]:
         """Every scripted sound that is being given off."""
-        return tuple(
-            SoundTruth(
-                name=cue.name,
-                kind=cue.kind,
-                person=cue.person,
-                p_WS=stage.place(cue),
-                began=stamp - (time_s - cue.begin_s),
-                active=self._library.at(self._key(cue)).active(time_s - cue.begin_s, cue.loop),
-            )
-            for cue in stage.cues
-            if self._heard_still(cue, time_s, 0.0)
-        )
+        return self._soundscape.truth(time_s, stamp, stage)
 
     def close(self) -> None:
         """End the process."""
@@ -159,14 +126,6 @@ class Acoustics:
         if self._setup >= 0:
             os.close(self._setup)
             self._setup = -1
-
-    def _key(self, cue: Cue) -> Key:
-        return self._library.key(cue.clip, cue.person if cue.kind == "speech" else cue.name)
-
-    def _heard_still(self, cue: Cue, time_s: float, after_s: float = AFTER_S) -> bool:
-        if cue.begin_s > time_s:
-            return False
-        return cue.loop or time_s < cue.begin_s + self._library.at(self._key(cue)).seconds + after_s
 
     def _start(self) -> None:
         ours, theirs = socket.socketpair()
@@ -194,7 +153,7 @@ class Acoustics:
     def _lose(self, time_s: float) -> None:
         assert self._socket is not None
         self._socket.close()
-        self._socket = None
+        self._socket, self._heard_s = None, None
         status: Any = None
         if self._process is not None:
             with contextlib.suppress(subprocess.TimeoutExpired):
@@ -202,32 +161,3 @@ class Acoustics:
         self._process = None
         self._not_before_s = time_s + _RESTART_S
         print(f"the microphones' process ended (status {status}); it is started again", file=sys.stderr, flush=True)
-
-
-def _keys(library: Library, scenario: ScenarioConfig) -> Iterator[Key]:
-    """Every sound that ``scenario`` can ask for."""
-    names = {sound.clip for sound in scenario.sounds} | ({scenario.footsteps.clip} if scenario.footsteps else set())
-    for person in scenario.people:
-        if any(step.clap is not None for step in person.script):
-            names.add("clap")
-        for step in person.script:
-            if step.say is not None:
-                yield library.key(step.say, person.name)
-    for sound in scenario.sounds:
-        if sound.kind == "speech" and sound.person:
-            yield library.key(sound.clip, sound.person)
-    for name in sorted(names):
-        spoken = name not in MAKERS and library.key(name, " ") != library.key(name)
-        if name in PEAK_DB_SPL or spoken:
-            yield from ((name, variant) for variant in range(VARIANTS))
-        else:
-            yield library.key(name)
-
-
-def _place(X_BF: Pose3) -> tuple[float, float, float]:
-    x, y, z = X_BF.translation
-    return float(x), float(y), float(z)
-
-
-def _mouth(cue: Cue, headings: dict[str, float]) -> float | None:
-    return headings.get(cue.person) if cue.kind == "speech" else None

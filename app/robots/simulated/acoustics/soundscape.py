@@ -1,0 +1,128 @@
+"""What there is to be heard in the simulated world, told for its microphones: scenes, and the truth about them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from app.errors import ConfigError
+from app.geometry import Pose2, Pose3
+from app.messages import SoundTruth
+from app.robots.config import LoudspeakerConfig, MicrophonesConfig
+from app.robots.model import RobotModel
+from app.robots.simulated.acoustics.orders import Scene, Setup, Sounding
+from app.robots.simulated.acoustics.sounds import PEAK_DB_SPL, VARIANTS, Key, Library
+from app.robots.simulated.acoustics.synthesis import MAKERS
+from app.robots.simulated.scenario_config import LONGEST_SOUND_S, ScenarioConfig
+from app.robots.simulated.stage import Cue, Stage
+from app.robots.simulated.world_config import WorldConfig
+
+AFTER_S = 0.3
+"""How long a sound is told of after its end: its way, of up to 100 m."""
+SCENES_HZ = 100.0
+"""So often the microphones are to be told of the world."""
+
+
+class Soundscape:
+    """Every sound of ``scenario``; ``setup`` is what an :class:`~app.robots.simulated.acoustics.ear.Ear` is made from.
+
+    Raises ConfigError for a sound there is not, or that would be cut off.
+    """
+
+    def __init__(
+        self,
+        config: MicrophonesConfig,
+        loudspeaker: LoudspeakerConfig | None,
+        world: WorldConfig,
+        model: RobotModel,
+        scenario: ScenarioConfig | None,
+        wheels: tuple[str, str],
+        seed: int,
+    ) -> None:
+        self._library = Library(config.rate, config.sensitivity_db)
+        try:
+            clips = (
+                {key: self._library.at(key) for key in _keys(self._library, scenario)} if scenario is not None else {}
+            )
+        except ConfigError as failure:
+            assert scenario is not None
+            raise ConfigError(f"the scenario {scenario.name!r}: {failure.message}") from None
+        looping = {sound.clip for sound in scenario.sounds if sound.loop} if scenario is not None else set()
+        for (name, _), clip in clips.items():
+            if clip.seconds > LONGEST_SOUND_S and name not in looping:
+                raise ConfigError(
+                    f"{name!r} lasts {clip.seconds:.0f} s; {LONGEST_SOUND_S:g} s are the most without a loop"
+                )
+        self.setup = Setup(
+            config=config,
+            loudspeaker=loudspeaker,
+            world=world,
+            X_BM=model.pose(config.link),
+            X_BS=model.pose(loudspeaker.link) if loudspeaker is not None else Pose3.identity(),
+            p_BW=tuple(_place(model.pose(model.joints[wheel].child)) for wheel in wheels),  # type: ignore[arg-type]
+            clips={key: (clip.samples, clip.level) for key, clip in clips.items()},
+            seed=seed,
+        )
+
+    def scene(self, time_s: float, stamp: float, X_WB: Pose2, rims_mps: tuple[float, float], stage: Stage) -> Scene:
+        """How the world is at ``time_s`` (simulated, s), ``stamp`` by the robot's clock."""
+        headings = {person.name: person.heading for person in stage.people}
+        sounds = tuple(
+            Sounding(
+                cue.name, self._key(cue), cue.begin_s, cue.gain_db, cue.loop, stage.place(cue), _mouth(cue, headings)
+            )
+            for cue in stage.cues
+            if self._heard_still(cue, time_s)
+        )
+        return Scene(time_s, stamp, X_WB, rims_mps, sounds)
+
+    def truth(self, time_s: float, stamp: float, stage: Stage) -> tuple[SoundTruth, ...]:
+        """Every scripted sound that is being given off."""
+        return tuple(
+            SoundTruth(
+                name=cue.name,
+                kind=cue.kind,
+                person=cue.person,
+                p_WS=stage.place(cue),
+                began=stamp - (time_s - cue.begin_s),
+                active=self._library.at(self._key(cue)).active(time_s - cue.begin_s, cue.loop),
+            )
+            for cue in stage.cues
+            if self._heard_still(cue, time_s, 0.0)
+        )
+
+    def _key(self, cue: Cue) -> Key:
+        return self._library.key(cue.clip, cue.person if cue.kind == "speech" else cue.name)
+
+    def _heard_still(self, cue: Cue, time_s: float, after_s: float = AFTER_S) -> bool:
+        if cue.begin_s > time_s:
+            return False
+        return cue.loop or time_s < cue.begin_s + self._library.at(self._key(cue)).seconds + after_s
+
+
+def _keys(library: Library, scenario: ScenarioConfig) -> Iterator[Key]:
+    """Every sound that ``scenario`` can ask for."""
+    names = {sound.clip for sound in scenario.sounds} | ({scenario.footsteps.clip} if scenario.footsteps else set())
+    for person in scenario.people:
+        if any(step.clap is not None for step in person.script):
+            names.add("clap")
+        for step in person.script:
+            if step.say is not None:
+                yield library.key(step.say, person.name)
+    for sound in scenario.sounds:
+        if sound.kind == "speech" and sound.person:
+            yield library.key(sound.clip, sound.person)
+    for name in sorted(names):
+        spoken = name not in MAKERS and library.key(name, " ") != library.key(name)
+        if name in PEAK_DB_SPL or spoken:
+            yield from ((name, variant) for variant in range(VARIANTS))
+        else:
+            yield library.key(name)
+
+
+def _place(X_BF: Pose3) -> tuple[float, float, float]:
+    x, y, z = X_BF.translation
+    return float(x), float(y), float(z)
+
+
+def _mouth(cue: Cue, headings: dict[str, float]) -> float | None:
+    return headings.get(cue.person) if cue.kind == "speech" else None
