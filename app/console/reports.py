@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.attention.chronicle import divisor_json
 from app.attention.desires import SCALE
+from app.attention.serialize import desire_class_to_json
 from app.link import RobotLink
 from app.messages import Exploitation, Landmarks, LinkStatus, Odometry
 from app.runtime.channel import SubscriptionStatistics
@@ -42,6 +43,12 @@ def robot_json(link: RobotLink, *, replayed: bool = False) -> dict[str, Any]:
 def scale_json() -> dict[str, float]:
     """The ends of the scales of intensity and utility."""
     return {"intensity": SCALE, "utility": SCALE}
+
+
+def class_json(system: System, name: str) -> dict[str, Any]:
+    """A desire class, and whether a strategy of this program's modules serves it: else no desire for it comes true."""
+    served = any(strategy.cls == name for strategy in system.table.strategies)
+    return desire_class_to_json(system.classes[name]) | {"served": served}
 
 
 def guard_json(status: LinkStatus | None, now: float, rate: float = 1.0) -> dict[str, Any]:

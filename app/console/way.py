@@ -18,6 +18,7 @@ from app.geometry import Pose2
 from app.messages import Localization, NavigationStatus, OccupancyGrid, PlannedPath, Zone, Zones
 
 if TYPE_CHECKING:
+    from app.attention.timeline import TimelineEvent
     from app.system import System
 
 #: Where those who go somewhere say what they are about. The path is the first one's.
@@ -65,8 +66,13 @@ def zones_json(zones: Iterable[Zone]) -> list[dict[str, Any]]:
     ]
 
 
-def navigation_json(status: NavigationStatus | None, path: list[list[float]], desire: Desire | None) -> dict[str, Any]:
-    """What the behavior that goes somewhere is about; None: none has said anything yet."""
+def navigation_json(
+    status: NavigationStatus | None,
+    path: list[list[float]],
+    desire: Desire | None,
+    given_up: dict[str, Any] | None = None,
+) -> dict[str, Any]:
+    """What the behavior that goes somewhere is about (None: none has said anything yet), and the goal given up last."""
     if status is None:
         status = NavigationStatus(0.0, "", "idle", "")
     return {
@@ -80,6 +86,7 @@ def navigation_json(status: NavigationStatus | None, path: list[list[float]], de
         "recoveries": status.recoveries,
         "desire": None if desire is None else desire.id,
         "path": path,
+        "given_up": given_up,
     }
 
 
@@ -121,10 +128,14 @@ class WayReport:
         self._zones: tuple[Zones | None, list[dict[str, Any]]] = (None, [])
         #: The last arrival: the desire ends with it, and with that, within milliseconds, what the behavior is about.
         self._arrival: NavigationStatus | None = None
+        #: What the robot has given up, and why: told until somebody wants it to go somewhere again, or has read it.
+        self._given_up: dict[str, Any] | None = None
 
     def open(self) -> Callable[[], None]:
-        """Begin to look out for arrivals."""
+        """Begin to look out for arrivals, and for goals that are given up."""
         stack = ExitStack()
+        stack.callback(self._system.timeline.observe(self._hear))
+        stack.callback(self._system.workspace.observe(lambda _: self._heed_desires()))
         for name in STATUSES:
             if name in self.channels:
                 stack.callback(self._system.graph.channel(name).observe(self._note))
@@ -133,10 +144,25 @@ class WayReport:
     def forget(self) -> None:
         """Time has jumped."""
         self._arrival = None
+        self.dismiss()
+
+    def dismiss(self) -> None:
+        """The goal that was given up is not told any more: it was read, or was a place on another map."""
+        self._given_up = None
 
     def _note(self, status: NavigationStatus) -> None:
         if status.state == "arrived":
             self._arrival = status
+
+    def _hear(self, event: TimelineEvent) -> None:
+        goal = event.data.get("goal") if event.kind == "goal" and event.data.get("arrived") is False else None
+        if goal is not None and self.desire() is None:
+            place = {"x": goal["x"], "y": goal["y"], "theta": goal["heading"]}
+            self._given_up = {"stamp": event.stamp, "goal": place, "reason": event.data.get("why", "")}
+
+    def _heed_desires(self) -> None:
+        if self._given_up is not None and self.desire() is not None:
+            self.dismiss()
 
     @property
     def goes(self) -> bool:
@@ -162,7 +188,7 @@ class WayReport:
         """As in docs/live-stream.md; None in a program where nobody goes anywhere."""
         if not self.goes:
             return None
-        return navigation_json(self._status(), self._path_points(), self.desire())
+        return navigation_json(self._status(), self._path_points(), self.desire(), self._given_up)
 
     def desire(self) -> Desire | None:
         """The strongest desire to go somewhere."""

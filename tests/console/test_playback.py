@@ -57,6 +57,9 @@ async def test_a_page_is_told_what_it_sees(replay_url: str, rest: httpx.AsyncCli
         assert hello["playback"] == told
         assert hello["robot"]["replayed"]
         assert hello["stamp"] == BEGIN
+        served = {cls["name"] for cls in hello["classes"] if cls["served"]}
+        assert "FindQRCodes" in served
+        assert "Record" not in served, "no Recorder runs where a recording is lived again"
         assert await ann.until("playback") == {"type": "playback", **told}
 
 

@@ -13,7 +13,7 @@ from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
-from app.attention.serialize import desire_class_to_json, desire_to_json, event_to_json, intention_to_json
+from app.attention.serialize import desire_to_json, event_to_json, intention_to_json
 from app.console import control, reports
 from app.console.driving import Driving
 from app.console.goals import withdraw_all
@@ -198,15 +198,16 @@ class Hub:
 
     def broadcast_status(self, status: dict[str, Any]) -> None:
         """Give everybody ``status``, which differs only in whose wheel and voice it is: encoded once for all others."""
-        driver, speaker = self.driving.lease.driver, self.speech.speaker
+        lease, speaker = self.driving.lease, self.speech.speaker
         frames: dict[tuple[bool, bool], str] = {}
         for session, viewer in self._viewers.items():
-            mine = (session == driver, speaker is not None and session == speaker[0])
+            mine = (session == lease.driver, speaker is not None and session == speaker[0])
             if mine not in frames:
+                driver = _whose(lease.driver_name, mine[0])
                 frames[mine] = encode_text(
                     status
                     | {
-                        "driver": _whose(None if driver is None else self.driving.lease.driver_name, mine[0]),
+                        "driver": None if driver is None else driver | {"holds": lease.moving},
                         "speaker": _whose(None if speaker is None else speaker[1], mine[1]),
                     }
                 )
@@ -317,7 +318,7 @@ class Hub:
                 "stamp": system.clock.now(),
                 "robot": reports.robot_json(system.link, replayed=self._playback is not None),
                 "scale": reports.scale_json(),
-                "classes": [desire_class_to_json(cls) for cls in system.classes.values()],
+                "classes": [reports.class_json(system, name) for name in system.classes],
                 "channels": {
                     "camera": self._comes(PICTURES[CAMERA]),
                     "panorama": self._comes(PICTURES[PANORAMA]),

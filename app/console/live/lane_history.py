@@ -17,7 +17,7 @@ MOST_SAMPLES = round(SPAN_S / PERIOD_S)
 MOST_BYTES = 200_000
 
 #: What a row keeps for as long as it stays the same.
-HELD = ("intensity", "utility", "divisor", "state", "text")
+HELD = ("intensity", "utility", "divisor", "divisors", "state", "text")
 
 
 @dataclass(frozen=True, slots=True)

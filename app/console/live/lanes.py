@@ -80,7 +80,8 @@ class LaneSampler:
         #: Filters by class, over all its strategies, and by strategy.
         self._filters: dict[str, tuple[str, ...]] = dict.fromkeys(self._classes, ())
         self._of_strategy: dict[str, tuple[str, ...]] = {}
-        #: What a strategy closes on purpose: another behavior's output, a stream it does without.
+        #: What a strategy closes on purpose: another behavior's output, a stream it does without. The first filter that it
+        #: does not is the input it lives by.
         self._closes: dict[str, frozenset[str]] = {}
         self._class_of: dict[str, str] = {}
         for strategy in strategies:
@@ -150,12 +151,14 @@ class LaneSampler:
         passing: Mapping[str, float | None],
     ) -> dict[str, Any]:
         # What a strategy closes on purpose holds nothing up.
-        served = (name for s in strategies for name in self._of_strategy[s] if name not in self._closes[s])
-        names = tuple(dict.fromkeys(served)) or self._filters[cls]
-        # What gets through the whole way is what the tightest filter lets through.
+        served = [[name for name in self._of_strategy[s] if name not in self._closes[s]] for s in strategies]
+        names = tuple(dict.fromkeys(names[0] for names in served if names)) or self._filters[cls]
         divisor = max((divisors[name] for name in names), default=1.0)
+        if any(divisors[name] == math.inf for names in served for name in names):
+            divisor = math.inf  # what comes in does not get out
         ratios = [ratio for name in names if (ratio := passing[name]) is not None]
         rate = 0.0 if divisor == math.inf else min(ratios, default=None)
+        each = {name: divisor_json(divisors[name]) for names in served for name in names}
         state, text = _state(desire, strategies, reason)
         return {
             "class": cls,
@@ -163,6 +166,7 @@ class LaneSampler:
             "utility": None if desire is None else desire.utility,
             "rate": None if rate is None else round(rate, 4),
             "divisor": divisor_json(divisor) if names else None,
+            "divisors": each,
             "state": state,
             "text": text,
         }

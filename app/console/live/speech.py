@@ -102,7 +102,7 @@ class Speech:
             return
         if (speaker := self.speaker) is not None and speaker[0] != session:
             talk.refused = True
-            self._tell(session, talk, f"{speaker[1]} is speaking through the robot; press again when they have ended.")
+            self._tell(session, talk, f"The robot's voice is in use by {speaker[1]}: press again when they have ended.")
             return
         if talk.refused or voice.seq <= talk.seq:
             return

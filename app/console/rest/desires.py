@@ -8,7 +8,7 @@ from fastapi import APIRouter, Header, Path, Request
 from fastapi.responses import Response
 
 from app.attention.desires import Source
-from app.attention.serialize import desire_class_to_json, desire_to_json
+from app.attention.serialize import desire_to_json
 from app.attention.workspace import KEEP
 from app.console import reports
 from app.console.live.endpoint import operator_name
@@ -135,7 +135,7 @@ def desires_router(system: System) -> APIRouter:
     @router.get("/desire-classes", response_model=DesireClassList, summary="What can be desired")
     async def list_classes() -> Response:
         """Each class with the JSON Schema of its parameters: enough to build a form from."""
-        classes = [desire_class_to_json(cls) for cls in system.classes.values()]
+        classes = [reports.class_json(system, name) for name in system.classes]
         return Json({"classes": classes, "scale": reports.scale_json()})
 
     @router.get(
@@ -145,6 +145,6 @@ def desires_router(system: System) -> APIRouter:
         if name not in system.classes:
             known = ", ".join(system.classes)
             raise Problem(404, "no-such-desire-class", f"No desire class is called {name}; there are: {known}.")
-        return Json(desire_class_to_json(system.classes[name]))
+        return Json(reports.class_json(system, name))
 
     return router

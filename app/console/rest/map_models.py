@@ -123,6 +123,14 @@ class PlaceModel(Answer):
     theta: float | None = Field(description="null: any heading.")
 
 
+class GivenUpModel(Answer):
+    """A goal that the robot has given up."""
+
+    stamp: Stamp
+    goal: PlaceModel
+    reason: str = Field(description="Why, in words.")
+
+
 class NavigationModel(Answer):
     """What the behavior that goes somewhere is about; as `navigation` on the live stream."""
 
@@ -136,6 +144,9 @@ class NavigationModel(Answer):
     recoveries: int
     desire: str | None = Field(description="Id of the strongest desire to go somewhere.")
     path: list[tuple[float, float]] = Field(description="Points on the map (m), at most 200.")
+    given_up: GivenUpModel | None = Field(
+        description="The goal given up last, until there is another or DELETE /goal; null: none."
+    )
 
 
 class GoalModel(Answer):

@@ -81,6 +81,7 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
         async with one, _keeper() as keeper:
             await keeper.load(name, None if load.pose is None else _pose(load.pose), load.extend)
         withdraw_all(system.workspace)
+        way.dismiss()
         return Json(current())
 
     @router.patch(
@@ -136,6 +137,7 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
         async with one, _keeper() as keeper:
             await keeper.begin()
         withdraw_all(system.workspace)
+        way.dismiss()
         return Json(current())
 
     @router.put(

@@ -102,6 +102,7 @@ class DesireClassModel(Answer):
     title: str
     description: str
     parameters: dict[str, Any] = Field(alias="schema", description="JSON Schema of `params`.")
+    served: bool = Field(description="Whether a strategy of this program's modules serves it; else it stays a desire.")
 
 
 class DesireClassList(Answer):

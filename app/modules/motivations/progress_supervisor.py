@@ -170,7 +170,9 @@ class ProgressSupervisor(Module):
                 self._remove_all(goal_of(desire))
                 text = f"Gave up going to {place(desire)}: {why}. Please help, or send it elsewhere"
                 self.log.warning("%s", text)
-                self._timeline.add("goal", GO_TO, text, {"desire": desire.id, "arrived": False, "why": why})
+                goal = {name: desire.params.get(name) for name in ("x", "y", "heading")}
+                about = {"desire": desire.id, "arrived": False, "why": why, "goal": goal}
+                self._timeline.add("goal", GO_TO, text, about)
 
     def _raise(self, level: Level, stuck_s: float, desire: Desire) -> None:
         with self._workspace.transaction():

@@ -23,7 +23,7 @@ from tests.console.program import Body, build
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "live-stream.md"
 #: Described elsewhere (REST, JSON Schema) or free by nature.
-FOREIGN = {"desires", "intention", "schema", "data"}
+FOREIGN = {"desires", "divisors", "intention", "schema", "data"}
 
 
 @pytest.fixture

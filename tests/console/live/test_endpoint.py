@@ -82,9 +82,10 @@ async def test_a_desire_moves_its_lane(url: str, system: System, body: Body) -> 
     async with page(url) as ann, httpx.AsyncClient(base_url=f"{url}/api/v1") as rest:
         # A page that watches makes the robot desire Telepresence.
         row = await lane(ann, "Telepresence", "fulfilled")
-        assert (row["intensity"], row["utility"], row["divisor"]) == (4, 1, 3)
+        assert (row["intensity"], row["utility"], row["divisor"]) == (4, 1, 1)
+        assert row["divisors"] == {"CameraStream.images": 1, "PointCloudBuilder.images": 3}
         await rest.patch("/resources/cpu", json={"capacity": 15})
-        assert (await lane(ann, "Telepresence", "degraded", divisor=15))["rate"] is None
+        assert (await lane(ann, "Telepresence", "degraded", divisor=4))["rate"] is None
         for _ in range(31):
             body.emit("kinect", image(system.clock.now()))
             await asyncio.sleep(0)
@@ -239,11 +240,15 @@ async def test_a_held_key_drives_and_its_release_stops(url: str, system: System)
         drive = await wheel.next()
         assert (drive.operator, drive.held, drive.linear, drive.angular) == ("Ann", True, 1.0, -0.5)
         status = await ann.until("status", lambda s: s["driver"] is not None)
-        assert status["driver"] == {"operator": "Ann", "mine": True}
+        assert status["driver"] == {"operator": "Ann", "mine": True, "holds": True}
         await ann.drive(0.0, held=False)
         stop = await wheel.next()
         assert (stop.held, stop.linear, stop.angular) == (False, 0.0, 0.0)
         assert stop.sequence == drive.sequence + 1
+        # She keeps the wheel for a while, but drives no more, as is told within two beats.
+        after = await ann.until("status", lambda s: not s["driver"]["holds"])
+        assert after["driver"] == {"operator": "Ann", "mine": True, "holds": False}
+        assert after["stamp"] - stop.stamp < 0.5
 
 
 async def test_a_connection_that_ends_stops_within_100_ms(url: str, system: System) -> None:
@@ -278,7 +283,7 @@ async def test_another_page_is_refused_until_it_takes_control(url: str, system: 
         notice = await bob.until("notice")
         assert notice["level"] == "warning"
         assert "Ann" in notice["text"]
-        await bob.until("status", lambda s: s["driver"] == {"operator": "Ann", "mine": False})
+        await bob.until("status", lambda s: s["driver"] == {"operator": "Ann", "mine": False, "holds": True})
         await bob.drive(0, held=False)
         await bob.send("take_control")
         assert not (await wheel.next()).held
@@ -286,7 +291,7 @@ async def test_another_page_is_refused_until_it_takes_control(url: str, system: 
         await bob.drive(-1.0)
         drive = await wheel.next()
         assert (drive.operator, drive.linear) == ("Bob", -1.0)
-        await ann.until("status", lambda s: s["driver"] == {"operator": "Bob", "mine": False})
+        await ann.until("status", lambda s: s["driver"] == {"operator": "Bob", "mine": False, "holds": True})
 
 
 async def test_the_emergency_stop_refuses_driving_and_says_so_once(url: str, system: System, body: Body) -> None:

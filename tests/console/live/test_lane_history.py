@@ -10,6 +10,14 @@ from hypothesis import strategies as st
 
 from app.console.live.lane_history import HELD, LaneHistory
 
+USUAL = {
+    "intensity": 8.0,
+    "utility": 1.0,
+    "divisor": 1,
+    "divisors": {"SomeDetector.images": 1, "SomeDetector.panorama": 1, "SomeDetector.scans": 2},
+    "state": "fulfilled",
+}
+
 CLASSES = ("Explore", "Telepresence")
 ROWS = st.builds(
     lambda intensity, rate, divisor, text: {
@@ -17,6 +25,7 @@ ROWS = st.builds(
         "utility": intensity,
         "rate": rate,
         "divisor": divisor,
+        "divisors": {} if divisor is None else {"Camera.images": divisor},
         "state": "undesired" if intensity is None else "fulfilled",
         "text": text,
     },
@@ -60,7 +69,7 @@ def test_the_frame_is_never_too_large_and_keeps_the_newest() -> None:
     """Ten minutes of a reason that is another each time, which is more than fits."""
     history = LaneHistory(CLASSES)
     for number in range(1300):
-        row = {"intensity": 8.0, "utility": 1.0, "rate": 0.1234, "divisor": 1, "state": "degraded"}
+        row = USUAL | {"rate": 0.1234, "divisors": {}}
         history.add(0.5 * number, [{"class": cls, **row, "text": f"{number} {'why ' * 40}"} for cls in CLASSES])
     frame = history.frame()
     assert len(frame) <= 200_000
@@ -75,7 +84,7 @@ def test_a_usual_past_is_small() -> None:
     classes = [f"Class{number}" for number in range(12)]
     history = LaneHistory(classes)
     for number in range(1200):
-        row = {"intensity": 8.0, "utility": 1.0, "rate": round(number / 1200, 4), "divisor": 1, "state": "fulfilled"}
+        row = USUAL | {"rate": round(number / 1200, 4)}
         text = f"fulfilled at its best ({number // 60}) by some-strategy-of-a-usual-length"
         history.add(1.7e9 + 0.5 * number, [{"class": cls, **row, "text": text} for cls in classes])
     frame = history.frame()

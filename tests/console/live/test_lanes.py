@@ -67,7 +67,20 @@ def test_what_a_strategy_closes_on_purpose_holds_its_class_not_up() -> None:
         (row,) = lanes.rows({}, selected, {}, all_closed | divisors, nothing | ratios)
         return row["divisor"], row["rate"]
 
+    assert told(["plan"], planned | {"Plan.twist": CLOSED}, {"Plan.scans": 1.0}) == (None, 0.0), "nothing comes out"
     assert told(["toward"], straight, {"Toward.scans": 0.25, "Plan.twist": 0.0}) == (4, 0.25)
     assert told(["plan"], planned, {"Plan.scans": 1.0, "Plan.twist": 1.0}) == (1, 1.0)
     assert told(["plan"], planned | {"Plan.scans": CLOSED}, {"Plan.twist": 1.0}) == (None, 0.0), "not on purpose"
     assert told([], {}, {}) == (None, 0.0)
+
+
+def test_a_strategy_shows_what_it_thins_the_input_it_lives_by_to_and_tells_the_others_too() -> None:
+    filters = {"Camera.images": 1.0, "Panorama.images": 2.0, "Log.images": CLOSED}
+    strategies = [Strategy("seen", "Telepresence", 8.0, filters=filters)]
+    graph: Any = SimpleNamespace(filters=SimpleNamespace(names=lambda: set(filters)))
+    lanes = LaneSampler(graph, ["Telepresence"], strategies)
+    (row,) = lanes.rows({}, ["seen"], {}, filters, {"Camera.images": 1.0, "Panorama.images": 0.5, "Log.images": 0.0})
+    assert (row["divisor"], row["rate"]) == (1, 1.0)
+    assert row["divisors"] == {"Camera.images": 1, "Panorama.images": 2}
+    (row,) = lanes.rows({}, [], {}, dict.fromkeys(filters, CLOSED), dict.fromkeys(filters))
+    assert (row["divisor"], row["divisors"]) == (None, {})

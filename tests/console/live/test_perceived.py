@@ -183,7 +183,7 @@ async def test_what_is_said_into_a_page_is_played_by_the_robot(url: str, system:
         assert abs(body.played[0].stamp - system.clock.now()) < 5
         await ann.connection.send(voice(4))
         await ben.connection.send(voice(1))
-        assert "Ann is speaking" in (await ben.until("notice"))["text"]
+        assert "in use by Ann" in (await ben.until("notice"))["text"]
         await ann.connection.send(voice(5, samples=0))
         await ben.until("status", lambda m: m["speaker"] is None)
     assert hub.speech.speaker is None

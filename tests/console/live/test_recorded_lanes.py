@@ -56,8 +56,8 @@ def test_what_was_desired_and_let_through_is_told_from_when_it_was_so(lanes: Lan
     assert list(told) == [9.0, 9.5, 10.0, 10.5, 11.0, 11.5]
     before, during, after = (lane(told[stamp], "Telepresence") for stamp in (10.0, 10.5, 11.0))
     assert (before["intensity"], before["divisor"], before["rate"], before["state"]) == (4, None, 0.0, "unfulfilled")
-    assert (during["utility"], during["divisor"], during["state"], during["text"]) == (4, 15, "degraded", "too dear")
-    assert during["rate"] == pytest.approx(1 / 15, abs=1e-4)
+    assert (during["utility"], during["divisor"], during["state"], during["text"]) == (4, 4, "degraded", "too dear")
+    assert during["rate"] == pytest.approx(1 / 4, abs=1e-4)
     assert (after["intensity"], after["state"]) == (None, "needed")
     assert lane(told[10.5], "Teleoperation")["rate"] == 0.0
 

@@ -69,7 +69,7 @@ def test_one_speaks_at_a_time_and_the_second_is_told_once(floor: Floor) -> None:
     assert len(floor.spoken) == 1
     assert len(floor.notices) == 1
     assert floor.notices[0][0] == "ben"
-    assert "Ann" in floor.notices[0][1]
+    assert "in use by Ann" in floor.notices[0][1]
     floor.say("ann", samples=0)
     assert floor.speech.speaker is None
     floor.say("ben")

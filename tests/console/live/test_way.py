@@ -15,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from app.attention.desires import Source
 from app.console import grids
 from app.console.live import grid_feed
 from app.console.live.hub import Hub
@@ -268,6 +269,45 @@ async def test_an_arrival_is_told_though_it_is_over_at_once(url: str, system: Sy
         channel.publish(status(now() - ARRIVED_S, "arrived"))
         channel.publish(NavigationStatus(now(), "PlanAndFollowPath", "idle", "no goal"))
         assert (await ann.until("navigation", lambda m: m["state"] != "planning"))["state"] == "idle"
+
+
+def gave_up(system: System, x: float = 3.0) -> None:
+    """As the progress supervisor notes it, when the desire is gone already."""
+    goal = {"x": x, "y": 1.0, "heading": None}
+    about = {"desire": "d", "arrived": False, "why": "the zone “stairs” is in the way", "goal": goal}
+    system.timeline.add("goal", "GoTo", "Gave up going there", about)
+
+
+async def test_a_goal_that_was_given_up_stays_told_until_the_next_one(url: str, system: System) -> None:
+    async with page(url) as ann:
+        assert (await ann.until("navigation"))["given_up"] is None
+        gave_up(system)
+        told = (await ann.until("navigation", lambda m: m["given_up"]))["given_up"]
+        assert told["goal"] == {"x": 3.0, "y": 1.0, "theta": None}
+        assert told["reason"] == "the zone “stairs” is in the way"
+        async with page(url, "Bob") as bob:
+            assert (await bob.until("navigation"))["given_up"] == told, "whoever comes later is told too"
+        system.workspace.add("GoTo", intensity=8, utility=4, params={"x": 1, "y": 1}, source=Source("rest", "ann"))
+        assert (await ann.until("navigation", lambda m: m["desire"]))["given_up"] is None
+
+
+async def test_a_goal_given_up_is_not_told_where_the_robot_goes_on_to_another_or_time_jumps(
+    url: str, system: System, hub: Hub
+) -> None:
+    def told() -> Any:
+        way = hub.way.navigation()
+        assert way is not None
+        return way["given_up"]
+
+    other = system.workspace.add("GoTo", intensity=1, utility=4, params={"x": 9, "y": 9}, source=Source("rest", "x"))
+    gave_up(system)
+    assert told() is None
+    system.workspace.remove(other.id)
+    for ended_by in (hub.way.dismiss, hub.way.forget):
+        gave_up(system)
+        assert told() is not None
+        ended_by()
+        assert told() is None
 
 
 def test_of_two_behaviors_the_one_under_way_is_told() -> None:

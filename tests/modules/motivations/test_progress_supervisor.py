@@ -168,7 +168,8 @@ def test_what_comes_no_nearer_is_given_up_and_people_are_asked(caplog: pytest.Lo
                 f"Gave up going to (3.00, 4.00): {why}. Please help, or send it elsewhere",
             ]
             event = life.timeline.query(kinds=["goal"])[-1]
-            assert event.data == {"desire": goal.id, "arrived": False, "why": why}
+            where = {"x": 3.0, "y": 4.0, "heading": None}
+            assert event.data == {"desire": goal.id, "arrived": False, "why": why, "goal": where}
 
     with caplog.at_level(logging.WARNING, "hbba"):
         run_virtual(main())
