@@ -25,6 +25,7 @@ import { CubeIcon, MapIcon } from "./ui/icons";
 import { Login } from "./ui/Login";
 import { narrow } from "./ui/media";
 import { Notices } from "./ui/Notices";
+import { Skips } from "./ui/Skips";
 import { type TabItem, Tabs } from "./ui/Tabs";
 import { TopBar } from "./ui/TopBar";
 import { Camera } from "./view/Camera";
@@ -46,9 +47,10 @@ export function App() {
       data-testid="page"
       data-phase={phase}
     >
+      <Skips />
       <TopBar narrow={phone} />
       <main class="view" aria-label="View">
-        {store.scene.value ? <SceneView /> : <div class="scene" data-testid="scene" data-state="off" />}
+        {store.scene.value ? <SceneView /> : <NoScene />}
         {mapped && <MapPanel place="view" />}
         {!(phone && mapped) && (
           <div class="insets">
@@ -82,6 +84,20 @@ export function App() {
       )}
       <Notices />
       <Help />
+    </div>
+  );
+}
+
+/** Where the camera's picture would be alone. */
+function NoScene() {
+  const { store } = useApp();
+  return (
+    <div class="scene" data-testid="scene" data-state="off">
+      {store.hello.value?.channels.camera === false && (
+        <p class="scene-note">
+          {store.replay.value ? "This recording has no pictures." : "This robot has no camera. See its map, or 3D."}
+        </p>
+      )}
     </div>
   );
 }

@@ -80,8 +80,8 @@ class LaneSampler:
         #: Filters by class, over all its strategies, and by strategy.
         self._filters: dict[str, tuple[str, ...]] = dict.fromkeys(self._classes, ())
         self._of_strategy: dict[str, tuple[str, ...]] = {}
-        #: What a strategy closes on purpose: another behavior's output, a stream it does without. The first filter that it
-        #: does not is the input it lives by.
+        #: What a strategy closes on purpose: another behavior's output, a stream it does without. The first filter that
+        #: it does not close is the input it lives by.
         self._closes: dict[str, frozenset[str]] = {}
         self._class_of: dict[str, str] = {}
         for strategy in strategies:

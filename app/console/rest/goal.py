@@ -83,8 +83,8 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
 
     @router.delete("/goal", status_code=204, summary="Cancel the goal")
     async def delete_goal() -> Response:
-        """Withdraws every desire of class GoTo that came over the console; a goal that the robot gave up is told no more.
-        May be repeated."""
+        """Withdraws every desire of class GoTo that came over the console; a goal that the robot gave up is told no
+        more. May be repeated."""
         withdraw(workspace)
         way.dismiss()
         return Response(status_code=204)

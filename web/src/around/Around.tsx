@@ -8,7 +8,7 @@ import { AroundIcon, CloseIcon, EnlargeIcon, ShrinkIcon } from "../ui/icons";
 import { draw } from "./draw";
 import { faceMarks, flash, soundMarks, summary } from "./marks";
 import { SHAPE, type Strip } from "./projection";
-import { type Closed, whyClosed } from "./why";
+import { type Closed, perceives, whyClosed } from "./why";
 
 const OLD_S = 1.5;
 const FADE_STEP_MS = 60;
@@ -17,6 +17,7 @@ const FADE_STEP_MS = 60;
 export function Around({ place }: { place: "view" | "tab" }) {
   const { store } = useApp();
   const mode = store.around.value;
+  if (!perceives(store.hello.value)) return null;
   if (mode === "hidden")
     return (
       <button

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Hello, LaneRow } from "../protocol/types";
-import { whyClosed } from "./why";
+import { perceives, whyClosed } from "./why";
 
 const hello = { channels: { camera: true, panorama: true } } as Hello;
 const row = (name: string, divisor: number | null, text = ""): LaneRow => ({
@@ -38,4 +38,14 @@ test("a fresh picture is not said to be missing, whatever attention just did", (
   const rows = [row("Telepresence", null), row("LocateFaces", 1), row("LocateVoices", 1)];
   expect(whyClosed(hello, rows, false, true)).toEqual([]);
   expect(whyClosed(hello, rows, false, false).map(({ what }) => what)).toEqual(["picture"]);
+});
+
+test("of a robot that can perceive nobody nothing is shown; a recording may still tell of somebody", () => {
+  const kind = (served?: boolean) => ({ name: "LocateVoices", served });
+  const blind = (served?: boolean) => ({ channels: { panorama: false }, classes: [kind(served)] }) as unknown as Hello;
+  expect(perceives(blind(false))).toBe(false);
+  expect(perceives(blind(true))).toBe(true);
+  expect(perceives(blind())).toBe(true);
+  expect(perceives({ ...blind(false), playback: {} } as Hello)).toBe(true);
+  expect(perceives(null)).toBe(true);
 });

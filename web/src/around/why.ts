@@ -16,6 +16,12 @@ const PERCEPTIONS = [
   { what: "voices", kind: "LocateVoices", closed: "Not locating sounds", missing: "This robot does not locate sounds" },
 ] as const;
 
+/** Whether anything can ever be shown of what is around: a picture, faces or voices. */
+export function perceives(hello: Hello | null): boolean {
+  if (!hello || hello.playback || hello.channels.panorama) return true;
+  return PERCEPTIONS.some(({ kind }) => hello.classes.some(({ name, served }) => name === kind && served !== false));
+}
+
 /** `fresh`: the picture is of now. In a replay attention closes nothing to those who watch. */
 export function whyClosed(hello: Hello | null, rows: LaneRow[], replay: boolean, fresh: boolean): Closed[] {
   if (!hello) return [];

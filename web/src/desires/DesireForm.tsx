@@ -8,14 +8,15 @@ import { useApp } from "../state/context";
 import { nameAndTitle, spaced } from "../ui/format";
 import { LockIcon, PlusIcon } from "../ui/icons";
 import { FieldInput, Labelled } from "./FieldInput";
-import { type Errors, fieldsOf, initialValues, paramsOf, placeErrors, type Values } from "./schema";
+import { type Errors, fieldsOf, initialValues, offered, paramsOf, placeErrors, type Values } from "./schema";
 
 const OWN = { intensity: "4", utility: "4", ttl: "" };
 
 export function DesireForm() {
   const open = useSignal(false);
   const { store } = useApp();
-  const classes = store.hello.value?.classes ?? [];
+  // What nothing here serves is no choice: a recording is not recorded.
+  const classes = offered(store.hello.value?.classes ?? []);
   if (!open.value) {
     return (
       <button

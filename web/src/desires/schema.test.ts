@@ -1,6 +1,12 @@
 import { describe, expect, test } from "vitest";
-import type { JsonSchema } from "../protocol/types";
-import { fieldsOf, initialValues, paramsOf, placeErrors, rangeText } from "./schema";
+import type { DesireClass, JsonSchema } from "../protocol/types";
+import { fieldsOf, initialValues, offered, paramsOf, placeErrors, rangeText } from "./schema";
+
+test("only what a strategy serves is offered; older programs do not say", () => {
+  const kind = (name: string, served?: boolean) => ({ name, served }) as DesireClass;
+  const all = [kind("SLAM", true), kind("Record", false), kind("Old")];
+  expect(offered(all).map(({ name }) => name)).toEqual(["SLAM", "Old"]);
+});
 
 // As pydantic writes it.
 const GOTO: JsonSchema = {

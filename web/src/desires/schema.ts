@@ -1,6 +1,6 @@
 /** From a parameter model's JSON Schema to form fields, and from what was typed back to parameters. Pure. */
 
-import type { JsonSchema } from "../protocol/types";
+import type { DesireClass, JsonSchema } from "../protocol/types";
 
 export type FieldKind = "number" | "integer" | "boolean" | "string" | "choice" | "json";
 
@@ -172,6 +172,11 @@ export function rangeText(field: Field): string {
         ? `less than ${field.exclusiveMaximum}`
         : "";
   return [low, high].filter(Boolean).join(low.startsWith("from") && high.startsWith("to") ? " " : ", ");
+}
+
+/** The classes that a desire can come true of. */
+export function offered(classes: readonly DesireClass[]): DesireClass[] {
+  return classes.filter(({ served }) => served !== false);
 }
 
 /** Sorts a problem's field errors onto the form: `body.params.x` and `params.x` are field `x` of the parameters. */

@@ -49,7 +49,7 @@ export function DrivePad() {
             data-testid="take-control"
             onClick={() => session.send({ type: "take_control" })}
           >
-            <WheelIcon /> Take the wheel
+            <WheelIcon /> {`Take the wheel from ${driver.operator}`}
           </button>
         ) : driver?.mine && !source && drive.refusal.value === null && drive.keyboard.value === "page" ? (
           <button

@@ -4,7 +4,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import type { LaneRow } from "../protocol/types";
 import { useApp } from "../state/context";
-import { divisor, number, percent, reasonText, spaced, stateWord } from "../ui/format";
+import { divisor, divisorLines, number, percent, reasonText, spaced, stateWord } from "../ui/format";
 import { StateMark } from "../ui/icons";
 
 const EVERY_MS = 250;
@@ -46,7 +46,7 @@ export function LaneTable({ visible }: { visible: boolean }) {
               <td>{number(row.intensity)}</td>
               <td>{number(row.utility)}</td>
               <td>{percent(row.rate)}</td>
-              <td>{divisor(row.divisor)}</td>
+              <td title={divisorLines(row.divisors).join("\n")}>{divisor(row.divisor)}</td>
               <td>
                 <StateMark state={row.state} />{" "}
                 <b class="state-word">{stateWord(row.state)}</b>.{" "}

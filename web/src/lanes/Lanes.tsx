@@ -3,8 +3,9 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import { useApp } from "../state/context";
-import { divisor, number, spaced } from "../ui/format";
+import { divisor, divisorLines, number, spaced } from "../ui/format";
 import { MinusIcon, PauseIcon, PlayIcon, PlusIcon, StateMark, TableIcon } from "../ui/icons";
+import { narrow } from "../ui/media";
 import { type Hit, LaneChart } from "./chart";
 import { AXIS_PX } from "./draw";
 import { gestures } from "./gestures";
@@ -12,7 +13,9 @@ import { LaneTable } from "./LaneTable";
 import { Tooltip } from "./Tooltip";
 import { span, stepZoom, togglePause, type Viewport } from "./viewport";
 
-const ROW_MIN = 22;
+const ROW_MIN = 20;
+/** On a phone the figures stand below the name. */
+const ROW_MIN_NARROW = 34;
 const ROW_MAX = 72;
 
 export function Lanes() {
@@ -41,7 +44,7 @@ export function Lanes() {
       const head =
         area.current.getBoundingClientRect().top - body.current.getBoundingClientRect().top + body.current.scrollTop;
       const room = (body.current.clientHeight - head - AXIS_PX) / Math.max(1, classesNow.current.length);
-      rowHeight.value = Math.max(ROW_MIN, Math.min(ROW_MAX, Math.floor(room)));
+      rowHeight.value = Math.max(narrow.peek() ? ROW_MIN_NARROW : ROW_MIN, Math.min(ROW_MAX, Math.floor(room)));
       made.resize(area.current.clientWidth, rowHeight.value);
     };
     const observer = new ResizeObserver(measure);
@@ -138,7 +141,7 @@ export function Lanes() {
                 <span class="lane-figures">
                   <b title="Intensity">{number(row.intensity)}</b>
                   <em title="Desired utility">{number(row.utility)}</em>
-                  <i title="Messages let through">{divisor(row.divisor)}</i>
+                  <i title={["Messages let through", ...divisorLines(row.divisors)].join("\n")}>{divisor(row.divisor)}</i>
                 </span>
               </li>
             ))}

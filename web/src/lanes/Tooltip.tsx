@@ -1,7 +1,7 @@
 /** What a lane showed at the time under the cursor, and why. */
 
 import { useLayoutEffect, useRef, useState } from "preact/hooks";
-import { clockTime, divisor, number, percent, reasonText, spaced, stateWord } from "../ui/format";
+import { clockTime, divisor, divisorLines, number, percent, reasonText, spaced, stateWord } from "../ui/format";
 import { StateMark } from "../ui/icons";
 import type { Hit } from "./chart";
 import { placeBeside } from "./viewport";
@@ -63,6 +63,13 @@ export function Tooltip({ hit, area, top, now }: { hit: Hit; area: DOMRect; top:
               <dd>{divisor(sample.divisor)}</dd>
             </div>
           </dl>
+          {divisorLines(sample.divisors).length > 0 && (
+            <ul class="tooltip-filters" aria-label="What each input lets through">
+              {divisorLines(sample.divisors).map((line) => (
+                <li key={line}>{line}</li>
+              ))}
+            </ul>
+          )}
           <p class="tooltip-why">
             <StateMark state={sample.state} />
             <span>

@@ -1,6 +1,6 @@
 /** What the lanes showed in the last ten minutes: one bounded ring of stamps, one column of values per class. */
 
-import type { LaneRow, LanesHistory, LaneState } from "../protocol/types";
+import type { Divisors, LaneRow, LanesHistory, LaneState } from "../protocol/types";
 
 /** 20 messages a second for 10 minutes and a little. */
 export const CAPACITY = 12_600;
@@ -15,9 +15,12 @@ export interface LaneSample {
   utility: number | null;
   rate: number | null;
   divisor: number | null;
+  divisors: Divisors;
   state: LaneState;
   text: string;
 }
+
+const NO_DIVISORS: Divisors = {};
 
 /** Values of one class by slot; NaN where there is none. */
 export class Lane {
@@ -25,6 +28,7 @@ export class Lane {
   readonly utility = new Float32Array(CAPACITY).fill(NaN);
   readonly rate = new Float32Array(CAPACITY).fill(NaN);
   readonly divisor = new Float32Array(CAPACITY).fill(NaN);
+  readonly divisors = new Array<Divisors | undefined>(CAPACITY);
   readonly state = new Array<LaneState | undefined>(CAPACITY);
   readonly text = new Array<string | undefined>(CAPACITY);
 }
@@ -80,8 +84,9 @@ export class LaneHistory {
         while (row.spells[spells[index]! + 1] && row.spells[spells[index]! + 1]!.at <= number) spells[index]! += 1;
         const spell = row.spells[spells[index]!];
         if (!spell) return [];
-        const { intensity, utility, divisor, state, text } = spell;
-        return [{ class: row.class, rate: row.rate[number] ?? null, intensity, utility, divisor, state, text }];
+        const { intensity, utility, divisor, divisors, state, text } = spell;
+        const rate = row.rate[number] ?? null;
+        return [{ class: row.class, rate, intensity, utility, divisor, divisors, state, text } as LaneRow];
       });
       if (stamp > heard) this.push({ stamp, rows }, holdS);
     });
@@ -113,6 +118,7 @@ export class LaneHistory {
       utility: orNull(lane.utility[slot]!),
       rate: orNull(lane.rate[slot]!),
       divisor: orNull(lane.divisor[slot]!),
+      divisors: lane.divisors[slot] ?? NO_DIVISORS,
       state,
       text: lane.text[slot] ?? "",
     };
@@ -134,9 +140,13 @@ export class LaneHistory {
     lane.rate[slot] = row.rate ?? NaN;
     lane.divisor[slot] = row.divisor ?? NaN;
     lane.state[slot] = row.state;
-    // Equal texts share one string, so that ten minutes of the same reason are kept once.
-    const before = lane.text[(slot + CAPACITY - 1) % CAPACITY];
+    // What stays the same is shared, so that ten minutes of one reason are kept once.
+    const last = (slot + CAPACITY - 1) % CAPACITY;
+    const before = lane.text[last];
     lane.text[slot] = before === row.text ? before : row.text;
+    const divisors = row.divisors ?? NO_DIVISORS;
+    const known = lane.divisors[last];
+    lane.divisors[slot] = known && equal(known, divisors) ? known : divisors;
   }
 }
 
@@ -144,6 +154,12 @@ function blank(lane: Lane, slot: number): void {
   lane.intensity[slot] = lane.utility[slot] = lane.rate[slot] = lane.divisor[slot] = NaN;
   lane.state[slot] = undefined;
   lane.text[slot] = undefined;
+  lane.divisors[slot] = undefined;
+}
+
+function equal(one: Divisors, other: Divisors): boolean {
+  const names = Object.keys(one);
+  return names.length === Object.keys(other).length && names.every((name) => one[name] === other[name]);
 }
 
 function orNull(value: number): number | null {

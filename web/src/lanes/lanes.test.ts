@@ -64,6 +64,16 @@ describe("history", () => {
     expect([0, 1].map((i) => columns.end[i]! - columns.x[i + 1]!)).toEqual([0, 0]);
   });
 
+  test("of several inputs each one's φ is kept, once for as long as it stays", () => {
+    const each = (scans: number) => ({ "QR.images": 1, "QR.scans": scans });
+    const history = filled(4, (number) => [row({ divisors: each(number < 3 ? 2 : 4) })]);
+    expect(history.sample("QR", START + 0.05)!.divisors).toEqual(each(2));
+    expect(history.sample("QR", START + 0.15)!.divisors).toEqual(each(4));
+    const { divisors } = history.lanes.get("QR")!;
+    expect(divisors[1]).toBe(divisors[0]);
+    expect(filled(1, () => [row({})]).sample("QR", START)!.divisors).toEqual({});
+  });
+
   test("nothing is known in a silence, beyond the end, or of undesired values", () => {
     const history = filled(2, () => [row({ intensity: null, divisor: null })]);
     history.push({ stamp: START + 10, rows: [row()] });

@@ -6,7 +6,7 @@ import { narrow } from "../ui/media";
 import { CloseIcon, FlagIcon, HomeIcon, KeepOutIcon, PlaceIcon, SearchIcon, SlowIcon, WarnIcon } from "../ui/icons";
 import type { Tool } from "./hands";
 import { Stage, ViewButtons } from "./Stage";
-import { goalOf, wayWords } from "./words";
+import { goalOf, hintWords, wayWords } from "./words";
 import { ZoneEditor } from "./Zones";
 
 export function MapPanel({ place }: { place: "tab" | "view" }) {
@@ -132,20 +132,13 @@ function ToolButton(props: {
   );
 }
 
-const HINTS: Record<Tool, string> = {
-  look: "",
-  goal: "Press where it should go, drag to where it should look.",
-  pose: "Press where it is, drag to where it looks.",
-  keep_out: "Drag a rectangle, or click corner after corner.",
-  slow: "Drag a rectangle, or click corner after corner.",
-};
-
 /** What the robot is about, what was refused, and what the tool in hand does. */
 function Way() {
   const { map, store } = useApp();
   const goal = goalOf(store.desires.value);
   const told = wayWords(store.navigation.value, goal, store.rows.value, store.seconds.value);
   const { tool } = map.hands.value;
+  const hint = hintWords(map.hands.value, goal === null && store.status.value?.guard.state === "idle");
   const problem = map.problem.value;
   const canCancel = goal !== null && map.allowed.value;
   return (
@@ -155,7 +148,7 @@ function Way() {
           class={`map-way ${told.tone}`}
           role="status"
           data-testid="map-way"
-          data-state={store.navigation.value?.state ?? ""}
+          data-state={told.over ? "given_up" : (store.navigation.value?.state ?? "")}
           data-goal={goal ? `${goal.x} ${goal.y}` : ""}
         >
           <span>
@@ -165,6 +158,17 @@ function Way() {
           {canCancel && (
             <button type="button" class="button small" data-testid="map-cancel" onClick={() => void map.cancelGoal()}>
               Cancel
+            </button>
+          )}
+          {told.over && map.allowed.value && (
+            <button
+              type="button"
+              class="icon-button"
+              data-testid="map-dismiss"
+              aria-label="Dismiss"
+              onClick={() => void map.cancelGoal()}
+            >
+              <CloseIcon />
             </button>
           )}
         </p>
@@ -179,12 +183,14 @@ function Way() {
         </p>
       )}
       <Asleep />
-      {tool !== "look" && (
+      {hint && (
         <p class="map-way hint" data-testid="map-hint">
-          <span>{HINTS[tool]}</span>
-          <button type="button" class="button small" data-testid="map-tool-done" onClick={() => map.choose("look")}>
-            Done
-          </button>
+          <span>{hint}</span>
+          {tool !== "look" && (
+            <button type="button" class="button small" data-testid="map-tool-done" onClick={() => map.choose("look")}>
+              Done
+            </button>
+          )}
         </p>
       )}
     </div>

@@ -1,6 +1,6 @@
 /** The canvas of the map, the hands on it, and what lies over it: where the robot is, how it is looked at, why it is empty. */
 
-import { useSignal } from "@preact/signals";
+import { effect, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { useApp } from "../state/context";
@@ -34,6 +34,15 @@ export function Stage({ place, buttons, children }: Props) {
   const said = useSignal("");
   useEffect(() => paintOn(canvas.current!, place, app), []);
   useEffect(() => handsOn(canvas.current!, map, (words) => (said.value = words)), []);
+  useEffect(
+    () =>
+      effect(() => {
+        if (!map.called.value) return;
+        map.called.value = false;
+        canvas.current!.focus({ preventScroll: false });
+      }),
+    [],
+  );
   const { tool } = map.hands.value;
   const { x, y, scale, up } = map.view.value;
   const robot = map.robot.value;

@@ -59,6 +59,8 @@ export class MapControl {
   /** As the robot has them, or as they were just edited. */
   readonly zones: ReadonlySignal<readonly Zone[]>;
   readonly shown: ReadonlySignal<boolean>;
+  /** The keyboard is to come to the canvas as soon as that is there. */
+  readonly called = signal(false);
   /** Whether the robot can be asked for anything. */
   readonly allowed: ReadonlySignal<boolean>;
   private readonly edits = signal<readonly Zone[] | null>(null);
@@ -125,6 +127,12 @@ export class MapControl {
     this.view.value = view;
     if (wish) void this.grant(wish);
     return taken;
+  }
+
+  /** Shows the map and brings the keyboard to it. */
+  call(): void {
+    if (!this.shown.peek()) this.store.tab.value = "map";
+    this.called.value = true;
   }
 
   /** A tool that is chosen again is put away. */
@@ -259,8 +267,8 @@ export class MapControl {
     else if (event.ctrlKey || event.altKey || event.metaKey || event.repeat || typesText(event.target)) return;
     else if (event.code === "KeyM") this.store.showMap(this.store.mapPlace.peek() === "view" ? "tab" : "view");
     else if (event.code === "KeyG" && this.allowed.peek()) {
-      if (!this.shown.peek()) this.store.tab.value = "map";
       this.choose("goal");
+      if (this.hands.peek().tool === "goal") this.call();
     } else return;
     event.preventDefault();
   }

@@ -40,6 +40,8 @@ export interface Shown {
   body: Body;
   path: readonly (readonly [number, number])[];
   goal: (Point & { theta: number | null }) | null;
+  /** Where it does not go any more. */
+  givenUp: (Point & { theta: number | null }) | null;
   target: Point | null;
   zones: readonly Zone[];
   selected: string | null;
@@ -84,6 +86,7 @@ export function draw(context: Context, size: Size, view: MapView, shown: Shown):
   if (shown.robot) drawRobot(context, view, at(shown.robot), shown.robot, shown.body);
   if (shown.target && shown.goal && Math.hypot(shown.target.x - shown.goal.x, shown.target.y - shown.goal.y) > 0.1)
     drawTarget(context, at(shown.target), at(shown.goal));
+  if (shown.givenUp) drawGoal(context, at(shown.givenUp), headingOf(view, shown.givenUp.theta), 0.45);
   if (shown.goal) drawGoal(context, at(shown.goal), headingOf(view, shown.goal.theta), 1);
   if (shown.act.kind === "aim") {
     const placed = shown.tool === "pose" ? { ...shown.body, theta: shown.robot?.theta ?? 0 } : null;

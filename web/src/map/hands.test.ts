@@ -253,3 +253,23 @@ describe("by keys", () => {
     expect(run([key("w")]).last.taken).toBe(false);
   });
 });
+
+describe("the keyboard", () => {
+  const focus = (on: boolean): Input => ({ type: "focus", on });
+
+  test("brings a cursor to the middle, moves it, and takes it away again", () => {
+    const there = run([focus(true), key("ArrowRight")]);
+    expect(there.hands.cursor!.x).toBeCloseTo(0.8);
+    expect(run([focus(false)], there.hands).hands.cursor).toBeNull();
+  });
+
+  test("sets a goal, and turns it before it is sent", () => {
+    const { wishes } = run([focus(true), key("Enter"), key("ArrowLeft"), key("Enter")]);
+    expect(wishes).toEqual([{ type: "goal", place: { x: 0, y: 0 }, heading: Math.PI }]);
+  });
+
+  test("leaves no goal behind that nobody can send, but corners that a hand can go on with", () => {
+    expect(run([focus(true), key("Enter"), focus(false)]).hands.act).toEqual({ kind: "none" });
+    expect(run([focus(true), tool("slow"), key("Enter"), focus(false)]).hands.corners).toHaveLength(1);
+  });
+});

@@ -58,6 +58,8 @@ export type Input =
   | { type: "leave" }
   | { type: "wheel"; at: Point; factor: number }
   | { type: "key"; key: string; shift: boolean }
+  /** The keyboard came to the map, or left it. */
+  | { type: "focus"; on: boolean }
   | { type: "tool"; tool: Tool };
 
 export type Wish =
@@ -113,7 +115,17 @@ export function step(hands: Hands, input: Input, sight: Sight): Done {
       return { ...done, hands: { ...hands, hover: null } };
     case "key":
       return key(done, input, sight);
+    case "focus":
+      return focused(done, input.on, sight);
   }
+}
+
+function focused(done: Done, on: boolean, sight: Sight): Done {
+  const { hands } = done;
+  if (on) return { ...done, hands: { ...hands, cursor: hands.cursor ?? { x: sight.view.x, y: sight.view.y } } };
+  // An aim of the keys without keys would stand there for good; corners may be gone on with by hand.
+  const act = hands.act.kind === "aim" && hands.act.by === "keys" ? NONE : hands.act;
+  return { ...done, hands: { ...hands, act, cursor: null } };
 }
 
 /** Whether something is begun that Escape gives up. */

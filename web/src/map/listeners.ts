@@ -33,6 +33,9 @@ export function handsOn(canvas: HTMLCanvasElement, map: MapControl, say: (words:
     event.stopPropagation();
     say(cursorWords(map));
   };
+  // Only where the keyboard brought the focus there.
+  const focus = () => map.input({ type: "focus", on: canvas.matches(":focus-visible") });
+  const blur = () => map.input({ type: "focus", on: false });
   // A click looks, it does not take the arrow keys away from driving; Tab does.
   const stay = (event: Event) => event.preventDefault();
   const listeners: [string, (event: never) => void][] = [
@@ -44,6 +47,8 @@ export function handsOn(canvas: HTMLCanvasElement, map: MapControl, say: (words:
     ["mousedown", stay],
     ["contextmenu", stay],
     ["keydown", key],
+    ["focus", focus],
+    ["blur", blur],
   ];
   for (const [type, listener] of listeners) canvas.addEventListener(type, listener as EventListener);
   canvas.addEventListener("wheel", wheel, { passive: false });

@@ -24,6 +24,7 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
     const X_MO = localization?.X_MO ?? null;
     const navigation = store.navigation.peek();
     const going = navigation && navigation.state !== "idle" && navigation.state !== "arrived" ? navigation : null;
+    const goal = goalOf(store.desires.peek()) ?? going?.goal ?? null;
     const around = map.costmap.peek() ? grid.costmap.picture.peek() : null;
     const hands = map.hands.peek();
     const onMap = ({ x, y }: Point) => (X_MO ? [composed(X_MO, { x, y, theta: 0 })] : []);
@@ -38,7 +39,8 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
         astray: localization?.state === "lost" || localization?.state === "searching",
       },
       path: going?.path ?? [],
-      goal: goalOf(store.desires.peek()) ?? going?.goal ?? null,
+      goal,
+      givenUp: goal ? null : (navigation?.given_up?.goal ?? null),
       target: going?.target ?? null,
       zones: grid.map.picture.peek()?.known ? map.zones.peek() : [],
       selected: map.selected.peek(),

@@ -1,6 +1,7 @@
 import { describe, expect, test } from "vitest";
 import type { Desire, LaneRow, Localization, Navigation } from "../protocol/types";
-import { emptyWords, goalOf, lengthWords, placeWords, poseWords, wayWords } from "./words";
+import { AT_REST, type Hands } from "./hands";
+import { emptyWords, goalOf, hintWords, lengthWords, placeWords, poseWords, wayWords } from "./words";
 
 const desire = (some: Partial<Desire>): Desire => ({
   id: "d1",
@@ -179,5 +180,47 @@ describe("no map", () => {
   test("yet", () => {
     expect(emptyWords(true, false, row({ class: "SLAM" }), null).text).toMatch(/about to come/);
     expect(emptyWords(false, false, undefined, null).more).toMatch(/not heard/);
+  });
+});
+
+describe("a goal that was given up", () => {
+  const place = { x: 3.4, y: 5, theta: null };
+  const reason = "zones that the robot keeps out of are in the way: “Deliveries”";
+  const idle = going({ state: "idle", goal: null, given_up: { stamp: 9, goal: place, reason } });
+
+  test("stays told with its reason, however long ago", () => {
+    expect(wayWords(idle, null, [row({})], 5000)).toEqual({
+      tone: "bad",
+      text: "Gave up going to (3.4, 5.0)",
+      more: "Zones that the robot keeps out of are in the way: “Deliveries”.",
+      over: true,
+    });
+  });
+
+  test("gives way to the next goal, and is told without a reason, too", () => {
+    expect(wayWords(idle, goalOf([desire({})]), [row({})])!.text).toBe("Sets out for (3.0, 4.0)…");
+    const bare = { ...idle, given_up: { stamp: 9, goal: place, reason: "" } };
+    expect(wayWords(bare, null, [row({})])!.more).toBe("It cannot be reached.");
+  });
+});
+
+describe("what the keys do on the map", () => {
+  const hands = (some: Partial<Hands>): Hands => ({ ...AT_REST, ...some });
+  const cursor = { x: 1, y: 1 };
+
+  test("is told while the cursor is theirs", () => {
+    expect(hintWords(hands({}), true)).toBe("");
+    expect(hintWords(hands({ tool: "goal" }), true)).toMatch(/^Press where it should go/);
+    expect(hintWords(hands({ cursor }), true)).toMatch(/^Arrows move the cursor, Enter puts a goal there/);
+    expect(hintWords(hands({ cursor, tool: "pose" }), true)).toMatch(/Enter puts the robot there/);
+    expect(hintWords(hands({ cursor, tool: "keep_out", corners: [cursor] }), true)).toMatch(/⌫ takes it back/);
+  });
+
+  test("never advises Escape where that would stop the robot", () => {
+    const act = { kind: "aim", place: cursor, heading: null, by: "keys" } as const;
+    for (const some of [{ cursor, tool: "goal", act }, { cursor, tool: "goal" }, { cursor, tool: "slow" }] as const) {
+      expect(hintWords(hands(some), true)).toContain("Esc");
+      expect(hintWords(hands(some), false)).not.toContain("Esc");
+    }
   });
 });

@@ -2,6 +2,7 @@
 
 import type { Desire, GoalPlace, LaneRow, Localization, Navigation } from "../protocol/types";
 import { number, reasonText, sentence } from "../ui/format";
+import type { Hands } from "./hands";
 
 export type Tone = "good" | "busy" | "warn" | "bad" | "idle";
 
@@ -10,6 +11,8 @@ export interface Told {
   text: string;
   /** More of it, or what would help; empty: nothing. */
   more: string;
+  /** It is over, and stays until it was read. */
+  over?: boolean;
 }
 
 /** A goal as somebody desires it. */
@@ -52,6 +55,11 @@ export function wayWords(
   rows: readonly LaneRow[],
   now: number | null = null,
 ): Told | null {
+  if (!goal && navigation?.given_up) {
+    const { goal: place, reason } = navigation.given_up;
+    const why = sentence(reason) || "It cannot be reached.";
+    return { tone: "bad", text: `Gave up going to ${placeWords(place)}`, more: why, over: true };
+  }
   const lane = rows.find((row) => row.class === CLASS);
   const past = navigation?.state === "idle" || (navigation?.state === "arrived" && !goal && isOld(navigation, now));
   const told = past ? null : navigation;
@@ -150,6 +158,24 @@ export function emptyWords(
       desire: slam.state === "undesired",
     };
   return { text: "The map is about to come…", more: "", desire: false };
+}
+
+/** What the tool in hand does, and what the keys do while the cursor is theirs; `stands`: Escape stops nothing. */
+export function hintWords({ tool, act, cursor, corners }: Hands, stands: boolean): string {
+  const up = stands ? "Esc gives it up" : "⌫ gives it up";
+  const away = stands ? ", Esc puts the tool away" : "";
+  if (act.kind === "aim" && act.by === "keys") {
+    const turn = act.heading === null ? "Arrows point where it should look" : "← → turn it";
+    return `${turn}, Enter ${tool === "pose" ? "sets it" : "sends it"}, ${up}.`;
+  }
+  if (tool === "keep_out" || tool === "slow") {
+    if (!cursor) return "Drag a rectangle, or click corner after corner.";
+    const close = corners.length >= 3 ? ", the first corner again ends it" : "";
+    return `Arrows move the cursor, Enter sets a corner${close}, ${corners.length > 0 ? "⌫ takes it back" : up}.`;
+  }
+  if (cursor) return `Arrows move the cursor, Enter puts ${tool === "pose" ? "the robot" : "a goal"} there${away}.`;
+  if (tool === "goal") return "Press where it should go, drag to where it should look.";
+  return tool === "pose" ? "Press where it is, drag to where it looks." : "";
 }
 
 /** "4 cm", "1.2 m". */

@@ -41,6 +41,8 @@ export interface DesireClass {
   title: string;
   description: string;
   schema: JsonSchema;
+  /** Whether a strategy of the program's modules serves it; absent from older programs. */
+  served?: boolean;
 }
 
 export interface Hello {
@@ -136,7 +138,8 @@ export interface Status {
   guard: Guard;
   world_rate: number;
   odometry: ({ x: number; y: number; theta: number } & Velocity) | null;
-  driver: { operator: string; mine: boolean } | null;
+  /** Who has the wheel; `holds`: they hold a command just now (absent from older programs). */
+  driver: { operator: string; mine: boolean; holds?: boolean } | null;
   /** Who speaks through the robot. */
   speaker?: { operator: string; mine: boolean } | null;
   exploited: string | null;
@@ -153,9 +156,14 @@ export interface LaneRow {
   utility: number | null;
   rate: number | null;
   divisor: number | null;
+  /** φ by filter (`Module.port`) of the strategies at work; absent from older programs. */
+  divisors?: Divisors;
   state: LaneState;
   text: string;
 }
+
+/** By filter; null: closed. */
+export type Divisors = Readonly<Record<string, number | null>>;
 
 export interface Lanes {
   type: "lanes";
@@ -368,6 +376,8 @@ export interface Navigation {
   /** Of the desire it serves. */
   desire: string | null;
   path: [number, number][];
+  /** The goal that the robot gave up last, until there is another; absent from older programs. */
+  given_up?: { stamp: number; goal: GoalPlace; reason: string } | null;
 }
 
 /** A part of the map to keep out of, or to drive slowly in: at `speed`, a share of the greatest. */

@@ -32,10 +32,10 @@ const RECORDING: [string[], string][] = [
 ];
 const MAP: [string[], string][] = [
   [["M"], "The map over all of the view, and back"],
-  [["G"], "Go to: press on the place, drag to where it should look"],
+  [["G"], "Go to, with the map in focus: press on the place and drag to where it should look, or use the keys below"],
   [["↑ ↓", "← →"], "With the map in focus: move the cursor, with Shift further"],
   [["Enter"], "A goal there: arrows turn it, Enter sends it; a zone's corner with its tool"],
-  [["+", "−", "⌫"], "Zoom; take back the last corner"],
+  [["+", "−", "⌫"], "Zoom; take back the goal or the last corner"],
 ];
 const LANES: [string[], string][] = [
   [["← →", "↑ ↓"], "With the lanes in focus: move the cursor that tells why"],

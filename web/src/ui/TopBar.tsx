@@ -5,7 +5,8 @@ import { useApp } from "../state/context";
 import { Marker } from "../playback/Marker";
 import { RecordButton } from "../recordings/RecordButton";
 import { EStop } from "./EStop";
-import { millis, moduleTitle } from "./format";
+import { driverName, driverWords } from "./driver";
+import { millis } from "./format";
 import { LinkIcon, WarnIcon } from "./icons";
 import { Operator } from "./Operator";
 
@@ -111,7 +112,7 @@ function LiveMetrics() {
   const status = store.status.value;
   const live = store.live.value;
   const guard = status?.guard;
-  const driver = driverName(status, store.load.value?.modules ?? []);
+  const modules = store.load.value?.modules ?? [];
   return (
     <>
       <Metric
@@ -135,9 +136,9 @@ function LiveMetrics() {
       <Metric
         id="driver"
         label="Drives"
-        hint={`Who has the wheel, or the behavior that commands the base: ${live ? driver : "not known"}`}
+        hint={live ? driverWords(status, modules) : "Who drives the robot: not known"}
       >
-        {live ? driver : "–"}
+        {live ? driverName(status, modules) : "–"}
       </Metric>
     </>
   );
@@ -166,15 +167,6 @@ function Metric(props: {
 function commandAge(guard: { command_age_ms: number | null; state: string } | undefined): number | null {
   const age = guard?.command_age_ms ?? null;
   return age !== null && age < 1000 ? age : null;
-}
-
-function driverName(
-  status: { driver: { operator: string; mine: boolean } | null; exploited: string | null } | null,
-  modules: readonly { name: string; title: string }[],
-): string {
-  if (!status) return "–";
-  if (status.driver) return status.driver.mine ? "You" : status.driver.operator;
-  return status.exploited === null ? "Nobody" : moduleTitle(status.exploited, modules);
 }
 
 function tone(value: number | null, fair: number, poor: number): string {

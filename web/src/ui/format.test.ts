@@ -1,5 +1,21 @@
 import { expect, test } from "vitest";
-import { ago, clockSpan, divisor, left, millis, moduleTitle, nameAndTitle, number, reasonText, sentence, size, small, spaced, stateWord } from "./format";
+import {
+  ago,
+  clockSpan,
+  divisor,
+  divisorLines,
+  left,
+  millis,
+  moduleTitle,
+  nameAndTitle,
+  number,
+  reasonText,
+  sentence,
+  size,
+  small,
+  spaced,
+  stateWord,
+} from "./format";
 
 test("ages are said as people say them", () => {
   expect([0.4, 12.3, 89, 200, 7200, 200_000].map(ago)).toEqual([
@@ -79,4 +95,14 @@ test("a module is called as people call it", () => {
   const modules = [{ name: "PlanAndFollowPath", title: "Plan and follow path" }];
   expect(moduleTitle("PlanAndFollowPath", modules)).toBe("Plan and follow path");
   expect(moduleTitle("GoToward", modules)).toBe("Go toward");
+});
+
+test("what several filters let through is a line each, one alone is told anyway", () => {
+  expect(divisorLines({ "QR.images": 1, "QR.scans": 2, "QR.panorama": null })).toEqual([
+    "QR.images all",
+    "QR.scans 1 of 2",
+    "QR.panorama closed",
+  ]);
+  expect(divisorLines({ "QR.images": 4 })).toEqual([]);
+  expect(divisorLines(undefined)).toEqual([]);
 });

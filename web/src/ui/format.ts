@@ -22,6 +22,12 @@ export function divisor(phi: number | null | undefined): string {
   return phi === 1 ? "all" : `1 of ${phi}`;
 }
 
+/** What each of several filters lets through, a line each; empty where there is but one, which is told anyway. */
+export function divisorLines(divisors: Readonly<Record<string, number | null>> | undefined): string[] {
+  const filters = Object.entries(divisors ?? {});
+  return filters.length < 2 ? [] : filters.map(([name, phi]) => `${name} ${divisor(phi)}`);
+}
+
 export function millis(ms: number | null | undefined): string {
   if (ms === null || ms === undefined || !Number.isFinite(ms)) return "–";
   if (ms < 9.95) return ms.toFixed(1);

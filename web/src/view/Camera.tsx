@@ -21,6 +21,7 @@ export function Camera() {
     };
   }, [mode]);
 
+  if (store.hello.value?.channels.camera === false) return null; // nothing to show, nothing to cover
   if (mode === "hidden") {
     return (
       <button
@@ -88,12 +89,6 @@ function useCameraState(): { text: string; old: boolean; empty: boolean } {
   const lane = store.rows.value.find((row) => row.class === CLASS);
   const age = stamp !== null && now !== null ? now - stamp : null;
   const old = age !== null && age > OLD_S * Math.max(1, store.clock.rate);
-  if (store.hello.value && store.hello.value.channels.camera === false)
-    return {
-      text: store.replay.value ? "This recording has no pictures." : "This robot has no camera.",
-      old: false,
-      empty: true,
-    };
   if (lane && lane.divisor === null && (age === null || old))
     return { text: `No picture. ${reasonText(lane.state, lane.text)}`, old, empty: true };
   if (age === null && store.replay.value)

@@ -1,15 +1,19 @@
 /** Frames around the faces and QR codes in the camera's picture: who, how far, what it says. */
 
+import { useRef } from "preact/hooks";
 import { personWords } from "../around/marks";
-import type { SeenCode, SeenFace } from "../protocol/types";
+import type { Perceived, SeenCode, SeenFace } from "../protocol/types";
 import { useApp } from "../state/context";
-import { codesOn, facesOn } from "./faces";
+import { codesOn, facesOn, type Trails, trailed } from "./faces";
 
 export function FaceFrames() {
   const { store, camera } = useApp();
   const turning = Math.abs(store.status.value?.odometry?.angular_radps ?? 0);
-  const faces = facesOn(store.perceived.value, camera.stamp.value, turning);
-  const codes = codesOn(store.perceived.value, camera.stamp.value, turning);
+  const perceived = store.perceived.value;
+  const seen = useRef<{ of: Perceived | null; trails: Trails }>({ of: null, trails: new Map() });
+  if (seen.current.of !== perceived) seen.current = { of: perceived, trails: trailed(seen.current.trails, perceived) };
+  const faces = facesOn(seen.current.trails, camera.stamp.value, turning);
+  const codes = codesOn(perceived, camera.stamp.value, turning);
   const [width, height] = faces[0]?.image ?? codes[0]?.image ?? [4, 3];
   return (
     <div class="face-frames" style={{ "--shape": width / height }} aria-hidden="true">

@@ -1,26 +1,55 @@
 import { expect, test } from "vitest";
 import type { Perceived, SeenFace } from "../protocol/types";
-import { codesOn, facesOn } from "./faces";
+import { codesOn, facesOn, trailed, type Trails } from "./faces";
 
-const face = (camera: string, stamp: number) => ({ track: 1, camera, stamp, image: [640, 480] }) as SeenFace;
+const face = (camera: string, stamp: number, left = 100) =>
+  ({ track: 1, camera, stamp, image: [640, 480], box: [left, 50, 40, 40] }) as SeenFace;
 const told = (...faces: SeenFace[]) => ({ faces }) as Perceived;
 
 test("only faces of the camera that is shown", () => {
   const all = told(face("kinect_optical_frame", 10), face("imv_optical_frame", 10), face("camera_optical_frame", 10));
-  expect(facesOn(all, 10, 0).map(({ camera }) => camera)).toEqual(["kinect_optical_frame", "camera_optical_frame"]);
+  expect(facesOn(trailed(new Map(), all), 10, 0).map(({ camera }) => camera)).toEqual(["kinect_optical_frame", "camera_optical_frame"]);
 });
 
 test("only with a picture of about the same time, the nearer the faster the robot turns", () => {
   const all = told(face("kinect_optical_frame", 10));
-  expect(facesOn(all, 10.4, 0)).toHaveLength(1);
-  expect(facesOn(all, 10.8, 0)).toEqual([]);
-  expect(facesOn(all, 10.4, 0.5)).toEqual([]);
-  expect(facesOn(all, 10.05, 0.5)).toHaveLength(1);
-  expect(facesOn(all, null, 0)).toEqual([]);
+  expect(facesOn(trailed(new Map(), all), 10.4, 0)).toHaveLength(1);
+  expect(facesOn(trailed(new Map(), all), 10.8, 0)).toEqual([]);
+  expect(facesOn(trailed(new Map(), all), 10.4, 0.5)).toEqual([]);
+  expect(facesOn(trailed(new Map(), all), 10.05, 0.5)).toHaveLength(1);
+  expect(facesOn(trailed(new Map(), all), null, 0)).toEqual([]);
 });
 
 test("codes of the camera that is shown, and none from programs that tell none", () => {
   const code = { text: "stop", camera: "camera_optical_frame", stamp: 10, corners: [], image: [640, 480] };
   expect(codesOn({ ...told(), codes: [code] } as unknown as Perceived, 10.1, 0)).toEqual([code]);
   expect(codesOn(told(), 10, 0)).toEqual([]);
+});
+
+/** A person who walks to the right at 240 px/s, seen every 0.15 s up to `until`. */
+function walking(until: number): Trails {
+  let trails: Trails = new Map();
+  for (let stamp = 10; stamp <= until + 1e-6; stamp += 0.15)
+    trails = trailed(trails, told(face("camera_optical_frame", stamp, 240 * (stamp - 10))));
+  return trails;
+}
+
+test("the frame of a walking person is where the face is on a newer picture, or an older one", () => {
+  const trails = walking(11.5);
+  for (const stamp of [11.2, 11.27, 11.5, 11.6, 11.8]) {
+    const [seen] = facesOn(trails, stamp, 0);
+    expect(seen!.box[0]).toBeCloseTo(240 * (stamp - 10), 6);
+    expect(seen!.box[1]).toBeCloseTo(50, 6);
+    expect(seen!.box[2]).toBeCloseTo(40, 6);
+  }
+});
+
+test("who was seen once stays there, and a jump back in time forgets how somebody moved", () => {
+  expect(facesOn(walking(10), 10.3, 0)[0]!.box[0]).toBe(0);
+  const back = trailed(walking(11.5), told(face("camera_optical_frame", 10.2, 300)));
+  expect(facesOn(back, 10.4, 0)[0]!.box[0]).toBe(300);
+});
+
+test("who is not told any more has no frame", () => {
+  expect(facesOn(trailed(walking(11.5), told()), 11.5, 0)).toEqual([]);
 });
