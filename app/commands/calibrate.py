@@ -135,18 +135,32 @@ def _measure(
     from app.commands.progress import shown
     from app.replay.calibration import measure_all
     from app.replay.measure import Bench
+    from app.replay.side_by_side import batches
 
-    bench = Bench(log, configuration, begin, begin + seconds)
+    bench = Bench(log, configuration, begin, begin + seconds, _table(configuration).filters)
+    # A run takes as long as its module looks at messages.
+    work = {run: 1.0 / run.phi for run in runs}
+    total = sum(work.values())
+
     with shown("measuring") as progress_of_all:
-        done = 0
 
-        def told(run: Run, measured: Measurement) -> None:
-            nonlocal done
-            done += 1
-            what = f"{run.relation} φ={run.phi}" + (f" offset {run.offset}" if run.offset else "")
-            progress_of_all(done, len(runs), f"{what}: {measured.cpu:.2f} %, {measured.rate:.2f} events/s")
+        def measure(batch: Sequence[Run]) -> Sequence[Measurement]:
+            done = sum(work[run] for run in runs if run in progress.results)
+            here = sum(work[run] for run in batch)
+            what = f"{_spans(batch)}, {len(batch)} at once"
+            return bench.measure(batch, lambda share: progress_of_all(done + share * here, total, what))
 
-        return measure_all(runs, bench.measure, progress, told)
+        return measure_all(runs, measure, progress, batches)
+
+
+def _spans(batch: Sequence[Run]) -> str:
+    """What ``batch`` measures: each input with its least and greatest φ."""
+    spans: dict[str, list[int]] = {}
+    for run in batch:
+        spans.setdefault(run.relation, []).append(run.phi)
+    return "; ".join(
+        f"{name} φ {min(phis)}" + (f"–{max(phis)}" if len(set(phis)) > 1 else "") for name, phis in spans.items()
+    )
 
 
 def _newest() -> Path:

@@ -1,8 +1,9 @@
 """What each module costs at each φ of its strategies: the plan of runs, their results, and the lines through them.
 
 Thesis 4.2.3 and figure 4.4: each perception was run on a recording at several φ, from every starting offset; CPU use
-and events were found to be close to linear in 1/φ. Here one *run* is a headless replay of one module alone, its input
-pinned at one φ and one offset; everything in this file is pure or a file of results.
+and events were found to be close to linear in 1/φ. Here one *run* is one module alone in a headless replay, its input
+pinned at one φ and one offset; many are made in one replay (``side_by_side.py``). Everything in this file is pure or a
+file of results.
 """
 
 from __future__ import annotations
@@ -147,7 +148,7 @@ def fit(points: Iterable[tuple[float, float]]) -> Fit:
 
 
 class Progress:
-    """Results so far, on disk after every run, so that a calibration that was interrupted goes on where it was.
+    """Results so far, on disk after every batch, so that a calibration that was interrupted goes on where it was.
 
     ``key`` says what they are results of (recording, program, version): those of another key are not used.
     """
@@ -167,9 +168,9 @@ class Progress:
             self.results = {}  # none, or not ours: measure anew
         return len(self.results)
 
-    def add(self, run: Run, measurement: Measurement) -> None:
-        """Remember a result, on disk too; a file half written is never left."""
-        self.results[run] = measurement
+    def add(self, results: Mapping[Run, Measurement]) -> None:
+        """Remember results, on disk too; a file half written is never left."""
+        self.results.update(results)
         entries = [{"run": asdict(r), "result": asdict(m)} for r, m in self.results.items()]
         self._path.parent.mkdir(parents=True, exist_ok=True)
         beside = self._path.with_name(f"{self._path.name}.new")
@@ -183,13 +184,11 @@ class Progress:
 
 def measure_all(
     runs: Sequence[Run],
-    measure: Callable[[Run], Measurement],
+    measure: Callable[[Sequence[Run]], Sequence[Measurement]],
     progress: Progress,
-    told: Callable[[Run, Measurement], None] = lambda run, measurement: None,
+    batches: Callable[[Sequence[Run]], Sequence[Sequence[Run]]],
 ) -> dict[Run, Measurement]:
-    """Make the runs that ``progress`` does not have yet, in order; the results of all of ``runs``."""
-    for run in runs:
-        if run not in progress.results:
-            progress.add(run, measure(run))
-        told(run, progress.results[run])
+    """Make the runs that ``progress`` does not have yet, in order and in ``batches``; the results of all ``runs``."""
+    for batch in batches([run for run in runs if run not in progress.results]):
+        progress.add(dict(zip(batch, measure(batch), strict=True)))
     return {run: progress.results[run] for run in runs}

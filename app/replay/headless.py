@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
@@ -19,7 +19,7 @@ from app.replay.options import ReplayOptions
 from app.replay.program import OWN_RECORDS
 from app.replay.replay import Replay
 from app.replay.report import ChannelReport, InputReport, IntentionLine, ModuleReport, ReplayReport
-from app.runtime.clock import VirtualClock, run_virtual
+from app.runtime.clock import Clock, VirtualClock, run_virtual
 from app.system import System
 
 #: A thread that owes a result for longer than this is given up: then only, a replay would depend on the machine.
@@ -38,13 +38,17 @@ _OF_THE_MACHINE = (LoadRecord, LogLine, RecorderStatus)
 
 @dataclass(frozen=True, slots=True)
 class Watch:
-    """What may be looked on with while a replay runs; both are called on the loop and must not wait.
+    """What may be looked on with while a replay runs; all are called on the loop and must not wait.
 
     ``progress(position)``: so far (robot's clock, s). ``message(channel, message)``: everything that the report counts.
+    ``built(system)``: once, when the program stands and nothing of it runs yet. ``beside(system)`` runs beside it, from
+    just before the log speaks to its end.
     """
 
     progress: Callable[[float], None] = lambda _: None
     message: Callable[[str, Any], None] = lambda _, __: None
+    built: Callable[[System], None] = lambda _: None
+    beside: Callable[[System], Coroutine[Any, Any, None]] | None = None
 
 
 def run_headless(
@@ -64,7 +68,9 @@ def run_headless(
     options = options or ReplayOptions()
     clock = VirtualClock(origin=log.info.begin if options.begin is None else options.begin)
     replay = Replay(log, clock, options, recordings=recordings, reproducible=True)
-    journal = _Journal(replay.system, watch or Watch(), digests)
+    watch = watch or Watch()
+    watch.built(replay.system)
+    journal = _Journal(replay.system, watch, digests)
     return run_virtual(_relive(replay, journal, speed), patience_s=PATIENCE_S)
 
 
@@ -76,7 +82,8 @@ async def _relive(replay: Replay, journal: _Journal, speed: float | None) -> Rep
             spent = {name: slot.context.meter.cpu_ns for name, slot in system.graph.modules.items()}
             wall, cpu = time.monotonic(), time.process_time()
             pacing = asyncio.create_task(_pace(system, speed)) if speed is not None else None
-            waiting = asyncio.create_task(_wait_for_disk(replay.recorder, system)) if replay.recorder else None
+            waiting = asyncio.create_task(wait_for_disk(replay.recorder, system.clock)) if replay.recorder else None
+            beside = asyncio.create_task(journal.watch.beside(system)) if journal.watch.beside else None
             finished = asyncio.create_task(body.finished.wait())
             failed = asyncio.create_task(system.wait_failed())
             try:
@@ -88,7 +95,7 @@ async def _relive(replay: Replay, journal: _Journal, speed: float | None) -> Rep
                 while replay.recorder is not None and replay.recorder.writing:
                     await _real_sleep(DISK_S)
             finally:
-                for task in (finished, failed, pacing, waiting):
+                for task in (finished, failed, pacing, waiting, beside):
                     if task is not None:
                         task.cancel()
             journal.watch.progress(body.end)
@@ -118,10 +125,10 @@ async def _pace(system: System, speed: float) -> None:
             await _real_sleep(early_s)
 
 
-async def _wait_for_disk(recorder: Recorder, system: System) -> None:
-    """Hold time up while much waits for the disk: a replay is faster than a recording may be."""
+async def wait_for_disk(recorder: Recorder, clock: Clock) -> None:
+    """Hold virtual time up while much waits for the disk, for ever: it may pass faster than can be written."""
     while True:
-        await system.clock.sleep(PACE_S)
+        await clock.sleep(PACE_S)
         while recorder.queued_bytes > QUEUED_BYTES:
             await _real_sleep(DISK_S)
 

@@ -1,10 +1,10 @@
-"""One run of a calibration: a headless replay of one module alone, its CPU time and its percepts counted."""
+"""Runs of a calibration: headless replays of one module alone, its CPU time and its percepts counted."""
 
 from __future__ import annotations
 
-import json
+from collections import Counter
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import fields
-from pathlib import Path
 from typing import Any
 
 from app.config import Configuration
@@ -12,53 +12,73 @@ from app.recording.log import Log
 from app.replay.calibration import Measurement, Run
 from app.replay.headless import Watch, run_headless
 from app.replay.options import ReplayOptions
+from app.replay.side_by_side import side_by_side, take_turns
+from app.system import System
 
-#: A module's first work of its life (imports, first allocations) is none of its cost: so much of the log (s) is run
-#: before anything is measured.
-WARM_UP_S = 2.0
+#: A module's first work (imports, tables for a camera's lens, first allocations) is none of its cost: each instance is
+#: given one message before anything is measured, within so much of the log (s).
+WARM_UP_S = 1.0
 
 
 class Bench:
     """Measures modules of the program ``configuration`` on ``log`` from ``begin`` to ``end`` (robot's clock, s).
 
-    A module's events are the percepts on its first output, as configuration names them.
+    ``attended``: the filters (``Module.port``) that strategies name, closed where they are not measured. A module's
+    events are the percepts on its first output, as configuration names them.
     """
 
-    def __init__(self, log: Log, configuration: Configuration, begin: float, end: float) -> None:
+    def __init__(
+        self, log: Log, configuration: Configuration, begin: float, end: float, attended: Collection[str] = ()
+    ) -> None:
         self._log = log
         self._configuration = configuration
-        self._begin = begin
-        self._end = end
-        self._warm: set[str] = set()
+        #: From when to when (s) is measured.
+        self.begin = max(begin, log.info.begin + WARM_UP_S)
+        self.end = end
+        self._attended = frozenset(attended)
 
-    def measure(self, run: Run) -> Measurement:
-        """Replay, as fast as the machine allows. Raises ConfigError, LogError, LinkFailed."""
-        if run.module not in self._warm:
-            self._warm.add(run.module)
-            self._replay(run, min(self._end, self._begin + WARM_UP_S))
-        return self._replay(run, self._end)
+    def measure(self, runs: Sequence[Run], progress: Callable[[float], None] = lambda _: None) -> list[Measurement]:
+        """Make ``runs``, all of one module, in one replay, as fast as the machine allows.
 
-    def _replay(self, run: Run, end: float) -> Measurement:
-        found_on = next(iter(self._configuration.program.modules[run.module].outputs.values()), None)
-        events = 0
+        ``progress`` is told which share of it is done. Raises ConfigError, LogError, LinkFailed.
+        """
+        program = side_by_side(self._configuration, runs, self._attended)
+        before = self.begin - WARM_UP_S
+        events: Counter[str | None] = Counter()
+        warmed: dict[str, float] = {}
 
         def count(channel: str, message: Any) -> None:
-            nonlocal events
-            if channel == found_on:
-                events += percepts(message)
+            if warmed and channel in counted:
+                events[channel] += percepts(message)
 
+        async def warm_up(system: System) -> None:
+            """Note what each instance had cost when all were warm."""
+            meters = {name: system.graph.modules[name].context.meter for name in program.names}
+            cold = {name: meter.cpu_ns for name, meter in meters.items()}
+            await system.clock.sleep_until(self.begin)
+            warmed.update({name: (meter.cpu_ns - cold[name]) / 1e9 for name, meter in meters.items()})
+            program.begin(system.graph.filters)
+
+        counted = frozenset(program.events)
         options = ReplayOptions(
-            begin=self._begin,
-            end=end,
-            only=(run.module,),
-            phi={run.filter: run.phi},
-            parameters={run.module: json.loads(run.parameters)},
-            offset=run.offset,
-            config=Path(self._configuration.program_document.file),
+            begin=before,
+            end=self.end,
+            pins=program.pins,
+            parameters=program.parameters,
+            config=program.configuration,
             desires=False,
         )
-        report = run_headless(self._log, options, watch=Watch(message=count), digests=False)
-        return Measurement(cpu_s=report.modules[run.module].cpu_s, events=events, duration_s=report.log_s)
+        watch = Watch(
+            progress=lambda position: progress((position - before) / (self.end - before)),
+            message=count,
+            built=take_turns,
+            beside=warm_up,
+        )
+        report = run_headless(self._log, options, watch=watch, digests=False)
+        return [
+            Measurement(report.modules[name].cpu_s - warmed[name], events[channel], self.end - self.begin)
+            for name, channel in zip(program.names, program.events, strict=True)
+        ]
 
 
 def percepts(message: Any) -> int:

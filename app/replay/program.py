@@ -129,6 +129,8 @@ def deaf_modules(program: ReplayProgram, graph: Graph) -> dict[str, str]:
 def _configuration(log: Log, options: ReplayOptions, folder: Path) -> Configuration:
     # Costs as they were where it was recorded, or other intentions would follow.
     host = log.manifest.facts.get("host") or None
+    if isinstance(options.config, Configuration):
+        return options.config
     if options.config is not None:
         return load_configuration(options.config, host=host)
     program = log.manifest.facts.get("program")

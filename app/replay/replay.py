@@ -148,6 +148,8 @@ class Replay:
         try:
             for name, divisor in self.options.phi.items():
                 filters.pin(name, Pin(divisor, offset))
+            for name, pin in self.options.pins.items():
+                filters.pin(name, pin)
             filters.delay(offset)
         except (KeyError, ValueError) as failure:
             raise ConfigError(str(failure.args[0]), "--phi") from None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -90,23 +91,26 @@ def test_what_was_interrupted_goes_on_where_it_was(tmp_path: Path) -> None:
     runs = plan(TABLE, {"Eye": ["images"], "Ear": ["sound"]}, every_offset=True)
     made: list[Run] = []
 
-    def measure(run: Run) -> Measurement:
-        if len(made) == 3:
+    def measure(batch: Sequence[Run]) -> list[Measurement]:
+        if len(made) == 4:
             raise KeyboardInterrupt
-        made.append(run)
-        return Measurement(1 / run.phi, run.offset, 60)
+        made.extend(batch)
+        return [Measurement(1 / run.phi, run.offset, 60) for run in batch]
+
+    def pairs(of: Sequence[Run]) -> list[Sequence[Run]]:
+        return [of[at : at + 2] for at in range(0, len(of), 2)]
 
     path = tmp_path / "cache" / "brain.json"
     with pytest.raises(KeyboardInterrupt):
-        measure_all(runs, measure, Progress(path, {"log": "a"}))
+        measure_all(runs, measure, Progress(path, {"log": "a"}), pairs)
     later = Progress(path, {"log": "a"})
-    assert later.load() == 3
+    assert later.load() == 4
     done = list(made)
     made.clear()
-    told: list[Run] = []
-    results = measure_all(runs[:6], measure, later, lambda run, _: told.append(run))
-    assert sorted([*made, *done]) == sorted(runs[:6])
-    assert told == runs[:6]
+    results = measure_all(runs[:7], measure, later, pairs)
+    assert made == runs[4:7]
+    assert done == runs[:4]
+    assert list(results) == runs[:7]
     assert results[runs[0]] == Measurement(1 / runs[0].phi, runs[0].offset, 60)
     later.discard()
     assert not path.exists()

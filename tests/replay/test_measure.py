@@ -8,7 +8,7 @@ from app import paths
 from app.config import Configuration, load_configuration
 from app.messages import Landmarks, QRCode, QRCodes, Twist
 from app.replay.calibration import Run
-from app.replay.measure import Bench, percepts
+from app.replay.measure import WARM_UP_S, Bench, percepts
 
 from .logs import lab_log
 
@@ -28,11 +28,22 @@ def configuration() -> Configuration:
 def test_a_module_alone_is_measured_at_its_divisor(configuration: Configuration, phi: int, offset: int) -> None:
     log = lab_log(SECONDS, images_hz=RATE_HZ)
     bench = Bench(log, configuration, log.info.begin, log.info.end)
-    measured = bench.measure(Run("CameraStream", "images", phi, offset))
-    images = log.info.channels["kinect"].count
+    shares: list[float] = []
+    (measured,) = bench.measure([Run("CameraStream", "images", phi, offset)], shares.append)
+    images = sum(logged.at > log.info.begin + WARM_UP_S for logged in log.messages(channels=["kinect"]))
     assert measured.events == len(range(offset, images, phi))
-    assert measured.duration_s == pytest.approx(log.info.duration_s)
+    assert measured.duration_s == pytest.approx(log.info.duration_s - WARM_UP_S)
+    assert shares == sorted(shares)
+    assert shares[-1] == pytest.approx(1.0)
     assert 0 < measured.cpu < 100
+
+
+def test_what_came_before_is_only_warmed_up_with(configuration: Configuration) -> None:
+    log = lab_log(SECONDS, images_hz=RATE_HZ)
+    bench = Bench(log, configuration, log.info.begin + 2.0, log.info.begin + 3.0)
+    (measured,) = bench.measure([Run("CameraStream", "images", 1)])
+    assert measured.events == RATE_HZ
+    assert measured.duration_s == pytest.approx(1.0)
 
 
 def test_percepts_are_counted_not_messages() -> None:
