@@ -48,6 +48,11 @@ def add_parser(subparsers: Any) -> None:
         "--scenario", metavar="FILE", help="one that drives: a file or a name of config/scenarios (default: trial)"
     )
     trial.add_argument("--record", metavar="NAME", help="record it under this name")
+    trial.add_argument(
+        "--virtual",
+        action="store_true",
+        help="in virtual time: every sensor keeps its rate however slow this computer is",
+    )
     trial.add_argument("--json", action="store_true", help="print JSON instead of the story")
     experiment_barn.add_parser(experiments)
     experiment_goals.add_parser(experiments)
@@ -81,7 +86,9 @@ def _trial(args: argparse.Namespace) -> int:
     program = simulated_program(args.config, _scenario(args.scenario))
     logs.configure("warning", as_json=False)
     with shown("driving") as progress:
-        outcome, events = run_trial(program, args.record, lambda leg, of, label: progress(leg, of, label))
+        outcome, events = run_trial(
+            program, args.record, lambda leg, of, label: progress(leg, of, label), virtual=args.virtual
+        )
     if args.json:
         told = [{"at": round(event.at, 3), "subject": event.subject, "text": event.text} for event in events]
         print(json.dumps(document((outcome,), {"events": told}), indent=1))
@@ -89,10 +96,14 @@ def _trial(args: argparse.Namespace) -> int:
     for event in events:
         print(f"{event.at:7.1f} s  {event.text}")
     found = ", ".join(f"{count} {kind}" for kind, count in outcome.found.items())
+    cost = (
+        "in virtual time"
+        if args.virtual
+        else f"program {outcome.cpu:.0f} % of a core, world's time {outcome.world_rate:.2f} of real time"
+    )
     print(
         f"\n{outcome.seconds:.0f} s; found {found}; {outcome.missed} of {outcome.beats + outcome.missed} beats of the "
-        f"base missed, {outcome.stops} stops by the guard; program {outcome.cpu:.0f} % of a core, "
-        f"world's time {outcome.world_rate:.2f} of real time"
+        f"base missed, {outcome.stops} stops by the guard; {cost}"
     )
     return 0
 

@@ -74,12 +74,14 @@ def run_in_world(
     return run_virtual(_run(WorldRun(system, link), script), patience_s=PATIENCE_S)
 
 
-def able(configuration: Configuration, link: LockstepLink, without: Collection[str] = ()) -> Configuration:
+def able(
+    configuration: Configuration, link: LockstepLink, without: Collection[str] = (), *, recorders: bool = False
+) -> Configuration:
     """``configuration`` without the modules that need a stream that the body of ``link`` does not have.
 
     And without those named in ``without``.
-    What those would feed comes from nowhere, and whoever listens hears nothing. Recorders are left out as well: they
-    write in real time.
+    What those would feed comes from nowhere, and whoever listens hears nothing. Recorders are left out as well, unless
+    ``recorders``: they write in real time.
     """
     streams = set(link.description.streams)
     modules = {}
@@ -87,7 +89,7 @@ def able(configuration: Configuration, link: LockstepLink, without: Collection[s
         kind = load_class(spec.class_path)  # one that does not exist is the graph's to refuse
         if name in without:
             continue
-        if kind is None or (set(kind.streams.values()) <= streams and not issubclass(kind, Recorder)):
+        if kind is None or (set(kind.streams.values()) <= streams and (recorders or not issubclass(kind, Recorder))):
             modules[name] = spec
     produced = {channel for spec in modules.values() for channel in spec.outputs.values()}
     channels = {

@@ -97,10 +97,10 @@ def document(outcomes: Sequence[Outcome], settings: dict[str, Any]) -> dict[str,
 class Observer:
     """Looks on at ``system`` between :meth:`begin` and :meth:`outcome`, wanting nothing of it."""
 
-    def __init__(self, system: System, body: int) -> None:
+    def __init__(self, system: System, body: int | None) -> None:
         self._system = system
         self._process = psutil.Process()
-        self._body = psutil.Process(body)
+        self._body = None if body is None else psutil.Process(body)
         self._ages: dict[str, list[float]] = defaultdict(list)
         self._series: dict[str, list[tuple[float, float]]] = defaultdict(list)
         self._tracks: dict[str, set[Any]] = defaultdict(set)
@@ -128,7 +128,7 @@ class Observer:
             self._ends.append(system.link.attach("scene_truth", self._learn))
             system.link.demand("scene_truth", True)
         self._dropped = self._drops()
-        self._spent = (_cpu_s([self._process]), _cpu_s(_family(self._body)), _busy_s())
+        self._spent = self._spend()
         beat = asyncio.create_task(self._feel_the_loop(), name="loop lateness")
         self._ends.append(lambda: _cancel(beat))
 
@@ -136,8 +136,7 @@ class Observer:
         """What was seen since :meth:`begin`; looks on no more."""
         system = self._system
         seconds = system.clock.now() - self._origin
-        ours, bodys, busy = _cpu_s([self._process]), _cpu_s(_family(self._body)), _busy_s()
-        ours, bodys, busy = (now - then for now, then in zip((ours, bodys, busy), self._spent, strict=True))
+        ours, bodys, busy = (now - then for now, then in zip(self._spend(), self._spent, strict=True))
         for end in self._ends:
             end()
         gaps = np.diff(self._beats) if len(self._beats) > 1 else np.zeros(0)
@@ -166,7 +165,7 @@ class Observer:
             failures=sum(state.restarts for state in system.supervisor.states.values()),
             series=dict(self._series),
             utilities={s.cls: s.utility for s in intention.strategies} if intention is not None else {},
-            others_cpu=max(0.0, 100 * (busy - ours - bodys) / seconds),
+            others_cpu=100 * max(busy - ours - bodys, 0.0) / seconds,
             script=script,
         )
 
@@ -198,6 +197,12 @@ class Observer:
         if status.guard == "stale_command" and self._guard == "driving":
             self._stops += 1
         self._guard = status.guard
+
+    def _spend(self) -> tuple[float, float, float]:
+        """CPU time (s) of the program, of its body and of everything; NaN where the body is no process of its own."""
+        if self._body is None:
+            return math.nan, math.nan, math.nan
+        return _cpu_s([self._process]), _cpu_s(_family(self._body)), _busy_s()
 
     def _drops(self) -> Counter[str]:
         return Counter(

@@ -8,10 +8,12 @@ from pathlib import Path
 from app import paths
 from app.config import Configuration, load_configuration
 from app.errors import ConfigError
+from app.experiments.lockstep import able
 from app.robots.config import RobotConfig
-from app.robots.factory import create_link, load_body
+from app.robots.factory import create_link, create_lockstep, load_body
 from app.robots.simulated.link import SimulatedLink
-from app.runtime.clock import RealClock
+from app.robots.simulated.lockstep import LockstepLink
+from app.runtime.clock import RealClock, VirtualClock
 from app.system import System
 
 
@@ -29,6 +31,17 @@ class SimulatedProgram:
         link = create_link(self.body, clock.offset)
         assert isinstance(link, SimulatedLink)
         return System(self.configuration, link=link, body=self.body, clock=clock), link
+
+    def virtual_system(self, *, recorded: bool) -> tuple[System, LockstepLink]:
+        """A program to be entered on a loop of virtual time, its body with all senses in step with it.
+
+        Only if it is ``recorded`` has it Recorders. Raises ConfigError.
+        """
+        clock = VirtualClock(float(round(RealClock().now())))
+        link = create_lockstep(self.body, clock, cameras=True, microphones=True)
+        configuration = able(self.configuration, link, recorders=recorded)
+        system = System(configuration, link=link, body=self.body, clock=clock, partial=True, reproducible=True)
+        return system, link
 
 
 def simulated_program(config: Path | None = None, scenario: Path | None = None) -> SimulatedProgram:

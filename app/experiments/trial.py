@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+import time
+from collections.abc import AsyncIterator, Callable
+from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 
 from app.attention.desires import Source
+from app.experiments.lockstep import PATIENCE_S
 from app.experiments.observation import Observer, Outcome
 from app.experiments.script import Waypoint, drive_script, load_script
 from app.experiments.simulated import SimulatedProgram
+from app.modules.recording.recorder import Recorder
+from app.recording.control import RECORD
+from app.replay.headless import wait_for_disk
+from app.runtime.clock import run_virtual
+from app.system import System
 
 _OPERATOR = Source("operator", "the experiment")
 
@@ -23,36 +31,54 @@ class Told:
     text: str
 
 
+#: How often it is looked whether the file is closed (real s).
+_LOOK_S = 0.05
 #: What of the timeline tells the trial's story.
 _KINDS = ("desire", "intention", "guard", "module", "overload")
 
 
 def run(
-    program: SimulatedProgram, record: str | None, leg: Callable[[int, int, str], None]
+    program: SimulatedProgram,
+    record: str | None,
+    leg: Callable[[int, int, str], None],
+    *,
+    virtual: bool = False,
 ) -> tuple[Outcome, list[Told]]:
     """Drive the script to its end; ``leg(number, of, label)`` is told each of its legs as it begins.
 
-    ``record``: name of a recording of it, at the fullest rate there is a strategy for. Raises LinkFailed, ConfigError,
-    ScriptBlocked.
+    ``record``: name of a recording of it, at the fullest rate there is a strategy for. In ``virtual`` time every sensor
+    keeps its rate and nothing is late, however slow the computer; nothing then tells what it cost. Raises LinkFailed,
+    ConfigError, ScriptBlocked.
     """
-    return asyncio.run(_run(program, record, leg))
+    if not virtual:
+        return asyncio.run(_run(program, record, leg))
+    return run_virtual(_run(program, record, leg, virtual=True), patience_s=PATIENCE_S)
 
 
 async def _run(
-    program: SimulatedProgram, record: str | None, leg: Callable[[int, int, str], None]
+    program: SimulatedProgram, record: str | None, leg: Callable[[int, int, str], None], *, virtual: bool = False
 ) -> tuple[Outcome, list[Told]]:
     script = load_script(program.scenario)
 
     def progress(number: int, waypoint: Waypoint) -> None:
         leg(number, len(script), waypoint.label)
 
-    system, link = program.system()
-    async with system:
-        assert link.process_id is not None
+    body: int | None = None
+    async with AsyncExitStack() as stack:
+        if virtual:
+            system, _ = program.virtual_system(recorded=record is not None)
+            await stack.enter_async_context(system)
+        else:
+            system, link = program.system()
+            await stack.enter_async_context(system)
+            body = link.process_id
+            assert body is not None
         system.workspace.add("Telepresence", intensity=4, utility=1, source=_OPERATOR)
         if record is not None:
             system.workspace.add("Record", intensity=8, utility=8, params={"name": record}, source=_OPERATOR)
-        observer = Observer(system, link.process_id)
+            if virtual:
+                await stack.enter_async_context(_unhurried(system))
+        observer = Observer(system, body)
         observer.begin()
         begin = system.clock.now()
         await drive_script(system, script, progress)
@@ -62,3 +88,21 @@ async def _run(
             for event in system.timeline.query(since=begin, kinds=_KINDS)
         ]
         return outcome, events
+
+
+@asynccontextmanager
+async def _unhurried(system: System) -> AsyncIterator[None]:
+    """Hold virtual time up for what is recorded, and have the file closed before the end."""
+    modules = (slot.module for slot in system.graph.modules.values())
+    recorder = next(module for module in modules if isinstance(module, Recorder))
+    waiting = asyncio.create_task(wait_for_disk(recorder, system.clock))
+    try:
+        yield
+    finally:
+        for desire in system.workspace.desires():
+            if desire.cls == RECORD:
+                system.workspace.remove(desire.id)
+        await system.translator.settled()
+        while recorder.writing:
+            await asyncio.to_thread(time.sleep, _LOOK_S)
+        waiting.cancel()

@@ -58,7 +58,12 @@ def create_link(robot_config: Body, clock_offset: float) -> RobotLink:
 
 
 def create_lockstep(
-    robot_config: RobotConfig, clock: Clock, *, world: WorldConfig | None = None, cameras: bool = False
+    robot_config: RobotConfig,
+    clock: Clock,
+    *,
+    world: WorldConfig | None = None,
+    cameras: bool = False,
+    microphones: bool = False,
 ) -> LockstepLink:
     """The simulated body ``robot_config`` in the program's own process, in step with ``clock``; see ``lockstep.py``.
 
@@ -66,7 +71,7 @@ def create_lockstep(
     is wrong.
     """
     robot, world, scenario = simulated_parts(robot_config, world)
-    return LockstepLink(robot, world, clock, scenario, cameras=cameras)
+    return LockstepLink(robot, world, clock, scenario, cameras=cameras, microphones=microphones)
 
 
 def simulated_parts(

@@ -15,8 +15,8 @@ experiments; ``hbba run`` keeps the real process, for a guard in the program's o
 
     pose = run_in_world(configuration, body, script)                  # app.experiments.lockstep
 
-There is no stream ``microphones``, and ``kinect`` and ``imv`` only with ``cameras``: their pictures are then drawn
-while time stands, and come with the step they show.
+``kinect`` and ``imv`` are there only with ``cameras``, and ``microphones`` only with that: pictures are then drawn and
+sound is made while time stands, and come with the step they belong to. There is no loudspeaker.
 """
 
 from __future__ import annotations
@@ -57,8 +57,9 @@ class LockstepLink:
         scenario: ScenarioConfig | None = None,
         *,
         cameras: bool = False,
+        microphones: bool = False,
     ) -> None:
-        self._robot = without_threads(robot, cameras=cameras)
+        self._robot = without_threads(robot, cameras=cameras, microphones=microphones)
         self._world = world
         self._scenario = scenario
         self._clock = clock
@@ -174,6 +175,9 @@ class LockstepLink:
         if isinstance(message, LaserScan):
             read_only(message.ranges)
             read_only(message.intensities)
+        elif isinstance(message, Audio):
+            read_only(message.samples)
+            read_only(message.p_BM)
         elif isinstance(message, Image):
             read_only(message.color)
             if message.depth is not None:
@@ -193,9 +197,11 @@ class LockstepLink:
             living.lockstep(self._clock.now(), began)
 
 
-def without_threads(robot: RobotConfig, *, cameras: bool) -> RobotConfig:
-    """``robot`` without what needs processes of its own: ears and voice, and eyes unless ``cameras``."""
-    removed: dict[str, None] = {"microphones": None}
+def without_threads(robot: RobotConfig, *, cameras: bool, microphones: bool = False) -> RobotConfig:
+    """``robot`` without a voice, without eyes unless ``cameras``, without ears unless ``microphones``."""
+    removed: dict[str, None] = {}
+    if not microphones:
+        removed |= {"microphones": None}
     if not cameras:
         removed |= {"kinect": None, "imv": None}
     streams = robot.streams.model_copy(update=removed)

@@ -1,4 +1,4 @@
-"""The world of a body in lockstep: turned by its caller, its pictures drawn while the caller waits."""
+"""The world of a body in lockstep: turned by its caller, pictures drawn and sound made while the caller waits."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ import numpy as np
 
 from app.messages import Image
 from app.robots.config import RobotConfig
+from app.robots.simulated.acoustics.ear import Ear
+from app.robots.simulated.acoustics.soundscape import SCENES_HZ, Soundscape
 from app.robots.simulated.body import TIMESTEP_S
 from app.robots.simulated.contacts import ContactWatch
 from app.robots.simulated.eyes import Eye, open_eyes
 from app.robots.simulated.lenses import lenses, picture_formats
-from app.robots.simulated.living_world import STEPS_PER_TURN, LivingWorld
+from app.robots.simulated.living_world import STEPS_PER_TURN, LivingWorld, Schedule
 from app.robots.simulated.painter import Painter
 from app.robots.simulated.scenario_config import ScenarioConfig
 from app.robots.simulated.world_config import WorldConfig
@@ -37,6 +39,15 @@ class LockstepWorld(LivingWorld):
         self._formats = picture_formats(robot)
         self._painter: Painter | None = None
         self._open: dict[str, Eye] = {}
+        self._soundscape: Soundscape | None = None
+        self._ear: Ear | None = None
+        self._scenes = Schedule(SCENES_HZ)
+        if robot.streams.microphones is not None:
+            wheels = (robot.base.left_wheel_joint, robot.base.right_wheel_joint)
+            soundscape = self._soundscape = Soundscape(
+                robot.streams.microphones, robot.loudspeaker, world, self.kinematics, scenario, wheels, robot.seed
+            )
+            self.sounds = lambda time_s, stamp: soundscape.truth(time_s, stamp, self.stage)
 
     def lockstep(self, now: float, began: float) -> None:
         """Take every step that is due at ``now``, the first one ``TIMESTEP_S`` after ``began``."""
@@ -57,6 +68,21 @@ class LockstepWorld(LivingWorld):
             yield stamp
 
     def _also(self, stamp: float) -> None:
+        self._see(stamp)
+        if self._soundscape is not None and "microphones" in self.wanted:
+            self._hear(stamp, self._soundscape)
+
+    def _hear(self, stamp: float, soundscape: Soundscape) -> None:
+        time_s = self.simulation.time_s
+        if not self._scenes.due(time_s):
+            return
+        if self._ear is None:  # rooms take a second to be made
+            self._ear = Ear(soundscape.setup)
+        scene = soundscape.scene(time_s, stamp, self.simulation.true_pose(), self.rims(), self.stage)
+        for heard in self._ear.listen([scene]):
+            self.send("microphones", heard.audio, stamp)
+
+    def _see(self, stamp: float) -> None:
         for stream in self.eyes:
             if (snapshot := self.look(stream, stamp)) is None:
                 continue

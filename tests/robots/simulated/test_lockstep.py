@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from app.link import LinkFailed
-from app.messages import GroundTruth, Image, LaserScan, LinkStatus, Odometry, SceneTruth, Twist
+from app.messages import Audio, GroundTruth, Image, LaserScan, LinkStatus, Odometry, SceneTruth, Twist
 from app.robots.config import RobotConfig
 from app.robots.simulated.lockstep import LockstepLink
 from app.robots.simulated.scenario_config import ScenarioConfig
@@ -52,12 +52,14 @@ def live(
     scenario: ScenarioConfig | None = None,
     *,
     cameras: bool = False,
+    microphones: bool = False,
 ) -> T:
     """Run ``script`` in the world in virtual time."""
 
     async def run() -> T:
         clock = VirtualClock()
-        body = Body(LockstepLink(robot, world, clock, scenario, cameras=cameras), clock)
+        link = LockstepLink(robot, world, clock, scenario, cameras=cameras, microphones=microphones)
+        body = Body(link, clock)
         await body.link.start()
         try:
             return await script(body)
@@ -217,3 +219,25 @@ def test_a_body_that_runs_is_not_started_twice_and_one_that_does_not_says_so(
         assert "not started" in str(await body.link.wait_failed())
 
     live(robot, hall, script)
+
+
+def test_with_microphones_a_clap_is_heard_when_sound_has_come_the_way_and_no_sample_is_missing(
+    robot: RobotConfig,
+) -> None:
+    world = make_hall(rooms=[{"name": "hall", "from": (0, 0), "to": (20, 20), "rt60_s": 0.2}])
+    clap = {"name": "clap", "kind": "clap", "clip": "clap", "at": (17.0, 10.0, 1.0), "begin_s": 0.4, "gain_db": 0}
+    scenario = ScenarioConfig.model_validate({"name": "a clap", "sounds": [clap]})
+
+    async def script(body: Body) -> list[Audio]:
+        body.link.demand("microphones", True)
+        await body.clock.sleep(0.7)
+        return body.heard["microphones"]
+
+    heard = live(at(robot, 10, 10), world, script, scenario, microphones=True)
+    assert [b.first_sample - a.first_sample for a, b in itertools.pairwise(heard)] == [512] * (len(heard) - 1)
+    assert len(heard) == pytest.approx(0.7 * 48000 / 512, abs=4)
+    assert not heard[0].samples.flags.writeable
+    samples = np.abs(np.concatenate([frame.samples[:, 0] for frame in heard]).astype(float))
+    quiet = samples[: round(0.3 * 48000)].max()
+    begin_s = (heard[0].first_sample + int(np.argmax(samples > 3 * quiet))) / 48000
+    assert begin_s == pytest.approx(0.4 + 7.0 / 343, abs=0.006)
