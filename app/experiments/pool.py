@@ -19,6 +19,8 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from typing import Generic, TypeVar
 
+from app.robots.simulated.gl import gl_environment
+
 T = TypeVar("T")
 R = TypeVar("R")
 
@@ -55,6 +57,8 @@ class TrialSeries(Generic[T, R]):
         """Each result with its trial, when it comes. Raises what ``work`` raises, and TrialLost."""
         for name in _SINGLE:
             os.environ.setdefault(name, "1")  # children inherit it; it is read when they load the library
+        for name, value in gl_environment().items():  # as is how to draw, when they import MuJoCo
+            os.environ.setdefault(name, value)
         context = get_context("spawn")
         waiting = deque(self._trials)
         children: list[SpawnProcess] = []

@@ -14,7 +14,7 @@ from app.errors import ConfigError
 from app.experiments.goals.ground import survey
 from app.experiments.goals.result import GoalResult
 from app.experiments.goals.shift import MAP, Shift, seeing, simulated_body, work
-from app.experiments.goals.tour import make_map
+from app.experiments.goals.tour import Tour, drive
 from app.experiments.kept import KeptResults, program_digest
 from app.experiments.pool import TrialSeries
 from app.geometry import Pose2
@@ -91,7 +91,8 @@ def run(what: GoalsPlan, kept: KeptResults, told: Told, began: Callable[[str], N
     maps = kept.file.parent / "maps"
     if len(results) < what.count and (kept.moved or not (maps / MAP).is_dir()):
         maps.mkdir(exist_ok=True)
-        make_map(what.config, what.tour, maps, began)
+        for _, leg in TrialSeries(drive, [Tour(what.config, what.tour, maps, what.cameras)], 1):
+            began(leg)
     shifts = [shift for shift in _shifts(what, maps) if any(number not in results for number, _ in shift.goals)]
     began("going to goals")
     for _, result in TrialSeries(work, shifts, what.jobs):

@@ -18,21 +18,25 @@ the controller chooses velocities along the way (``navigation/follower.py``). Wa
 (``navigation/wayfinder.py``): once a second, and at once where something is in the way or localization jumped.
 
 It does not drive, and says so, without a pose it can trust, with a scan or picture older than ``fresh_s``, or with
-depth pictures that are dead. The goal is the parameters of the desire GoTo; which controller follows is one of the
-strategy: ``mppi``, ``pursuit``, ``dwa`` or ``dwa_published`` (the baseline of the BARN challenge).
+depth pictures that are dead. What the camera sees and the laser does not is remembered on the map and kept with it
+(``navigation/memory.py``), while others drive as well, if the inputs are open. The goal is the parameters of the desire
+GoTo; which controller follows is one of the strategy: ``mppi``, ``pursuit``, ``dwa`` or ``dwa_published`` (the baseline
+of the BARN challenge).
 """
 
 from __future__ import annotations
 
 import asyncio
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 from pydantic import Field
 
 from app.geometry import Pose2
+from app.maps.control import MapControl
+from app.maps.library import MapLibrary
 from app.messages import (
     Image,
     LaserScan,
@@ -51,10 +55,12 @@ from app.modules.behaviors.navigation.follower import FollowerSettings, Goal
 from app.modules.behaviors.navigation.goals import Plan
 from app.modules.behaviors.navigation.inflation import CostSettings
 from app.modules.behaviors.navigation.kernels import load_kernels
+from app.modules.behaviors.navigation.memory import ThingsMemory
 from app.modules.behaviors.navigation.pilot import CONTROLLERS, Pilot, PilotSettings, Senses, Told
 from app.modules.behaviors.navigation.pose_watch import PoseWatch
 from app.modules.behaviors.navigation.recovery import RecoverySettings
 from app.modules.behaviors.navigation.telling import Teller
+from app.modules.behaviors.navigation.things_kept import ThingsKept
 from app.modules.behaviors.navigation.wayfinder import Answer, Request, Wayfinder
 from app.modules.body import robot_link
 from app.runtime.errors import ModuleFailed
@@ -140,6 +146,7 @@ class PlanAndFollowPath(Module):
         self._teller = Teller(self.status.publish, self.log)
         self._costmap_at = -math.inf
         self._costmap_version = 0
+        self._leave_map: Callable[[], None] | None = None
 
     async def start(self) -> None:
         """Load what is compiled, and learn what the body is. Raises ModuleFailed for one that does not drive."""
@@ -165,12 +172,25 @@ class PlanAndFollowPath(Module):
             raise ModuleFailed(f"{self.name} cannot drive {description.name}: {error}") from None
         costs = CostSettings(unknown=s.unknown, closeness=s.closeness, reach_m=s.reach_m)
         self._wayfinder = Wayfinder(self._pilot.footprint, costs)
+        if self._pilot.things is not None:
+            await self._keep_with_map(self._pilot.things)
         # What was said before a restart still holds.
         self._grid = None if self.map.channel is None else self.map.channel.latest
         self._zones = (None if self.zones.channel is None else self.zones.channel.latest) or self._zones
 
+    async def _keep_with_map(self, things: ThingsMemory) -> None:
+        try:
+            control, library = self.service(MapControl), self.service(MapLibrary)
+        except ModuleFailed:
+            return  # where no maps are kept, what is remembered lasts as long as the module
+        layer = ThingsKept(things, library, self.compute, self.log)
+        self._leave_map = control.add(layer)
+        await layer.resume(control)
+
     async def stop(self) -> None:
         """Look for no way any more."""
+        if self._leave_map is not None:
+            self._leave_map()
         if self._planning is not None:
             self._planning.cancel()
 
@@ -216,6 +236,7 @@ class PlanAndFollowPath(Module):
         now, goal = self.clock.now(), self._given
         if goal is None and self._teller.idle:
             self._teller.tell(NavigationStatus(now, self.name, "idle", "no goal"))
+            await self._look_on(now)
             return
         problem = self._poses.problem(now)
         if not problem and self._grid is None:
@@ -244,6 +265,15 @@ class PlanAndFollowPath(Module):
         self._publish(now, told, told_goal, answer)
         if goal is not None and not problem and told.step.state != "arrived":
             self._plan_if_wanted(now, goal, told)
+        if senses.image is not None and goal is not None:
+            await self.compute(self._pilot.remember, senses)
+
+    async def _look_on(self, now: float) -> None:
+        """Remember what is seen while others drive."""
+        motion, scan, image = self._poses.motion(now), self._scan_with_poses(), self._image_with_pose()
+        if motion is not None and (scan is not None or image is not None):
+            senses = Senses(now, motion, self._poses.X_MO, self._poses.problem(now), None, scan, image)
+            await self.compute(self._pilot.remember, senses)
 
     def _scan_with_poses(self) -> tuple[LaserScan, Pose2, Pose2] | None:
         scan = self._scan
@@ -315,8 +345,9 @@ class PlanAndFollowPath(Module):
         if localization is None or grid is None or X_MB is None:
             return
         request = Request(
-            grid, self._zones.zones, localization.X_MO, X_MB, goal.pose, told.around, told.opened_up, self._plan, why
-        )
+            grid, self._zones.zones, localization.X_MO, X_MB, goal.pose, told.around, told.opened_up, self._plan, why,
+            told.things,
+        )  # fmt: skip
         self._planned_at, self._planned_from, self._planned_for = now, localization, goal
         self._wanted_plan = ""
         finding = self.compute_behind(self._wayfinder.find, request)

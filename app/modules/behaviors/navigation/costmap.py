@@ -166,9 +166,9 @@ class LocalCostmap:
             depth, lens, X_BC, _row(X_OB), frame, self._height_m, now, _ms(s.clear_s), self._depth_last, self._bands
         )  # fmt: skip
 
-    def around(self, X_OB: Pose2, stamp: float) -> Surroundings:
+    def around(self, X_OB: Pose2, stamp: float, known: NDArray[np.float64] | None = None) -> Surroundings:
         """What stands around the robot at ``stamp``, not before the newest message; the middle is within a cell
-        of ``X_OB``."""
+        of ``X_OB``. Something stands at ``known`` (N, 2), m in ``odom``, as well, seen or not."""
         from app.modules.behaviors.navigation.rays import standing
 
         self._roll(X_OB)
@@ -177,8 +177,12 @@ class LocalCostmap:
         times = (_ms(s.forget_s), _ms(s.steady_s), _ms(s.keep_s))
         standing(self._laser_first, self._laser_last, now, *times, free)
         standing(self._depth_first, self._depth_last, now, *times, free)
-        distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
         frame = self._frame()
+        if known is not None and len(known):
+            at = np.floor((known - frame[:2]) / s.resolution_m).astype(np.int64)
+            at = at[((at >= 0) & (at < self._side)).all(axis=1)]
+            free[at[:, 1], at[:, 0]] = 0
+        distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
         resolution, size = s.resolution_m, round(s.size_m / s.resolution_m)
         row, column = (
             math.floor((p - q) / resolution) - size // 2 for p, q in ((X_OB.y, frame[1]), (X_OB.x, frame[0]))

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
 
 from app.geometry import Pose2
 from app.link import RobotDescription
@@ -14,6 +18,7 @@ from app.modules.behaviors.navigation.follower import Follower, FollowerSettings
 from app.modules.behaviors.navigation.footprint import Footprint
 from app.modules.behaviors.navigation.goals import Plan
 from app.modules.behaviors.navigation.health import DepthWatch, unfit, watch_depth
+from app.modules.behaviors.navigation.memory import ThingsMemory
 from app.modules.behaviors.navigation.motion import Body, Controller, Field, Motion
 from app.modules.behaviors.navigation.mppi import Mppi, MppiSettings
 from app.modules.behaviors.navigation.recovery import RecoverySettings
@@ -71,7 +76,8 @@ class Senses:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Told:
-    """What one cycle decided, and what there is to tell of it."""
+    """What one cycle decided, and what there is to tell of it. ``things`` (N, 2): all that is remembered, m on the
+    map."""
 
     step: Step
     target: Pose2 | None
@@ -80,6 +86,7 @@ class Told:
     recoveries: int
     opened_up: bool
     around: Surroundings | None
+    things: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
 
 
 class Pilot:
@@ -99,9 +106,14 @@ class Pilot:
         self._costmap = LocalCostmap(self.footprint, description.height_m, self._settings.costmap)
         self._scan_stamp: float | None = None
         self._scan: LaserScan | None = None
+        self._laser_O: tuple[float, NDArray[np.float64]] | None = None
         self._depth = DepthWatch() if depth else None
         self._sent = (0.0, 0.0)
         self._touch = Touch(self.body)
+        #: What the camera saw stand; None without one.
+        self.things = ThingsMemory(self.footprint, description.height_m) if depth else None
+        self._things = np.empty((0, 2))
+        self._things_version = 0
 
     def steer_with(self, controller: str) -> None:
         """Go on with another controller. Raises ValueError for an unknown one."""
@@ -109,23 +121,20 @@ class Pilot:
 
     def cycle(self, senses: Senses, period_s: float) -> Told:
         """Look, decide, and tell; a few milliseconds."""
+        self._see(senses)
         if senses.scan is not None:
-            scan, begin, end = senses.scan
-            self._costmap.add_scan(scan, begin, end)
-            self._scan, self._scan_stamp = scan, scan.stamp
-        if senses.image is not None and self._depth is not None:
-            image, X_OB = senses.image
-            self._depth = watch_depth(self._depth, image, self._scan)
-            if not self._depth.problem:
-                self._costmap.add_depth(image, X_OB)
+            self._costmap.add_scan(*senses.scan)
+        if senses.image is not None and self._depth is not None and not self._depth.problem:
+            self._costmap.add_depth(*senses.image)
         follower = self._follower
         follower.go(senses.goal, senses.now)
         if senses.plan is not None:
             follower.take(senses.plan, senses.now, senses.speed_at)
         problem = senses.problem or unfit(senses.now, self._scan_stamp, self._depth, self._settings.fresh_s)
         if senses.goal is not None and not problem:
-            self._touch.feel(senses.now, self._sent[0], senses.motion)
-        around = self._touch.laid_over(self._costmap.around(senses.motion.pose, senses.now), senses.now)
+            self._feel(senses)
+        around = self._costmap.around(senses.motion.pose, senses.now, self._known(senses))
+        around = self._touch.laid_over(around, senses.now)
         careful = self._settings.follower.corner_share < 1.0 and senses.goal is not None
         hidden = hidden_distance(around.cells, around.resolution_m) if careful else None
         seen = Field(around.distance, around.origin, around.resolution_m, hidden)
@@ -137,8 +146,47 @@ class Pilot:
         step = self._within_reach(step, senses.motion, period_s)
         return Told(
             step, follower.target, follower.remaining_m, follower.progress_stamp, follower.recovery.count,
-            follower.opened_up, around,
+            follower.opened_up, around, self._all_things(),
         )  # fmt: skip
+
+    def remember(self, senses: Senses) -> None:
+        """Keep what the camera sees in ``senses`` and the laser does not; not before :meth:`cycle` took them, or in
+        place of it while there is no goal."""
+        if senses.goal is None:
+            self._see(senses)
+        if self.things is None or senses.image is None or senses.X_MO is None or senses.problem:
+            return
+        image, X_OB = senses.image
+        if self._depth is None or self._depth.problem or self._laser_O is None:
+            return
+        stamp, points = self._laser_O
+        if abs(image.stamp - stamp) <= self._settings.fresh_s:
+            self.things.look(image, senses.X_MO @ X_OB, _moved(points, senses.X_MO))
+
+    def _see(self, senses: Senses) -> None:
+        if senses.scan is not None:
+            scan, begin, _ = senses.scan
+            self._scan, self._scan_stamp = scan, scan.stamp
+            if self.things is not None:
+                self._laser_O = scan.stamp, _points(scan, begin)
+        if senses.image is not None and self._depth is not None:
+            self._depth = watch_depth(self._depth, senses.image[0], self._scan)
+
+    def _feel(self, senses: Senses) -> None:
+        felt = self._touch.feel(senses.now, self._sent[0], senses.motion)
+        if felt and self.things is not None and senses.X_MO is not None:
+            self.things.felt(_moved(self._touch.newest, senses.X_MO), senses.now)
+
+    def _known(self, senses: Senses) -> NDArray[np.float64] | None:
+        """What is remembered around the body, m in ``odom``; as a last resort the way is tried without it."""
+        if self.things is None or senses.X_MO is None or self._follower.opened_up:
+            return None
+        return self.things.near(senses.X_MO, senses.motion.pose, 0.5 * self._settings.costmap.memory_m)
+
+    def _all_things(self) -> NDArray[np.float64]:
+        if self.things is not None and self.things.version != self._things_version:
+            self._things, self._things_version = self.things.points, self.things.version
+        return self._things
 
     def _within_reach(self, step: Step, motion: Motion, period_s: float) -> Step:
         """``step`` with velocities that the body can have a period from now; a stop is a stop at once."""
@@ -153,6 +201,21 @@ class Pilot:
         angular = _between(step.angular_radps, w - angular_radps2 * period_s, w + angular_radps2 * period_s)
         self._sent = (_between(linear, -high, high), _between(angular, -turn, turn))
         return Step(*self._sent, step.state, step.reason, step.clear, step.replan)
+
+
+def _points(scan: LaserScan, X_OB: Pose2) -> NDArray[np.float64]:
+    """What a scan met: points (N, 2), m in ``odom``; its sweep is too short to matter."""
+    met = np.flatnonzero((scan.ranges >= scan.range_min) & (scan.ranges < scan.range_max))
+    angles = scan.angle_min + scan.angle_increment * met
+    ranges = scan.ranges[met].astype(np.float64)
+    R, t = scan.X_BL.rotation, scan.X_BL.translation
+    X_BL = Pose2(float(t[0]), float(t[1]), math.atan2(R[1, 0], R[0, 0]))
+    return _moved(np.stack((ranges * np.cos(angles), ranges * np.sin(angles)), axis=-1), X_OB @ X_BL)
+
+
+def _moved(points: NDArray[np.float64], pose: Pose2) -> NDArray[np.float64]:
+    c, s = math.cos(pose.theta), math.sin(pose.theta)
+    return np.asarray(points @ np.array([[c, s], [-s, c]]) + np.array([pose.x, pose.y]))
 
 
 def _from(sent: float, measured: float, apart: float) -> float:

@@ -45,13 +45,19 @@ def remember(
         places = _moved(old, X_MO.inverse()) - np.array(around.known_from)
         keep = (stamps >= around.stamp - keep_s) & ~((places >= 0.0) & (places < around.known_m)).all(axis=1)
         old, stamps = old[keep], stamps[keep]
+    new = off_map(_moved(around.obstacles, X_MO), field, on_map_m)
+    return TemporaryObstacles(np.concatenate((old, new)), np.concatenate((stamps, np.full(len(new), around.stamp))))
+
+
+def off_map(points: NDArray[np.float64], field: CostField, on_map_m: float = 0.15) -> NDArray[np.float64]:
+    """The cells (their middles) of ``points`` (N, 2), m on the map, that lie further than ``on_map_m`` from its
+    obstacles."""
     field = field.known or field
-    cells, inside = field.frame.cells(_moved(around.obstacles, X_MO))
+    cells, inside = field.frame.cells(points)
     cells = np.unique(cells[inside], axis=0)
     cells = cells[field.clearance[cells[:, 0], cells[:, 1]] > on_map_m]
     frame = field.frame
-    new = (cells[:, ::-1] + 0.5) * frame.resolution_m + np.array([frame.x, frame.y])
-    return TemporaryObstacles(np.concatenate((old, new)), np.concatenate((stamps, np.full(len(new), around.stamp))))
+    return np.asarray((cells[:, ::-1] + 0.5) * frame.resolution_m + np.array([frame.x, frame.y]))
 
 
 def _moved(points: NDArray[np.float64], pose: Pose2) -> NDArray[np.float64]:

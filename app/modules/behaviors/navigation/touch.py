@@ -55,6 +55,11 @@ class Touch:
         self._felt.append((now, points))
         return True
 
+    @property
+    def newest(self) -> NDArray[np.float64]:
+        """Where it ran into something last: points (N, 2) m in ``odom``."""
+        return self._felt[-1][1] if self._felt else np.empty((0, 2))
+
     def forget(self) -> None:
         """Nothing was there."""
         self._felt.clear()

@@ -6,7 +6,7 @@ Used by one thread, beside the one that controls: planning may take longer than 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from app.modules.behaviors.navigation.costmap import Surroundings
 from app.modules.behaviors.navigation.footprint import Footprint
 from app.modules.behaviors.navigation.goals import Plan, PlanSettings, check_path, plan, why_replan
 from app.modules.behaviors.navigation.inflation import CostField, CostSettings, cost_field, with_obstacles
-from app.modules.behaviors.navigation.temporary import TemporaryObstacles, remember
+from app.modules.behaviors.navigation.temporary import TemporaryObstacles, off_map, remember
 from app.modules.behaviors.navigation.way import SpeedAt
 from app.modules.behaviors.navigation.zones import rasterize
 
@@ -31,7 +31,8 @@ _LETHAL = 50.0
 class Request:
     """What a way is wanted for. ``goal`` on the map, heading NaN for any; ``around`` what stands near the body now,
     None to go by the map alone; ``opened_up``: what is unknown costs nothing, and what was in the way is forgotten;
-    ``kept`` is the plan in force to this goal, ``why`` another is needed anyhow ("": only if it is better)."""
+    ``kept`` is the plan in force to this goal, ``why`` another is needed anyhow ("": only if it is better). ``things``
+    (N, 2): what the map does not have and is remembered to stand there, m on the map."""
 
     grid: OccupancyGrid
     zones: tuple[Zone, ...]
@@ -42,6 +43,7 @@ class Request:
     opened_up: bool = False
     kept: Plan | None = None
     why: str = ""
+    things: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,7 +85,10 @@ class Wayfinder:
             self._temporary = TemporaryObstacles.none()
         if request.around is not None:
             self._temporary = remember(self._temporary, request.around, request.X_MO, field)
-        live = with_obstacles(field, self._temporary.points) if len(self._temporary.points) else field
+        points = self._temporary.points
+        if len(request.things) and not request.opened_up:
+            points = np.concatenate((points, off_map(request.things, field)))
+        live = with_obstacles(field, points) if len(points) else field
         why = request.why
         kept = request.kept
         rest_cost = math.inf

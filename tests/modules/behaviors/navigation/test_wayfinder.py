@@ -105,3 +105,14 @@ def test_without_a_way_it_says_why_and_keeps_saying_it_once() -> None:
     assert none.plan.poses.shape == (0, 3)
     assert none.plan.reason
     assert not finder.find(request(grid=walled, kept=none.plan, why=none.plan.reason)).changed
+
+
+def test_what_is_remembered_far_away_is_planned_around_until_nothing_else_leads_there() -> None:
+    finder = wayfinder()
+    shut = np.stack((np.full(20, 4.0), np.linspace(0.85, 1.75, 20)), axis=-1)  # a low box in the near door
+    around = finder.find(request(things=shut, why="another goal"))
+    assert abs(crosses_at(around.plan.poses) - FAR_DOOR) < 0.4
+    through = finder.find(request(things=shut, why="after trying", opened_up=True))
+    assert abs(crosses_at(through.plan.poses) - NEAR_DOOR) < 0.4
+    walls = np.stack((np.full(20, 0.12), np.linspace(1.0, 2.0, 20)), axis=-1)
+    assert finder.find(request(things=walls, why="another goal")).plan.code == "way", "on a wall it is the wall"
