@@ -82,6 +82,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log) -> int:
+    from app.commands.calibrate_report import relations_table, strategies_table
     from app.replay.calibration import Progress, plan
 
     info = log.info
@@ -124,7 +125,9 @@ def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log)
         raise ConfigError(
             f"cannot be written: {failure.strerror or failure}", str(failure.filename or output)
         ) from None
-    print(_table_of(calibration, {run.relation for run in results}))
+    measured = {run.relation for run in results}
+    print(relations_table(calibration, measured))
+    print(strategies_table(_table(configuration), calibration, measured, configuration.program.modules))
     print(f"Written: {output} and {output.with_suffix('.png').name}")
     return 0
 
@@ -250,22 +253,6 @@ def _write(calibration: Calibration, output: Path) -> None:
     beside.write_text(head + content, encoding="utf-8")
     beside.replace(output)
     plot(calibration, output.with_suffix(".png"))
-
-
-def _table_of(calibration: Calibration, measured: set[str]) -> str:
-    """The relations for people; those that were not ``measured`` now are named as kept."""
-    lines = []
-    for name, relation in calibration.relations.items():
-        lines.append(f"\n{name}" + ("" if name in measured else " (measured before, kept)"))
-        lines.append("    φ    CPU %   spread   events/s   runs")
-        lines += [
-            f"{p.phi:5d}  {p.cpu:7.2f}  {p.cpu_spread:7.2f}  {p.events:9.2f}  {p.runs:5d}" for p in relation.points
-        ]
-        for what, line in (("CPU %", relation.cpu), ("events/s", relation.events)):
-            lines.append(f"  {what} = {line.base:.3g} + {line.slope:.3g}/φ, residual {line.residual:.2g}")
-        if not any(p.events for p in relation.points):
-            lines.append("  (the recording holds nothing that this module finds)")
-    return "\n".join(lines)
 
 
 def _sweep(text: str) -> tuple[str, range]:
