@@ -17,11 +17,13 @@ if TYPE_CHECKING:
     from app.attention.calibration import Calibration
     from app.attention.strategies import StrategyTable
     from app.config import Configuration
-    from app.recording.log import Log
+    from app.recording.log import Log, LogInfo
     from app.replay.calibration import Measurement, Progress, Run
 
 #: A recording shorter than this says little.
 LEAST_S = 5.0
+#: A channel with a smaller part of its nominal rate is told of.
+ENOUGH = 0.9
 
 
 def add_parser(subparsers: Any) -> None:
@@ -29,9 +31,9 @@ def add_parser(subparsers: Any) -> None:
     parser = subparsers.add_parser(
         "calibrate",
         help="measure what each perception costs at each φ on this computer",
-        description="Replay a recorded minute through each perception alone, at each φ that a strategy gives it; write "
-        "CPU use and events against φ, with the lines through them, where strategies find them, and plot both. "
-        "Interrupted, it goes on where it was.",
+        description="Replay a recorded minute through each perception, at each φ that a strategy gives it; write CPU "
+        "use and events against φ, with the lines through them, where strategies find them, plot both, and tell what "
+        "each strategy costs by them. Interrupted, it goes on where it was.",
     )
     parser.add_argument("log", nargs="?", metavar="LOG", help="a log or a recording's name (default: the newest one)")
     parser.add_argument("--config", type=Path, metavar="FILE", help="the program (default: the simulated lab)")
@@ -113,6 +115,8 @@ def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log)
     if not args.fresh and (taken_up := progress.load()):
         print(f"{taken_up} runs were made before and are taken up (--fresh measures them anew)")
     print(f"{len(runs)} runs of {seconds:.0f} s of {info.path.name}; Ctrl-C keeps what is measured")
+    for doubt in _doubts(configuration, info, runs):
+        print(f"hbba calibrate: {doubt}", file=sys.stderr)
     for file in (output, output.with_suffix(".png")):
         _check_writable(file)
     before = _before(output)
@@ -130,6 +134,18 @@ def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log)
     print(strategies_table(_table(configuration), calibration, measured, configuration.program.modules))
     print(f"Written: {output} and {output.with_suffix('.png').name}")
     return 0
+
+
+def _doubts(configuration: Configuration, info: LogInfo, runs: Sequence[Run]) -> list[str]:
+    """Channels that were recorded at less than their rate, as a busy computer does: all on them seems cheap."""
+    modules = configuration.program.modules
+    doubts = []
+    for name in sorted({modules[run.module].inputs[run.port] for run in runs}):
+        nominal, count = configuration.channels[name].rate_hz, info.channels[name].count
+        rate = count / info.duration_s if info.duration_s > 0 else 0.0
+        if nominal is not None and rate < ENOUGH * nominal:
+            doubts.append(f"{name} was recorded at {rate:.1f} Hz of {nominal:g}; what is measured on it holds for that")
+    return doubts
 
 
 def _measure(

@@ -40,6 +40,8 @@ def test_strategies_cost_what_was_measured(program: Path, log_file: Path, capsys
     assert "CameraStream.images" in said.out
     assert "4 runs of 6 s" in said.out
     assert "CameraStream.images\n" in said.out
+    assert "strategy        declared  measured" in said.out
+    assert "kinect was recorded at 10.0 Hz of 15; what is measured on it holds for that" in said.err
     calibration = load_calibration(program.parent / "calibration", paths.host_name())
     assert calibration is not None
     relation = calibration.relations["CameraStream.images"]
