@@ -35,6 +35,7 @@ import "./styles/recordings.css";
 import "./styles/map.css";
 import "./styles/narrow.css";
 import "./styles/dock.css";
+import "./styles/touch.css";
 
 const store = createStore();
 const session = new Session(store);

@@ -19,7 +19,9 @@ export function Tooltip({ hit, area, top, now }: { hit: Hit; area: DOMRect; top:
   const at = area.left + hit.x;
   const x = Math.max(8, Math.min(window.innerWidth - wide - 8, at + (at > area.right - wide ? -wide - 14 : 14)));
   const bottom = document.querySelector(".dock")?.getBoundingClientRect().top ?? window.innerHeight;
-  const y = placeBeside(area.top + hit.y, area.top + hit.y + hit.height, high + GAP, top, bottom - GAP);
+  const beside = placeBeside(area.top + hit.y, area.top + hit.y + hit.height, high + GAP, top, bottom - GAP);
+  // What is too long for the lanes may cover what is above them.
+  const y = Math.max(GAP, Math.min(beside, bottom - GAP - high));
   return (
     <div
       class="tooltip"

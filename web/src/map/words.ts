@@ -163,7 +163,7 @@ export function emptyWords(
 /** What the tool in hand does, and what the keys do while the cursor is theirs; `stands`: Escape stops nothing. */
 export function hintWords({ tool, act, cursor, corners }: Hands, stands: boolean): string {
   const up = stands ? "Esc gives it up" : "⌫ gives it up";
-  const away = stands ? ", Esc puts the tool away" : "";
+  const away = stands && tool !== "look" ? ", Esc puts the tool away" : "";
   if (act.kind === "aim" && act.by === "keys") {
     const turn = act.heading === null ? "Arrows point where it should look" : "← → turn it";
     return `${turn}, Enter ${tool === "pose" ? "sets it" : "sends it"}, ${up}.`;

@@ -8,6 +8,7 @@ test("who lets go of the key drives no more, though the wheel is still theirs", 
   const mine = { driver: { operator: "Ann", mine: true, holds: true }, exploited: "Teleop" };
   expect(driverName(mine, MODULES)).toBe("You");
   expect(driverName({ driver: { ...mine.driver, holds: false }, exploited: null }, MODULES)).toBe("Nobody");
+  expect(driverName({ ...mine, driver: { ...mine.driver, holds: false } }, MODULES)).toBe("Nobody");
   expect(driverWords({ driver: { ...mine.driver, holds: false }, exploited: null }, MODULES)).toBe(
     "Who drives the robot: nobody. You have the wheel.",
   );

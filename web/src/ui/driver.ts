@@ -7,6 +7,9 @@ interface Driving {
   exploited: string | null;
 }
 
+/** The behavior of hands: it brakes for a moment after they have let go, and drives nobody anywhere. */
+const BY_HAND = "Teleop";
+
 type Modules = readonly { name: string; title: string }[];
 
 /** Whoever holds a drive command; else the behavior that commands the base; else nobody, whoever has the wheel. */
@@ -14,7 +17,7 @@ export function driverName(status: Driving | null, modules: Modules): string {
   if (!status) return "–";
   const { driver, exploited } = status;
   if (driver && (driver.holds ?? true)) return driver.mine ? "You" : driver.operator;
-  return exploited === null ? "Nobody" : moduleTitle(exploited, modules);
+  return exploited === null || (driver && exploited === BY_HAND) ? "Nobody" : moduleTitle(exploited, modules);
 }
 
 /** The same as a sentence, and who has the wheel. */
