@@ -232,6 +232,7 @@ def read_stamp() -> dict[str, object] | None:
 #: Rooms of tests in virtual time or without any, which several processes may share ...
 UNHURRIED = (
     "tests/attention",
+    "tests/benchmarks",
     "tests/commands",
     "tests/docs",
     "tests/experiments",
@@ -239,6 +240,7 @@ UNHURRIED = (
     "tests/modules",
     "tests/recording",
     "tests/replay",
+    "tests/robots",
 )
 #: ... but for these, which drive programs against the clock, as all the others do.
 HURRIED = (
@@ -247,6 +249,11 @@ HURRIED = (
     "tests/experiments/overload",
     "tests/modules/recording",
     "tests/replay/test_playback.py",
+    "tests/robots/devices",
+    "tests/robots/replayed",
+    "tests/robots/simulated/acoustics/test_link_sound.py",
+    "tests/robots/simulated/test_guard_for_real.py",
+    "tests/robots/simulated/test_link.py",
 )
 
 
