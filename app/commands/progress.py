@@ -56,9 +56,23 @@ class _Lines:
     def __init__(self, title: str) -> None:
         self._title = title
         self._due = time.monotonic() + LINE_EVERY_S
+        self._first: tuple[float, float] | None = None
 
     def __call__(self, done: float, total: float, text: str = "") -> None:
-        if (now := time.monotonic()) >= self._due:
+        now = time.monotonic()
+        share = done / total if total else 1.0
+        if self._first is None:  # what was done before tells nothing of the pace
+            self._first = now, share
+        if now >= self._due:
             self._due = now + LINE_EVERY_S
-            share = int(100 * done / total) if total else 100
-            print(f"{self._title}: {share} %  {text}".rstrip(), file=sys.stderr, flush=True)
+            line = f"{self._title}: {int(100 * share)} %{self._left(now, share)}  {text}"
+            print(line.rstrip(), file=sys.stderr, flush=True)
+
+    def _left(self, now: float, share: float) -> str:
+        """How long it will take yet, in words; "" for a minute or less, or while that cannot be told."""
+        assert self._first is not None
+        began, before = self._first
+        if share <= before:
+            return ""
+        minutes = (now - began) * (1 - share) / (share - before) / 60
+        return f", about {minutes:.0f} min left" if minutes >= 1 else ""

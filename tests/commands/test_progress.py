@@ -35,6 +35,21 @@ def test_without_a_terminal_a_line_now_and_then(clock: Clock, capsys: pytest.Cap
     assert capsys.readouterr().err.splitlines() == ["cut tour.mcap: 46 %", "cut tour.mcap: 92 %"]
 
 
+def test_what_takes_minutes_says_how_many_are_left_at_the_pace_so_far(
+    clock: Clock, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with shown("measuring") as progress:
+        for done in range(50, 54):  # half was done before
+            progress(done, 100, "codes")
+            clock.now += 6.0
+    said = capsys.readouterr().err.splitlines()
+    assert said == [
+        "measuring: 51 %, about 5 min left  codes",
+        "measuring: 52 %, about 5 min left  codes",
+        "measuring: 53 %, about 5 min left  codes",
+    ]
+
+
 def test_what_is_quick_says_nothing(clock: Clock, capsys: pytest.CaptureFixture[str]) -> None:
     with shown("cut tour.mcap") as progress:
         progress(1, 1)
