@@ -27,17 +27,21 @@ LINGER_S = 2.0
 
 
 class Presence:
-    """Keeps at most one desire of class ``cls`` in the workspace, as long as :meth:`attend` was last told True."""
+    """Keeps at most one desire of class ``cls`` in the workspace, as long as :meth:`attend` was last told True.
 
-    def __init__(self, workspace: IntentionWorkspace, cls: str) -> None:
+    None where no strategy of the program serves it (``served`` False): it would stand there unfulfilled for good.
+    """
+
+    def __init__(self, workspace: IntentionWorkspace, cls: str, *, served: bool = True) -> None:
         self._workspace = workspace
         self._class = cls
+        self._served = served and cls in workspace.classes
         self._desire: str | None = None
         self._leaving: asyncio.TimerHandle | None = None
 
     def attend(self, attended: bool) -> None:
         """Somebody came while nobody was there, or the last one left."""
-        if self._class not in self._workspace.classes:
+        if not self._served:
             return
         if self._leaving is not None:
             self._leaving.cancel()

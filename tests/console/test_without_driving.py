@@ -12,6 +12,7 @@ from app.config import load_configuration
 from app.console import control
 from app.console.app import create_app
 from app.console.driving import Driving
+from app.console.live.hub import Hub
 from app.system import System
 from tests.console.program import Body
 
@@ -54,6 +55,17 @@ async def test_it_goes_on_and_is_served(system: System) -> None:
             await asyncio.wait({failed}, timeout=0.2)
             assert not failed.done()
         failed.cancel()
+
+
+async def test_a_page_desires_no_pictures_where_nothing_makes_any(system: System) -> None:
+    """It would stand there unfulfilled, as if something were wrong."""
+    async with system:
+        hub = Hub(system)
+        hub.open()
+        hub.join("Ann")
+        assert "Telepresence" in system.classes
+        assert system.workspace.desires() == ()
+        hub.close()
 
 
 async def test_who_would_drive_is_told_once_and_gets_no_wheel(system: System) -> None:

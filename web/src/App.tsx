@@ -39,8 +39,8 @@ export function App() {
   const replay = store.replay.value;
   const stopped = store.stopped.value && !replay;
   const mapped = store.mapPlace.value === "view";
-  // A console that knows of no sound is not asked for any.
-  const hasSound = store.hello.value?.audio !== undefined;
+  // What a body cannot do is not offered; of a recording it is told why not.
+  const audio = store.hello.value?.audio;
   return (
     <div
       class={`page ${phone ? "narrow" : "wide"} ${phase === "live" ? "" : "not-live"} ${stopped ? "stopped" : ""} ${replay ? "replay" : ""} ${mapped ? "mapped" : ""}`}
@@ -59,8 +59,8 @@ export function App() {
           </div>
         )}
         <div class="view-tools">
-          {hasSound && <ListenButton />}
-          {hasSound && <TalkButton />}
+          {audio && (audio.listen || replay) && <ListenButton />}
+          {audio && (audio.speak || replay) && <TalkButton />}
           <MapToggle />
           <SceneToggle />
         </div>

@@ -80,7 +80,10 @@ class Hub:
 
     def _attention(self, cls: str) -> Presence | Spectators:
         """What makes come what class ``cls`` gives."""
-        return Presence(self._system.workspace, cls) if self._playback is None else Spectators(self._system, cls)
+        if self._playback is not None:
+            return Spectators(self._system, cls)
+        served = any(strategy.cls == cls for strategy in self._system.table.strategies)
+        return Presence(self._system.workspace, cls, served=served)
 
     # --- Life --------------------------------------------------------------------------------------------------------
 

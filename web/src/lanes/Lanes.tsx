@@ -9,6 +9,7 @@ import { narrow } from "../ui/media";
 import { type Hit, LaneChart } from "./chart";
 import { AXIS_PX } from "./draw";
 import { gestures } from "./gestures";
+import { laneRows } from "./rows";
 import { LaneTable } from "./LaneTable";
 import { Tooltip } from "./Tooltip";
 import { span, stepZoom, togglePause, type Viewport } from "./viewport";
@@ -20,7 +21,7 @@ const ROW_MAX = 72;
 
 export function Lanes() {
   const { store } = useApp();
-  const rows = store.rows.value;
+  const rows = laneRows(store.rows.value, store.hello.value?.classes ?? []);
   const canvas = useRef<HTMLCanvasElement>(null);
   const body = useRef<HTMLDivElement>(null);
   const area = useRef<HTMLDivElement>(null);

@@ -9,24 +9,31 @@ import { KeepOutIcon, SlowIcon, TrashIcon, UndoIcon } from "../ui/icons";
 import { asSpeed, changed, nameProblem, removed } from "./zoneList";
 
 export function Zones() {
-  const { map } = useApp();
+  const { map, store } = useApp();
+  const replay = store.replay.value;
   const zones = map.zones.value;
   return (
     <section class="card" aria-label="Zones" data-testid="zones">
       <h2 class="card-head">
         Zones <span class="count">{zones.length}</span>
-        <button
-          type="button"
-          class="button small quiet"
-          data-testid="zones-undo"
-          disabled={!map.canUndo || !map.allowed.value}
-          onClick={() => void map.undo()}
-        >
-          <UndoIcon /> Undo
-        </button>
+        {!replay && (
+          <button
+            type="button"
+            class="button small quiet"
+            data-testid="zones-undo"
+            disabled={!map.canUndo || !map.allowed.value}
+            onClick={() => void map.undo()}
+          >
+            <UndoIcon /> Undo
+          </button>
+        )}
       </h2>
       {zones.length === 0 ? (
-        <p class="empty">None. Draw where the robot must not go, or must go slowly, with Keep out and Slow.</p>
+        <p class="empty">
+          {replay
+            ? "None at this moment of the recording."
+            : "None. Draw where the robot must not go, or must go slowly, with Keep out and Slow."}
+        </p>
       ) : (
         <ul class="zones">
           {zones.map((zone) => (
