@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -280,7 +281,7 @@ def _music(plan: Script, begin: int, length: int) -> Sound:
         for number in range(first, last):
             rng = np.random.default_rng((seed, number))
             chord = rng.choice((196.0, 220.0, 261.6, 293.7, 329.6, 392.0), 3)
-            played = sum(np.sin(2 * np.pi * f * t) + 0.4 * np.sin(4 * np.pi * f * t) for f in chord) * np.exp(-t / 0.5)
+            played = sum(_note(f, 2 * beat) for f in chord.tolist()) * np.exp(-t / 0.5)
             drum = (
                 2.0 * np.sin(2 * np.pi * 55 * t) * np.exp(-t / 0.08)
                 if number % 2 == 0
@@ -298,6 +299,13 @@ def _music(plan: Script, begin: int, length: int) -> Sound:
         piece[good] = dull[source[good]]
         out += piece.astype(np.float32)
     return out
+
+
+@cache
+def _note(frequency: float, length: int) -> NDArray[np.float64]:
+    """``length`` samples of a note and its octave."""
+    t = np.arange(length) / RATE
+    return np.asarray(np.sin(2 * np.pi * frequency * t) + 0.4 * np.sin(4 * np.pi * frequency * t))
 
 
 def _switch(block: Sound, start: int, end: int) -> None:

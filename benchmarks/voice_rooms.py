@@ -56,6 +56,8 @@ TUNING = Cast(
     (6.0, 5.0, 3.0),
     (6.0, 5.0, 3.0),
 )
+#: The talkers of tuning in rooms as various as those held out.
+TUNING_WIDE = Cast("tuning wide", TUNING.speakers, (4.8, 4.2, 2.6), (8.0, 7.0, 3.4))
 HELD_OUT = Cast(
     "held out",
     {
@@ -149,7 +151,7 @@ class Plan:
 
 def draw(recipe: Recipe) -> Plan:
     """Draw a scene."""
-    cast = next(cast for cast in (TUNING, HELD_OUT) if cast.name == recipe.cast)
+    cast = next(cast for cast in (TUNING, TUNING_WIDE, HELD_OUT) if cast.name == recipe.cast)
     rng = np.random.default_rng(recipe.seed)
     size = rng.uniform(cast.room_min, cast.room_max)
     # Never in the very middle, where the reflections of opposite walls come together.

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from app.modules.perception.voices.localization import Peaks
-
-Vector = NDArray[np.float64]
+from app.modules.perception.voices.motion import Motion, Vector, along, angle_deg, angular_speed
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,10 +25,15 @@ class TrackerSettings:
     and below ``echo_share`` of it, is none of either. A peak that is a copy of a stronger one makes no track from the
     second of ``echo`` on, and one the later from the first on. A track sounds (is active) while peaks' recent powers
     are at least ``active_power``, and for ``active_s`` longer. ``apart_deg``: nearer to a track none other is born.
-    An echo only ever follows: within ``trial_s`` of its birth a track must have been ``proof_share`` of the strongest,
-    or louder than ``proof_loud`` of each other track for ``proof_steps`` steps; until it has, it is not told of. Nor is
-    one that is silent for longer than ``told_s`` and ``told_heard`` times as long as it was heard, or than
-    ``told_moving_s`` if it moved by more than ``moving_degps``: it keeps its number, for when it is heard again.
+    What is heard of a track counts as itself if it is ``sure_level`` of its own level and ``sure_share`` of the
+    strongest, both held over pauses (``hold_s``), and if the search finds it, too, within ``unfound_s``: the rest is
+    the room's and the others' and moves nothing. An echo only ever follows: again and again, within ``trial_s`` of its
+    birth and then within ``trust_s`` of sound, a track must be ``proof_share`` of the strongest or, for ``proof_steps``
+    steps, louder than ``proof_loud`` of each other's level; until it is, it is not told of. The share it needs is the
+    first for what is no copy of others (``proof_echo``, mean over ``echo_s``) and the second for what is. Nor is one
+    told of that is silent for longer than ``told_s`` and ``told_heard`` times as long as it was heard, or than
+    ``told_moving_s`` if it moved by more than ``moving_degps``: it keeps its number, for when it is heard again. One
+    that falls silent as another begins within ``replaced_deg`` ends once that one was heard for ``replaced_s``.
     ``jerk_degps``: how much a source's angular velocity may change in one second (standard deviation, random walk);
     ``rest_s``: how soon a silent one is supposed to have stopped. ``error_deg``: of a peak of good power. ``lag_s``:
     how old what a peak says is on average.
@@ -57,12 +61,21 @@ class TrackerSettings:
     jerk_share: float = 1.5
     rest_s: float = 3.0
     heard_power: float = 0.015
-    told_s: float = 0.4
-    told_heard: float = 1.0
-    told_moving_s: float = 0.8
+    unfound_s: float = 0.3
+    hold_s: float = 1.5
+    sure_level: float = 0.3
+    sure_share: float = 0.18
+    replaced_s: float = 0.2
+    replaced_deg: float = 35.0
+    trust_s: float = 1.5
+    echo_s: float = 0.5
+    told_s: float = 0.2
+    told_heard: float = 0.8
+    told_moving_s: float = 1.2
     moving_degps: float = 5.0
     trial_s: float = 0.85
-    proof_share: float = 0.38
+    proof_share: tuple[float, float] = (0.38, 0.6)
+    proof_echo: tuple[float, float] = (0.35, 0.5)
     proof_loud: float = 0.7
     proof_power: float = 0.04
     proof_steps: int = 2
@@ -94,65 +107,19 @@ class Track:
     last_seen: float
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Motion:
-    """Constant velocity on the sphere: both tangents have the one covariance (rad^2, rad^2/s, rad^2/s^2)."""
-
-    direction: Vector
-    velocity: Vector
-    position_variance: float
-    covariance: float
-    velocity_variance: float
-
-    def ahead(self, seconds: float) -> tuple[Vector, Vector]:
-        """Direction and velocity in ``seconds``, along the great circle."""
-        return _along(self.direction, self.velocity, seconds)
-
-    def predicted(self, seconds: float, settings: TrackerSettings, heard: bool) -> _Motion:
-        direction, velocity = self.ahead(seconds)
-        speed = math.sqrt(float(self.velocity @ self.velocity))
-        noise = (math.radians(settings.jerk_degps) + settings.jerk_share * speed) ** 2
-        keep = 1.0 if heard else math.exp(-seconds / settings.rest_s)
-        a, b, c = self.position_variance, self.covariance, self.velocity_variance
-        return _Motion(
-            direction,
-            velocity * keep,
-            a + 2 * seconds * b + seconds**2 * c + noise * seconds**3 / 3,
-            b + seconds * c + noise * seconds**2 / 2,
-            c + noise * seconds,
-        )
-
-    def corrected(self, seen: Vector, variance: float) -> _Motion:
-        """After a sighting of ``variance`` (rad^2) on each tangent."""
-        offset = seen - (seen @ self.direction) * self.direction
-        gain = self.position_variance / (self.position_variance + variance)
-        gain_velocity = self.covariance / (self.position_variance + variance)
-        direction, velocity = _along(self.direction, offset, gain)
-        velocity = _carried(self.velocity, self.direction, direction) + gain_velocity * _carried(
-            offset, self.direction, direction
-        )
-        return _Motion(
-            direction,
-            velocity,
-            (1 - gain) * self.position_variance,
-            (1 - gain) * self.covariance,
-            self.velocity_variance - gain_velocity * self.covariance,
-        )
-
-    def rotated(self, rotation: NDArray[np.float64]) -> _Motion:
-        return replace(self, direction=rotation @ self.direction, velocity=rotation @ self.velocity)
-
-
 @dataclass(slots=True, eq=False)
 class _Source:
     """A track, or what may become one (``id`` 0); ``evidence`` 1 and more makes it one.
 
-    ``recent`` and ``share``: power of the last moments, and of the last half second in those of the strongest; as of
-    now, 0 if it is not heard. ``louder``: for how many steps it was louder than each other track, by its number.
-    ``heard_s``: for how long it was heard. ``proven``: it was seen to sound of itself.
+    ``recent`` and ``share``: power of the last moments, and of the last half second in those of the strongest, which is
+    held over pauses; as of now, 0 if it is not heard. ``level``: the greatest ``recent``, fading; ``pace`` (rad/s): the
+    greatest speed, fading. ``louder``: for how many steps it was louder than each other track. ``heard_s``: for how
+    long it was heard since its birth; ``unproven_s``: since it last sounded of itself; ``proven``: it ever did.
+    ``unfound_s``: for how long the search has not found what is heard; ``last_sure``: when it was last surely itself.
+    ``echo``: how much it is a copy of others, on average.
     """
 
-    motion: _Motion
+    motion: Motion
     power: float
     evidence: float
     born: float
@@ -161,8 +128,14 @@ class _Source:
     id: int = 0
     recent: float = 0.0
     share: float = 0.0
-    louder: dict[int, int] = field(default_factory=dict)
+    louder: int = 0
     heard_s: float = 0.0
+    unfound_s: float = 0.0
+    last_sure: float = 0.0
+    level: float = 0.0
+    pace: float = 0.0
+    unproven_s: float = 0.0
+    echo: float = 0.0
     proven: bool = False
 
 
@@ -174,6 +147,7 @@ class Tracker:
         self._sources: list[_Source] = []
         self._next = 1
         self._time: float | None = None
+        self._strongest = 0.0
 
     def rotate(self, rotation: NDArray[np.float64]) -> None:
         """Turn all that is known by ``rotation`` (3, 3), R_new_old: the axes themselves have turned."""
@@ -190,10 +164,15 @@ class Tracker:
         settings = self.settings
         passed = 0.0 if self._time is None else max(0.0, time_s - self._time)
         self._time = time_s
+        fading = math.exp(-passed / settings.hold_s)
+        self._strongest = max(self._strongest * fading, float(peaks.powers.max(initial=0.0)))
         for source in self._sources:
             heard = time_s - source.last_active < settings.active_s
-            source.motion = source.motion.predicted(passed, settings, heard)
+            jerk = math.radians(settings.jerk_degps) + settings.jerk_share * angular_speed(source.motion.velocity)
+            source.motion = source.motion.predicted(passed, jerk, math.inf if heard else settings.rest_s)
             source.recent = source.share = 0.0
+            source.level *= fading
+            source.pace *= fading
         tracks = [source for source in self._sources if source.id]
         maybe = [source for source in self._sources if not source.id]
         strongest = float(peaks.powers.max(initial=0.0))
@@ -207,35 +186,60 @@ class Tracker:
             for k in self._assign(tracks, audible, peaks, passed, time_s)
             if peaks.powers[k] >= settings.keep_power
             and peaks.recent[k] >= settings.heard_power
-            and not any(_degrees(peaks.directions[k], t.motion.direction) < settings.apart_deg for t in tracks)
+            and not any(angle_deg(peaks.directions[k], t.motion.direction) < settings.apart_deg for t in tracks)
         ]
         for k in self._assign(maybe, free, peaks, passed, time_s):
             self._sources.append(self._begin(time_s, peaks, k, passed))
         self._bury(time_s)
         self._bear(time_s)
         self._prove()
+        self._replace(time_s)
         return tuple(self._track(source, time_s) for source in self._sources if self._told(source, time_s))
 
     def _told(self, source: _Source, time_s: float) -> bool:
         settings = self.settings
-        trusted = source.proven or time_s - source.born < settings.trial_s
-        moving = math.degrees(_speed(source.motion.velocity)) > settings.moving_degps
+        if source.proven:
+            trusted = source.unproven_s < settings.trust_s
+        else:
+            trusted = time_s - source.born < settings.trial_s
+        moving = math.degrees(source.pace) > settings.moving_degps
         longest = settings.told_moving_s if moving else settings.silence_s
         longest = min(longest, settings.told_s + settings.told_heard * source.heard_s)
-        return bool(source.id) and trusted and time_s - source.last_seen <= longest
+        return bool(source.id) and trusted and time_s - source.last_sure <= longest
 
     def _prove(self) -> None:
         settings = self.settings
         tracks = [source for source in self._sources if source.id]
         for source in tracks:
-            if source.proven or source.recent < settings.proof_power:
+            if source.recent < settings.proof_power:
                 continue
-            for other in tracks:
-                louder = source.recent > settings.proof_loud * other.recent
-                source.louder[other.id] = source.louder.get(other.id, 0) + louder
-            source.proven = source.share >= settings.proof_share or all(
-                source.louder[other.id] >= settings.proof_steps for other in tracks
+            source.louder += all(
+                source.recent > settings.proof_loud * other.level for other in tracks if other is not source
             )
+            share = float(np.interp(source.echo, settings.proof_echo, settings.proof_share))
+            if source.share >= share or source.louder >= settings.proof_steps:
+                source.proven, source.unproven_s, source.louder = True, 0.0, 0
+
+    def _replace(self, time_s: float) -> None:
+        """Let go of tracks that fell silent as another began near by: the same talker, or what was between two."""
+        settings = self.settings
+        begun = [
+            source
+            for source in self._sources
+            if source.id and source.proven and time_s - source.born < 1.0 and source.heard_s >= settings.replaced_s
+        ]
+        if begun:
+            self._sources = [
+                source
+                for source in self._sources
+                if not any(
+                    0 < source.id < new.id
+                    and source.last_sure < new.born + settings.active_s
+                    and time_s - source.last_sure > settings.replaced_s
+                    and angle_deg(source.motion.direction, new.motion.direction) < settings.replaced_deg
+                    for new in begun
+                )
+            ]
 
     def _no_echoes(self, peaks: Peaks) -> list[int]:
         settings = self.settings
@@ -274,14 +278,24 @@ class Tracker:
             if possible[row, column]:
                 k = free[column]
                 taken.add(k)
-                sources[row].recent = float(peaks.recent[k])
-                sources[row].share = float(peaks.powers[k]) / max(float(peaks.powers.max()), settings.keep_power)
-                self._sight(sources[row], peaks, k, passed)
-                if peaks.recent[k] >= settings.heard_power:
-                    sources[row].last_seen = time_s
-                    sources[row].heard_s += passed
-                if peaks.recent[k] >= settings.active_power:
-                    sources[row].last_active = time_s
+                source = sources[row]
+                found = peaks.powers[k] >= settings.keep_power
+                source.unfound_s = 0.0 if found else source.unfound_s + passed
+                if source.unfound_s > settings.unfound_s:
+                    continue
+                source.recent = float(peaks.recent[k])
+                source.level = max(source.level, source.recent)
+                source.share = float(peaks.powers[k]) / max(self._strongest, settings.keep_power)
+                self._sight(source, peaks, k, passed)
+                if source.recent >= settings.heard_power:
+                    source.last_seen = time_s
+                if found and self._sure(source):
+                    source.last_sure = time_s
+                    source.heard_s += passed
+                    source.unproven_s += passed
+                    source.pace = max(source.pace, angular_speed(source.motion.velocity))
+                if source.recent >= settings.active_power:
+                    source.last_active = time_s
         return [k for k in free if k not in taken]
 
     def _sight(self, source: _Source, peaks: Peaks, k: int, passed: float) -> None:
@@ -289,30 +303,38 @@ class Tracker:
         recent = float(peaks.recent[k])
         if recent < settings.heard_power:
             return
+        sure = self._sure(source)
         if peaks.powers[k] >= settings.keep_power:
             source.power = float(peaks.powers[k])
+            source.echo += min(1.0, passed / settings.echo_s) * (float(peaks.echoes[k]) - source.echo)
             source.evidence = min(source.evidence + self._evidence(peaks, k, passed), settings.most_evidence)
         # Two that pass one another are one peak for a while: each goes on as it went.
         crowded = any(
             other.id
             and other is not source
-            and _degrees(other.motion.direction, source.motion.direction) < settings.apart_deg
+            and angle_deg(other.motion.direction, source.motion.direction) < settings.apart_deg
             for other in self._sources
         )
-        if recent >= settings.keep_power:
+        if sure and recent >= settings.keep_power:
             # What is weak is pulled toward what is strong, in this mean of all sources together.
             doubt = max(0.5, 0.06 / recent) * max(1.0, settings.pull * float(peaks.recent.max()) / recent)
             error = math.radians(settings.error_deg) * doubt * (settings.crowd_doubt if crowded else 1.0)
             source.motion = source.motion.corrected(peaks.directions[k], error**2)
         steady = peaks.steady[k]
-        if peaks.powers[k] >= settings.keep_power and not math.isnan(steady[0]) and not crowded:
+        if sure and peaks.powers[k] >= settings.keep_power and not math.isnan(steady[0]) and not crowded:
             # Of old: supposed to have moved since as the source does.
-            speed = _speed(source.motion.velocity)
+            speed = angular_speed(source.motion.velocity)
             since = settings.steady_lag_s - settings.lag_s
-            now, _ = _along(steady, source.motion.velocity, since)
-            if _degrees(now, source.motion.direction) < settings.gate_deg:
+            now, _ = along(steady, source.motion.velocity, since)
+            if angle_deg(now, source.motion.direction) < settings.gate_deg:
                 error = math.radians(settings.steady_error_deg) + settings.steady_doubt * speed
                 source.motion = source.motion.corrected(now, error**2)
+
+    def _sure(self, source: _Source) -> bool:
+        """Whether what is heard of it now is itself, not what the room and others leave there when it is silent."""
+        settings = self.settings
+        own = source.recent >= max(settings.heard_power, settings.sure_level * source.level)
+        return own and source.share >= settings.sure_share
 
     def _evidence(self, peaks: Peaks, k: int, passed: float) -> float:
         settings = self.settings
@@ -327,8 +349,10 @@ class Tracker:
 
     def _begin(self, time_s: float, peaks: Peaks, k: int, passed: float) -> _Source:
         direction, power = peaks.directions[k], float(peaks.powers[k])
-        motion = _Motion(direction, np.zeros(3), math.radians(5.0) ** 2, 0.0, math.radians(10.0) ** 2)
-        return _Source(motion, power, max(0.0, self._evidence(peaks, k, passed)), time_s, time_s, time_s)
+        motion = Motion(direction, np.zeros(3), math.radians(5.0) ** 2, 0.0, math.radians(10.0) ** 2)
+        return _Source(
+            motion, power, max(0.0, self._evidence(peaks, k, passed)), time_s, time_s, time_s, last_sure=time_s
+        )
 
     def _bury(self, time_s: float) -> None:
         def lives(source: _Source) -> bool:
@@ -337,7 +361,7 @@ class Tracker:
                 return time_s - source.last_seen <= 0.2
             if source.evidence < 0:
                 return False
-            speed = math.degrees(_speed(source.motion.velocity))
+            speed = math.degrees(angular_speed(source.motion.velocity))
             longest = self.settings.silence_s / (1 + speed / self.settings.walking_degps)
             return time_s - source.last_seen <= min(longest, 0.3 + 0.4 * source.evidence)
 
@@ -351,10 +375,11 @@ class Tracker:
             lost = self._lost(source, tracks, time_s)
             if lost is not None:
                 lost.motion, lost.power, lost.evidence = source.motion, source.power, lost.evidence + source.evidence
+                lost.last_sure, lost.level, lost.unfound_s = source.last_sure, source.level, 0.0
                 lost.last_seen, lost.last_active = source.last_seen, source.last_active
                 self._sources.remove(source)
                 continue
-            if any(_degrees(source.motion.direction, t.motion.direction) < self.settings.apart_deg for t in tracks):
+            if any(angle_deg(source.motion.direction, t.motion.direction) < self.settings.apart_deg for t in tracks):
                 self._sources.remove(source)
                 continue
             if len(tracks) >= self.settings.tracks:
@@ -364,6 +389,7 @@ class Tracker:
                 self._sources.remove(quiet)
             source.id = self._next
             source.born = time_s
+            source.heard_s = 0.0
             self._next += 1
             self._sources.sort(key=lambda source: (not source.id, source.id))
 
@@ -371,9 +397,9 @@ class Tracker:
         """The track that walked on unheard and is heard again as ``source``, if there is one."""
         found, nearest = None, math.inf
         for track in tracks:
-            silent = time_s - track.last_seen
-            speed = math.degrees(_speed(track.motion.velocity))
-            angle = _degrees(source.motion.direction, track.motion.direction)
+            silent = time_s - track.last_sure
+            speed = math.degrees(track.pace)
+            angle = angle_deg(source.motion.direction, track.motion.direction)
             if silent > 0.15 and angle < min(self.settings.apart_deg + 2 * speed * silent, 30.0, nearest):
                 found, nearest = track, angle
         return found
@@ -382,26 +408,3 @@ class Tracker:
         active = time_s - source.last_active <= self.settings.active_s
         direction, velocity = source.motion.ahead(self.settings.lag_s if active else 0.0)
         return Track(source.id, direction, velocity, source.power, active, source.born, source.last_seen)
-
-
-def _along(direction: Vector, velocity: Vector, seconds: float) -> tuple[Vector, Vector]:
-    speed = math.sqrt(float(velocity @ velocity))
-    angle = speed * seconds
-    if angle < 1e-9:
-        return direction, velocity
-    heading = velocity / speed
-    moved = math.cos(angle) * direction + math.sin(angle) * heading
-    return moved / math.sqrt(float(moved @ moved)), speed * (math.cos(angle) * heading - math.sin(angle) * direction)
-
-
-def _carried(tangent: Vector, old: Vector, new: Vector) -> Vector:
-    """``tangent`` at ``old`` as a tangent at ``new``, near by: parallel transport along the great circle."""
-    return tangent - (tangent @ new) / (1 + float(old @ new)) * (old + new)
-
-
-def _degrees(a: Vector, b: Vector) -> float:
-    return math.degrees(math.acos(max(-1.0, min(1.0, float(a @ b)))))
-
-
-def _speed(velocity: Vector) -> float:
-    return math.sqrt(float(velocity @ velocity))

@@ -1,0 +1,88 @@
+"""How what moves on the sphere moves on: constant velocity, as a Kalman filter knows it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Motion:
+    """Constant velocity on the sphere: both tangents have the one covariance (rad^2, rad^2/s, rad^2/s^2)."""
+
+    direction: Vector
+    velocity: Vector
+    position_variance: float
+    covariance: float
+    velocity_variance: float
+
+    def ahead(self, seconds: float) -> tuple[Vector, Vector]:
+        """Direction and velocity in ``seconds``, along the great circle."""
+        return along(self.direction, self.velocity, seconds)
+
+    def predicted(self, seconds: float, jerk: float, rest_s: float = math.inf) -> Motion:
+        """After ``seconds`` in which its velocity may have changed by ``jerk`` (rad/s in one second, standard
+        deviation, random walk), and in which it is supposed to come to rest with the time constant ``rest_s``."""
+        direction, velocity = self.ahead(seconds)
+        noise = jerk**2
+        keep = math.exp(-seconds / rest_s)
+        a, b, c = self.position_variance, self.covariance, self.velocity_variance
+        return Motion(
+            direction,
+            velocity * keep,
+            a + 2 * seconds * b + seconds**2 * c + noise * seconds**3 / 3,
+            b + seconds * c + noise * seconds**2 / 2,
+            c + noise * seconds,
+        )
+
+    def corrected(self, seen: Vector, variance: float) -> Motion:
+        """After a sighting of ``variance`` (rad^2) on each tangent."""
+        offset = seen - (seen @ self.direction) * self.direction
+        gain = self.position_variance / (self.position_variance + variance)
+        gain_velocity = self.covariance / (self.position_variance + variance)
+        direction, velocity = along(self.direction, offset, gain)
+        velocity = carried(self.velocity, self.direction, direction) + gain_velocity * carried(
+            offset, self.direction, direction
+        )
+        return Motion(
+            direction,
+            velocity,
+            (1 - gain) * self.position_variance,
+            (1 - gain) * self.covariance,
+            self.velocity_variance - gain_velocity * self.covariance,
+        )
+
+    def rotated(self, rotation: NDArray[np.float64]) -> Motion:
+        """In axes turned by ``rotation`` (3, 3), R_new_old."""
+        return replace(self, direction=rotation @ self.direction, velocity=rotation @ self.velocity)
+
+
+def along(direction: Vector, velocity: Vector, seconds: float) -> tuple[Vector, Vector]:
+    """Direction and velocity after ``seconds`` along the great circle."""
+    pace = math.sqrt(float(velocity @ velocity))
+    angle = pace * seconds
+    if angle < 1e-9:
+        return direction, velocity
+    heading = velocity / pace
+    moved = math.cos(angle) * direction + math.sin(angle) * heading
+    return moved / math.sqrt(float(moved @ moved)), pace * (math.cos(angle) * heading - math.sin(angle) * direction)
+
+
+def carried(tangent: Vector, old: Vector, new: Vector) -> Vector:
+    """``tangent`` at ``old`` as a tangent at ``new``, near by: parallel transport along the great circle."""
+    return tangent - (tangent @ new) / (1 + float(old @ new)) * (old + new)
+
+
+def angle_deg(a: Vector, b: Vector) -> float:
+    """The angle between two unit vectors."""
+    return math.degrees(math.acos(max(-1.0, min(1.0, float(a @ b)))))
+
+
+def angular_speed(velocity: Vector) -> float:
+    """Its length, rad/s."""
+    return math.sqrt(float(velocity @ velocity))
