@@ -103,6 +103,7 @@ async def _live(
     from app.console.server import address_of, serve
     from app.robots.factory import create_link
     from app.runtime.clock import RealClock
+    from app.runtime.punctual import be_punctual
     from app.system import System
 
     cv2.setNumThreads(1)  # modules have their own threads; OpenCV's pool would only fight them for the cores
@@ -114,6 +115,7 @@ async def _live(
     system = System(configuration, link=create_link(body, clock.offset), body=body, clock=clock)
     app = create_app(system, token=token, host=host)  # takes long enough to be felt by who drives
     async with system:
+        be_punctual()
         console = asyncio.create_task(serve(app, host, port, listener=listener, started=announce), name="console")
         failure = asyncio.create_task(system.wait_failed(), name="body's failure")
         try:

@@ -70,7 +70,7 @@ class NavigationStatus:
     path, than ever before on the way to this goal. ``recoveries`` counts them since the goal was given. ``state`` is
     ``idle``, ``planning``, ``following`` a path, ``recovering`` (clears, backs off, turns), ``waiting`` for what it
     needs (a pose, a map, fresh sensors, a free way), ``arrived`` or ``unreachable``; ``reason`` says it to people, and
-    what would help.
+    what would help. ``period_s`` is the longest time between two commands of late, None where it was not measured.
     """
 
     stamp: float
@@ -82,6 +82,7 @@ class NavigationStatus:
     remaining_m: float | None = None
     progress_stamp: float | None = None
     recoveries: int = 0
+    period_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -266,7 +266,11 @@ class Module:
         while not self._superseded:
             self.ticks[key] = (self.clock.now(), period_s)
             await handler()
-            due = max(due + period_s, self.clock.now())
+            due += period_s
+            # A beat that comes late is made up for at once and leaves those after it where they are; of several that
+            # were missed, the last one is.
+            late = self.clock.now() - due
+            due += max(late // period_s, 0.0) * period_s
             await self.clock.sleep_until(due)
 
 

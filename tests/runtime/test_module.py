@@ -106,6 +106,23 @@ async def test_beats_missed_while_one_ran_are_skipped(build: Build) -> None:
     assert [e for e in events if "beat" in e] == ["beat at 0", "beat at 2.5", "beat at 5"]
 
 
+class OnceLate(Recorder):
+    """Its first beat takes longer than a period."""
+
+    async def beat(self) -> None:
+        await super().beat()
+        if self.events[-1] == "beat at 0":
+            await self.clock.sleep(1.25)
+
+
+@in_virtual_time
+async def test_a_late_beat_does_not_shift_the_next(build: Build) -> None:
+    _, slot, events = graph_of(build, OnceLate)
+    await run_for(slot.module, 4.5)
+    beats = [e for e in events if isinstance(e, str) and "beat" in e]
+    assert beats == ["beat at 0", "beat at 1.25", "beat at 2", "beat at 3", "beat at 4"]
+
+
 @in_virtual_time
 async def test_messages_are_handled_in_order_and_one_at_a_time(build: Build, make: Make) -> None:
     graph, slot, events = graph_of(build, Recorder)

@@ -56,6 +56,7 @@ from app.modules.behaviors.navigation.goals import Plan
 from app.modules.behaviors.navigation.inflation import CostSettings
 from app.modules.behaviors.navigation.kernels import load_kernels
 from app.modules.behaviors.navigation.memory import ThingsMemory
+from app.modules.behaviors.navigation.periods import Periods
 from app.modules.behaviors.navigation.pilot import CONTROLLERS, Pilot, PilotSettings, Senses, Told
 from app.modules.behaviors.navigation.pose_watch import PoseWatch
 from app.modules.behaviors.navigation.recovery import RecoverySettings
@@ -147,6 +148,7 @@ class PlanAndFollowPath(Module):
         self._costmap_at = -math.inf
         self._costmap_version = 0
         self._leave_map: Callable[[], None] | None = None
+        self._periods = Periods()
 
     async def start(self) -> None:
         """Load what is compiled, and learn what the body is. Raises ModuleFailed for one that does not drive."""
@@ -234,6 +236,8 @@ class PlanAndFollowPath(Module):
 
     async def _cycle(self) -> None:
         now, goal = self.clock.now(), self._given
+        if goal is None:
+            self._periods.rest()
         if goal is None and self._teller.idle:
             self._teller.tell(NavigationStatus(now, self.name, "idle", "no goal"))
             await self._look_on(now)
@@ -298,6 +302,7 @@ class PlanAndFollowPath(Module):
             self.twist.publish(Twist(now, 0.0, 0.0))
         else:
             self.twist.publish(Twist(now, told.step.linear_mps, told.step.angular_radps))
+            self._periods.commanded(self.clock.now())
         if answer is not None and answer.changed:
             self._plan = answer.plan
             self._publish_path(now, answer.plan.poses)
@@ -306,7 +311,7 @@ class PlanAndFollowPath(Module):
                 now, self.name, told.step.state if goal is not None else "idle", told.step.reason,
                 None if goal is None else goal.pose, None if goal is None else told.target,
                 None if goal is None else told.remaining_m, None if goal is None else told.progress_stamp,
-                told.recoveries,
+                told.recoveries, self._periods.longest_s,
             )
         )  # fmt: skip
         if goal is None:
