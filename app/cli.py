@@ -11,6 +11,10 @@ from typing import Any
 from app.commands import COMMANDS
 from app.errors import ConfigError
 
+#: Libraries of linear algebra compute in the calling thread: it would spin while it waits for others of theirs, which on
+#: a busy computer costs four times what is computed; and matrices here are small.
+_SINGLE = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
 
 class _Version(argparse.Action):
     """``--version``, which looks the number up only when asked."""
@@ -41,6 +45,8 @@ def build_parser() -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; a person's mistake is one sentence and the code 2."""
+    for name in _SINGLE:  # read when the library is loaded, which no command has done yet
+        os.environ.setdefault(name, "1")
     args = build_parser().parse_args(argv)
     try:
         code = COMMANDS[args.command].run(args)
