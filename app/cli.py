@@ -11,8 +11,8 @@ from typing import Any
 from app.commands import COMMANDS
 from app.errors import ConfigError
 
-#: Libraries of linear algebra compute in the calling thread: it would spin while it waits for others of theirs, which on
-#: a busy computer costs four times what is computed; and matrices here are small.
+#: Libraries of linear algebra compute in the calling thread: it would spin while it waits for others of theirs, which
+#: on a busy computer costs four times what is computed; and matrices here are small.
 _SINGLE = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
