@@ -11,6 +11,7 @@ import json
 import os
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import cv2
 from playwright.sync_api import Browser, Page, TimeoutError, sync_playwright
@@ -30,6 +31,8 @@ _STAND_AT = """async (seconds) => {
   const body = JSON.stringify({ playing: false, position: begin + seconds });
   await fetch(url, { method: "PATCH", headers: { "Content-Type": "application/json" }, body });
 }"""
+#: A way takes so long at most (s), or this computer is too slow for a robot that goes.
+GOING_S = 300
 
 
 def main() -> None:
@@ -121,18 +124,38 @@ def going(browser: Browser, robot: Robot) -> None:
     page = opened(browser, f"{robot.url}/?scene=off", DESKTOP)
     page.get_by_test_id("tab-map").click()
     page.get_by_test_id("map-enlarge").click()
-    robot.request("PUT", "/map/zones", {"zones": [ZONE]})
-    robot.request("PUT", "/goal", {"x": 3.4, "y": 5.0, "heading": 1.57})
-    page.locator("[data-testid=map-way][data-state=following]").wait_for()
-    page.wait_for_timeout(9_000)
+    # Its words over the map tell that there is one to mark zones on.
+    page.get_by_test_id("map-where").wait_for()
+    asked(robot, "/map/zones", {"zones": [ZONE]})
+    asked(robot, "/goal", {"x": 3.4, "y": 5.0, "heading": 1.57})
+    gone(robot, page, 0.4)
     page.get_by_test_id("map-fit").click()
-    page.wait_for_timeout(1_000)
+    page.locator("[data-testid=map-way][data-state=following]").wait_for()
     shoot(page, "tour-map")
     # People are met where the robot starts.
-    robot.request("PUT", "/goal", {"x": 0.0, "y": 0.0, "heading": 0.0})
-    while robot.get("/goal")["desire"] is not None:
-        page.wait_for_timeout(500)
+    asked(robot, "/goal", {"x": 0.0, "y": 0.0, "heading": 0.0})
+    gone(robot, page, 1.0)
     page.context.close()
+
+
+def gone(robot: Robot, page: Page, share: float) -> None:
+    """Wait until it has gone this share of its way; all of it: until nobody desires it any more."""
+    whole = 0.0
+    for _ in range(2 * GOING_S):
+        goal = robot.get("/goal")
+        left = goal["navigation"]["remaining_m"]
+        whole = max(whole, left or 0.0)
+        if goal["desire"] is None or (left is not None and left < (1.0 - share) * whole):
+            return
+        page.wait_for_timeout(500)
+    raise RuntimeError(f"the robot is still on its way after {GOING_S} s: {goal['navigation']['reason']}")
+
+
+def asked(robot: Robot, path: str, body: dict[str, Any]) -> None:
+    """PUT it, and hear that it was taken."""
+    status, _, answer = robot.request("PUT", path, body)
+    if status != 200:
+        raise RuntimeError(f"{path} was refused: {answer}")
 
 
 def people(browser: Browser, robot: Robot) -> None:

@@ -140,7 +140,11 @@ def test_a_kept_map_is_loaded_the_robot_finds_itself_and_goes_to_another_room(
     # What it sees from one place alone it does not believe: it is turned on the spot.
     page.keyboard.down("KeyA")
     expect(where).to_have_attribute("data-state", "tracking", timeout=30_000)
+    driver = page.get_by_test_id("driver")
+    expect(driver).to_have_text("You")
     page.keyboard.up("KeyA")
+    # She keeps the wheel for ten seconds, but drives no longer than she holds.
+    expect(driver).to_have_text("Nobody", timeout=2_000)
     page.locator("[data-testid=guard-state][data-state=idle]").wait_for()
     X_MW = MAPPED_FROM.inverse()
     error = (X_MW @ true_pose(truth)).inverse() @ shown_pose(page)
@@ -149,6 +153,8 @@ def test_a_kept_map_is_loaded_the_robot_finds_itself_and_goes_to_another_room(
 
     page.get_by_test_id("map-toggle").click()
     page.get_by_test_id("map-fit").click()
+    # This body has no camera: no card of one lies over the map.
+    expect(page.get_by_test_id("camera")).to_have_count(0)
     # A zone to keep out of, aside of the way: dragged as a rectangle from this corner.
     corner = X_MW @ Pose2(15.5, 4.0, math.radians(45))
     page.get_by_test_id("map-tool-keep_out").click()

@@ -8,6 +8,7 @@ import type { Session } from "../state/session";
 import type { MapPlace, Store } from "../state/store";
 import { AT_REST, busy, type Hands, type Input, type Sight, step, type Tool, type Wish } from "./hands";
 import type { GridPicture } from "./feed";
+import { around, freeOf } from "./fitting";
 import {
   composed,
   FIRST_VIEW,
@@ -33,12 +34,6 @@ import {
   undone,
   zoneAt,
 } from "./zoneList";
-
-/** Beside what lies over the canvas. */
-const MARGINS = {
-  tab: { left: 14, top: 36, right: 46, bottom: 34 },
-  view: { left: 14, top: 40, right: 50, bottom: 64 },
-} as const;
 
 /** What the robot was asked for and has not answered yet. */
 export type Pending = "goal" | "cancel" | "pose" | "search" | "zones" | "desire" | null;
@@ -147,10 +142,15 @@ export class MapControl {
 
   fit(map: GridPicture | null): void {
     this.follow.value = false;
-    const robot = this.robot.peek();
-    const around = robot && { left: robot.x, right: robot.x, bottom: robot.y, top: robot.y };
-    const bounds = map?.known ?? around;
-    if (bounds) this.view.value = fitted(this.view.peek(), this.size, bounds, MARGINS[this.on]);
+    const { desires, navigation, replay } = this.store;
+    const path = navigation.peek()?.path ?? [];
+    const marks = [this.robot.peek(), goalOf(desires.peek()), ...path.map(([x, y]) => ({ x, y }))];
+    const bounds = around(
+      map?.known ?? null,
+      marks.filter((mark) => mark !== null),
+    );
+    if (!bounds) return;
+    this.view.value = fitted(this.view.peek(), this.size, bounds, freeOf(this.on, this.size, !replay.peek()));
   }
 
   /** The first picture on which anything is known is shown wholly. */
