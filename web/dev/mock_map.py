@@ -130,6 +130,7 @@ class MockMap:
             "recoveries": 2 if self.state == "recovering" else 0,
             "desire": None,
             "path": path if self.state in ("following", "waiting", "recovering") else [],
+            "given_up": None if goal else self.mock.mode.get("given_up"),
         }
 
     def grid(self, kind: int, seq: int) -> tuple[dict[str, Any], bytes]:

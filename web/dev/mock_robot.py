@@ -264,7 +264,7 @@ class Mock:
             },
             "world_rate": self.mode.get("world_rate", 1.0),
             "odometry": {"x": self.pose[0], "y": self.pose[1], "theta": self.pose[2], **applied},
-            "driver": {"operator": driver.operator, "mine": driver is viewer} if driver else None,
+            "driver": {"operator": driver.operator, "mine": driver is viewer, "holds": moving} if driver else None,
             "speaker": {"operator": "Bea", "mine": False} if self.mode.get("other_speaks") else None,
             "exploited": "Teleop" if moving else None,
             "sources": [{"channel": "kinect", "state": "live", "age_ms": 40, "rate_hz": 15, "expected_hz": 15}],
