@@ -22,6 +22,7 @@ from app.modules.behaviors.navigation.costmap import CostmapSettings, LocalCostm
 from app.modules.behaviors.navigation.footprint import Footprint
 from app.modules.behaviors.navigation.goals import check_path, plan
 from app.modules.behaviors.navigation.inflation import CostField, cost_field, with_obstacles
+from app.modules.behaviors.navigation.memory import MemorySettings, ThingsMemory
 from app.robots.config import circle
 from benchmarks.report import Row, benchmark_main, row
 
@@ -94,7 +95,8 @@ def _around(count: int) -> list[Row]:
     depth_m = np.minimum(floor, 2.0 + 0.5 * np.sin(ahead[..., 0] / 40.0))
     for size_m, memory_m in ((4.0, 8.0), (8.0, 12.0)):
         here = LocalCostmap(BODY, 1.5, CostmapSettings(size_m=size_m, memory_m=memory_m))
-        times: tuple[list[Taken], list[Taken], list[Taken]] = ([], [], [])
+        things = ThingsMemory(BODY, 1.5, MemorySettings(every_s=0.0))
+        times: tuple[list[Taken], ...] = ([], [], [], [])
         for k in range(count + 5):
             stamp, pose = 0.05 * k, Pose2(0.02 * k, 0.0, 0.2 * math.sin(0.1 * k))
             ranges = np.minimum(2.0 / np.maximum(np.abs(np.sin(angles)), 1e-3), 3.0 + 2.0 * np.sin(9.0 * angles))
@@ -108,10 +110,11 @@ def _around(count: int) -> list[Row]:
                 partial(here.add_scan, scan, pose),
                 partial(here.add_depth, image, pose),
                 partial(here.around, pose, stamp),
+                partial(things.look, image, pose, np.column_stack((ranges * np.cos(angles), ranges * np.sin(angles)))),
             )
             for taken, work in zip(times, works, strict=True):
                 taken.append(_take(work))
-        for what, taken in zip(("scan", "depth picture", "distances"), times, strict=True):
+        for what, taken in zip(("scan", "depth picture", "distances", "remembering a picture"), times, strict=True):
             rows += _rows("local costmap", f"{what}, {size_m:g} m", taken[5:])
     return rows
 
