@@ -23,8 +23,8 @@ from app.modules.perception.slam.values import Edge, Keyframe, Submap
 _LEVELS = 6
 #: Grids of old submaps that are kept for the next search: bounds the memory.
 _KEPT_GRIDS = 24
-#: Of a loop's edge (m, rad), seen by the whole scan.
-_LOOP_SIGMAS = (0.02, 0.005)
+#: A search leaves a loop's pose free (m, rad): what its scan says of it, along which axis, is all that is known.
+_FREE_SIGMAS = (1.0, 1.0)
 _LEAST_POINTS = 30
 #: Searching, so many submaps at most for one keyframe.
 _MOST_CANDIDATES = 3
@@ -171,9 +171,8 @@ class LoopJob:
                 continue
             X_MB = X_MS @ fit.X_SB
             nearest = min(submap.keyframes, key=lambda k: _distance(self.poses[k], X_MB))
-            sigma_m, sigma_rad = _LOOP_SIGMAS
-            information = (fit.inliers / sigma_m**2, fit.inliers / sigma_m**2, fit.inliers / sigma_rad**2)
-            edge = Edge(nearest, id, self.poses[nearest].inverse() @ X_MB, information, loop=True)
+            X_ab = self.poses[nearest].inverse() @ X_MB
+            edge = Edge(nearest, id, X_ab, fit.edge_information(_FREE_SIGMAS), loop=True)
             believed = self._believed(edge, X_MK, X_MB)
             if believed:
                 self.memory.closed_at[submap.id] = id
@@ -193,7 +192,7 @@ class LoopJob:
             start = sought(pyramid, keyframe.points, guess, window, window_rad, self.settings.loop_score)
             if start is None:
                 continue
-            fit = fitted(grid, keyframe.points, start[0], start[0], (1.0, 1.0), iterations=20, near_m=0.1)
+            fit = fitted(grid, keyframe.points, start[0], start[0], _FREE_SIGMAS, iterations=20, near_m=0.1)
             if self._convincing(fit, start[0]):
                 return fit
         return None

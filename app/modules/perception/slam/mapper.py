@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.geometry import Pose2, wrap_angle
+from app.modules.perception.slam.information import Information, diagonal
 from app.modules.perception.slam.local_map import STALE_M, LocalMap, local_map
 from app.modules.perception.slam.loop_closure import LoopJob, LoopMemory, LoopOutcome, pose_array
 from app.modules.perception.slam.matching import NOISE_M, Fit, fitted
@@ -35,12 +36,11 @@ _PRICE_MOST = 0.37
 _PRICE_SIGMAS2 = 10.0
 #: What a scan that does not fit adds to the metres driven: so much faster the drift grows.
 _POOR_SCAN_M = 3.0
-#: Of the edges between keyframes of a submap (m, rad), for a whole scan on it.
-_MATCH_SIGMAS = (0.02, 0.005)
 #: An edge of so small a share of the scan says little, and one of no share next to nothing.
 _SURE_SHARE = 0.6
-_UNSURE_WEIGHT = 0.02
-_LOST_WEIGHT = 1e-4
+#: Information (1/m^2, 1/rad^2) of these.
+_UNSURE = diagonal(50.0, 50.0, 800.0)
+_LOST = diagonal(0.25, 0.25, 4.0)
 #: Where the robot was placed by a person or a search (m, rad).
 _PLACED_SIGMAS = (0.5, 0.25)
 #: Rescue looks no farther than this (m, rad).
@@ -101,6 +101,7 @@ class Slam:
         self._X_KB = Pose2()
         self._rested = 0
         self._last_fit: Fit | None = None
+        self._step_sigmas = (0.0, 0.0)
         self._before = self._covariance
         self._local: LocalMap | None = None
         self._placed = False
@@ -250,6 +251,7 @@ class Slam:
         sigma_m, sigma_rad = settings.odometry_sigmas(distance, step.theta)
         if self._placed:
             sigma_m, sigma_rad = math.hypot(sigma_m, _PLACED_SIGMAS[0]), math.hypot(sigma_rad, _PLACED_SIGMAS[1])
+        self._step_sigmas = sigma_m, sigma_rad
         self._predict(step, sigma_m, sigma_rad)
         submap = self._active[0]
         X_MS = self._poses[submap.keyframes[0]]
@@ -259,7 +261,7 @@ class Slam:
             fit = self._rescued(submap, scan, prior, fit, (sigma_m, sigma_rad), step)
         self._placed = self._placed and fit.inliers < settings.lost_below
         self._last_fit = fit
-        if fit.inliers < settings.rescue_below:
+        if fit.inliers < settings.poor_below:
             self._travelled_m += _POOR_SCAN_M
         if fit.inliers >= settings.lost_below:
             self._X_MB = X_MS @ fit.X_SB
@@ -327,7 +329,7 @@ class Slam:
         self._poses[id] = self._X_MB
         self._keyframe, self._X_KB = id, Pose2()
         self._version += 1
-        information = _information(0.0 if fit is None else fit.inliers, self.settings)
+        information = _LOST if fit is None else self._edge_information(fit)
         for submap in self._active:
             X_SB = self._poses[submap.keyframes[0]].inverse() @ self._X_MB
             submap.grid.insert(scan.points, X_SB)
@@ -335,6 +337,11 @@ class Slam:
             submap.keyframes.append(id)
         self._turn_submaps(id, scan)
         self._due.append(id)
+
+    def _edge_information(self, fit: Fit) -> Information:
+        if fit.inliers > _SURE_SHARE:
+            return fit.edge_information(self._step_sigmas)
+        return _UNSURE if fit.inliers >= self.settings.lost_below else _LOST
 
     def _turn_submaps(self, id: int, scan: Scan) -> None:
         """Begin a submap when the newest is half full; then the oldest, if whole, is finished."""
@@ -384,12 +391,3 @@ class Slam:
             added=added,
             moved=moved,
         )
-
-
-def _information(inliers: float, settings: SlamSettings) -> tuple[float, float, float]:
-    if inliers > _SURE_SHARE:
-        weight = inliers
-    else:
-        weight = _UNSURE_WEIGHT if inliers >= settings.lost_below else _LOST_WEIGHT
-    sigma_m, sigma_rad = _MATCH_SIGMAS
-    return weight / sigma_m**2, weight / sigma_m**2, weight / sigma_rad**2

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from app.compiled import kernel
 from app.geometry import Pose2
+from app.modules.perception.slam.information import Information, along, packed
 from app.modules.perception.slam.surfels import CELL_M, MARGIN, SurfelGrid
 
 #: Standard deviation (m) of a reading's distance from the surface.
@@ -22,6 +23,8 @@ _SOFT_POINT_M = 0.06
 #: A point of no surface says less.
 _POINT_WEIGHT = 0.2
 _LEAST_INLIERS = 15
+#: A match is wrong by at least so much (m^2, m^2, rad^2), however many readings agree: surfels are not the walls.
+_MODEL_VARIANCES = (0.005**2, 0.005**2, 0.0015**2)
 #: Steps smaller than this (m, rad) end the search.
 _SMALL_M = 2e-4
 _SMALL_RAD = 2e-5
@@ -43,6 +46,16 @@ class Fit:
     overlap: float
     rms_m: float
     information: NDArray[np.float64]
+
+    def edge_information(self, prior_sigmas: tuple[float, float]) -> Information:
+        """What an edge of the graph says by this fit, which odometry of ``prior_sigmas`` (m, rad) held back.
+
+        Along a corridor that is less than across it: so a correction goes where there is room for it.
+        """
+        sigma_m, sigma_rad = prior_sigmas
+        held = self.information + np.diag([1.0 / sigma_m**2, 1.0 / sigma_m**2, 1.0 / sigma_rad**2])
+        covariance = np.linalg.inv(along(held, self.X_SB.theta)) + np.diag(_MODEL_VARIANCES)
+        return packed(self.inliers * np.linalg.inv(covariance))
 
 
 def fitted(

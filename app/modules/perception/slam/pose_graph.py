@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.geometry import Pose2
+from app.modules.perception.slam.information import Information, chained, matrices, seen_from, variance_m2
 from app.modules.perception.slam.relations import between
 from app.modules.perception.slam.values import Edge
 
@@ -19,8 +19,6 @@ _SOFT_SIGMAS = 3.0
 _PULLED_SIGMAS = 30.0
 #: The first keyframe stays where it is.
 _ANCHOR_SIGMAS = (1e-4, 1e-4, 1e-5)
-#: Noise models are made for steps of this ratio of the information: making one costs more than an edge.
-_STEP = 1.15
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,7 +26,7 @@ class GraphArrays:
     """A graph as arrays, which another process can be given.
 
     ``poses`` (N, 3) float64 x, y, theta; of edge e, ``ends`` (E, 2) int64 rows of ``poses``, ``measured`` (E, 3) pose
-    of the second in the first, ``information`` (E, 3) and ``loops`` (E,) bool as in :class:`Edge`.
+    of the second in the first, ``information`` (E, 6) and ``loops`` (E,) bool as in :class:`Edge`.
     """
 
     poses: NDArray[np.float64]
@@ -49,7 +47,7 @@ def graph_arrays(poses: Mapping[int, Pose2], edges: Sequence[Edge]) -> GraphArra
         poses=np.array([(p.x, p.y, p.theta) for p in poses.values()], dtype=np.float64).reshape(-1, 3),
         ends=np.array([(rows[e.a], rows[e.b]) for e in edges], dtype=np.int64).reshape(-1, 2),
         measured=np.array([(e.X_ab.x, e.X_ab.y, e.X_ab.theta) for e in edges], dtype=np.float64).reshape(-1, 3),
-        information=np.array([e.information for e in edges], dtype=np.float64).reshape(-1, 3),
+        information=np.array([e.information for e in edges], dtype=np.float64).reshape(-1, 6),
         loops=np.array([e.loop for e in edges], dtype=np.bool_),
     )
 
@@ -74,7 +72,8 @@ def _farthest_sigmas(graph: GraphArrays) -> float:
         return 0.0
     found = between(graph.poses[graph.ends[loops, 0]], graph.poses[graph.ends[loops, 1]])
     off = between(graph.measured[loops], found)
-    return float(np.sqrt((off**2 * graph.information[loops]).sum(axis=1)).max())
+    squares = np.einsum("ei,eij,ej->e", off, matrices(graph.information[loops]), off)
+    return float(np.sqrt(squares.max()))
 
 
 def _solved(graph: GraphArrays, poses: NDArray[np.float64], soft_sigmas: float) -> NDArray[np.float64]:
@@ -87,17 +86,13 @@ def _solved(graph: GraphArrays, poses: NDArray[np.float64], soft_sigmas: float) 
         values.insert(row, gtsam.Pose2(*pose))
     anchor = noise.Diagonal.Sigmas(np.array(_ANCHOR_SIGMAS))
     factors.add(gtsam.PriorFactorPose2(0, gtsam.Pose2(*graph.poses[0]), anchor))
-    steps = np.round(np.log(graph.information) / np.log(_STEP)).astype(np.int64)
-    models: dict[tuple[int, int, int, bool], Any] = {}
+    soft = noise.mEstimator.Cauchy.Create(soft_sigmas)
+    # GTSAM wants the root R of information, R^T R.
+    roots = np.linalg.cholesky(matrices(graph.information)).transpose(0, 2, 1)
     ends, measured, loops = graph.ends.tolist(), graph.measured.tolist(), graph.loops.tolist()
-    for (a, b), X_ab, step, loop in zip(ends, measured, steps.tolist(), loops, strict=True):
-        key = (*step, loop)
-        model = models.get(key)
-        if model is None:
-            model = noise.Diagonal.Sigmas(_STEP ** (-0.5 * np.array(step)))
-            if loop:
-                model = noise.Robust.Create(noise.mEstimator.Cauchy.Create(soft_sigmas), model)
-            models[key] = model
+    for (a, b), X_ab, root, loop in zip(ends, measured, roots, loops, strict=True):
+        sure = noise.Gaussian.SqrtInformation(root, False)
+        model = noise.Robust.Create(soft, sure) if loop else sure
         factors.add(gtsam.BetweenFactorPose2(a, b, gtsam.Pose2(*X_ab), model))
     parameters = gtsam.LevenbergMarquardtParams()
     parameters.setMaxIterations(20)
@@ -111,7 +106,7 @@ def _solved(graph: GraphArrays, poses: NDArray[np.float64], soft_sigmas: float) 
 def surest(edges: Iterable[Edge], id: int) -> Edge | None:
     """The edge that holds keyframe ``id`` best, told from it; None where nothing does."""
     spokes = [_from(edge, id) for edge in edges if id in (edge.a, edge.b)]
-    return min(spokes, key=lambda e: (e.loop, -e.information[0], -e.b), default=None)
+    return min(spokes, key=lambda e: (e.loop, variance_m2(e.information), -e.b), default=None)
 
 
 def without(edges: Iterable[Edge], removed: int) -> list[Edge]:
@@ -134,7 +129,7 @@ def without(edges: Iterable[Edge], removed: int) -> list[Edge]:
     for spoke in (_from(edge, removed) for edge in touching):
         if spoke.b == hub.b:
             continue
-        edge = Edge(hub.b, spoke.b, X_hr @ spoke.X_ab, _summed(hub, spoke), hub.loop or spoke.loop)
+        edge = Edge(hub.b, spoke.b, X_hr @ spoke.X_ab, _chained(hub, spoke), hub.loop or spoke.loop)
         before = joined.get(spoke.b)
         if before is not None and _sureness(before) >= _sureness(edge):
             continue
@@ -146,17 +141,18 @@ def without(edges: Iterable[Edge], removed: int) -> list[Edge]:
 
 
 def _sureness(edge: Edge) -> tuple[bool, float]:
-    return not edge.loop, edge.information[0]
+    return not edge.loop, -variance_m2(edge.information)
 
 
 def _from(edge: Edge, id: int) -> Edge:
     """The same edge, told from its end ``id``."""
-    return edge if edge.a == id else Edge(edge.b, edge.a, edge.X_ab.inverse(), edge.information, edge.loop)
+    return (
+        edge
+        if edge.a == id
+        else Edge(edge.b, edge.a, edge.X_ab.inverse(), seen_from(edge.information, edge.X_ab), edge.loop)
+    )
 
 
-def _summed(first: Edge, second: Edge) -> tuple[float, float, float]:
-    """Information of one edge after the other: variances add, and the first's angle swings the second's arm."""
-    a, b = first.information, second.information
-    swing = (second.X_ab.x**2 + second.X_ab.y**2) / a[2]
-    along = 1.0 / (1.0 / min(a[:2]) + 1.0 / min(b[:2]) + swing)
-    return along, along, 1.0 / (1.0 / a[2] + 1.0 / b[2])
+def _chained(hub: Edge, spoke: Edge) -> Information:
+    """Information of the way from the hub over what is removed, which both edges are told from, to the spoke's end."""
+    return chained(seen_from(hub.information, hub.X_ab), spoke.information, spoke.X_ab)

@@ -25,8 +25,11 @@ class SlamSettings:
     odometry_floor_rad: float = 0.02
     odometry_rad_per_rad: float = 0.4
     odometry_rad_per_m: float = 0.1
-    #: Less than this share of the scan on the submap: look around for a better pose.
-    rescue_below: float = 0.55
+    #: Less than this share of the scan on the submap: look around for a better pose. A scan that turned into what is
+    #: nearly as good a place has two thirds on it.
+    rescue_below: float = 0.75
+    #: Less than this: the drift is more than odometry alone tells.
+    poor_below: float = 0.55
     #: Less than this: the scan says nothing, odometry is believed.
     lost_below: float = 0.25
     #: How far loops are looked for, and how much farther per m driven since the place was last seen; at most.

@@ -16,10 +16,13 @@ from numpy.typing import NDArray
 
 from app.errors import ConfigError
 from app.geometry import Pose2
+from app.modules.perception.slam.information import matrices, packed
 from app.modules.perception.slam.values import Edge, Keyframe, SlamState
 from app.npz_source import read_arrays
 
-FORMAT = 1
+FORMAT = 2
+#: Of which information was a diagonal.
+_DIAGONAL_FORMAT = 1
 
 
 def write_state(path: Path, state: SlamState) -> None:
@@ -41,7 +44,7 @@ def write_state(path: Path, state: SlamState) -> None:
             hits=_joined([k.hits for k in keyframes], (0,), np.bool_),
             edge=np.array([(e.a, e.b) for e in edges], np.int64).reshape(-1, 2),
             edge_pose=np.array([(e.X_ab.x, e.X_ab.y, e.X_ab.theta) for e in edges], np.float64).reshape(-1, 3),
-            edge_information=np.array([e.information for e in edges], np.float64).reshape(-1, 3),
+            edge_information=np.array([e.information for e in edges], np.float64).reshape(-1, 6),
             edge_loop=np.array([e.loop for e in edges], np.bool_),
             submap=np.array([id for submap in state.submaps for id in submap], np.int64),
             submap_of=_places(state.submaps),
@@ -53,7 +56,7 @@ def read_state(path: Path) -> SlamState:
     """The state in the file ``path``. Raises ConfigError for one that is damaged or of another format."""
     arrays = read_arrays(path, "the map's graph")
     try:
-        if int(arrays["format"]) != FORMAT:
+        if int(arrays["format"]) not in (_DIAGONAL_FORMAT, FORMAT):
             raise ConfigError(f"the map's graph has format {arrays['format']}; this program reads {FORMAT}", str(path))
         return _state(arrays)
     except KeyError as missing:
@@ -84,22 +87,31 @@ def _state(a: Mapping[str, NDArray[Any]]) -> SlamState:
     )  # fmt: skip
     pairs = _checked(a, "edge", np.int64, (-1, 2))
     measured = _checked(a, "edge_pose", np.float64, (len(pairs), 3))
-    information = _checked(a, "edge_information", np.float64, (len(pairs), 3))
+    information = _information(a, len(pairs))
     loops = _checked(a, "edge_loop", np.bool_, (len(pairs),))
     submaps = _split(_checked(a, "submap", np.int64, (-1,)), a, "submap_of", None)
     if not known.issuperset(pairs.ravel().tolist()) or not known.issuperset(a["submap"].tolist()):
         raise ValueError("it names keyframes that it does not have")
     if not all(len(submap) for submap in submaps):
         raise ValueError("a submap has no keyframe")
-    if not (information > 0).all():
+    if not (np.linalg.eigvalsh(matrices(information)) > 0).all():
         raise ValueError("edge_information is not above 0")
     edges = tuple(
-        Edge(int(one), int(other), Pose2(*X.tolist()), (float(w[0]), float(w[1]), float(w[2])), bool(loop))
-        for (one, other), X, w, loop in zip(pairs, measured, information, loops, strict=True)
+        Edge(int(one), int(other), Pose2(*X.tolist()), packed(w), bool(loop))
+        for (one, other), X, w, loop in zip(pairs, measured, matrices(information), loops, strict=True)
     )
     return SlamState(
         keyframes, tuple(Pose2(*pose) for pose in poses.tolist()), edges, tuple(tuple(s.tolist()) for s in submaps)
     )
+
+
+def _information(a: Mapping[str, NDArray[Any]], edges: int) -> NDArray[np.float64]:
+    if int(a["format"]) == FORMAT:
+        return _checked(a, "edge_information", np.float64, (edges, 6))
+    old = _checked(a, "edge_information", np.float64, (edges, 3))
+    found = np.zeros((edges, 6))
+    found[:, [0, 3, 5]] = old
+    return found
 
 
 def _joined(parts: list[NDArray[Any]], empty: tuple[int, ...], dtype: type[np.generic]) -> NDArray[Any]:

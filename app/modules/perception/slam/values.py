@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.geometry import Pose2
+from app.modules.perception.slam.information import Information
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,14 +60,14 @@ class Match:
 class Edge:
     """What was measured of keyframe ``b`` in the frame of ``a``: ``X_ab``.
 
-    ``information`` is the inverse variance along a's x and y (1/m^2) and of theta (1/rad^2). A ``loop`` may be wrong
-    (two places may look the same), so that its weight falls with its error; others follow the robot's motion.
+    ``information`` is the inverse of its covariance along b's axes (``information.py``). A ``loop`` may be wrong (two
+    places may look the same), so that its weight falls with its error; others follow the robot's motion.
     """
 
     a: int
     b: int
     X_ab: Pose2
-    information: tuple[float, float, float]
+    information: Information
     loop: bool
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from app.geometry import Pose2
+from app.modules.perception.slam.information import diagonal
 from app.modules.perception.slam.optimizer import OptimizerProcess
 from app.modules.perception.slam.pose_graph import graph_arrays, optimized
 from app.modules.perception.slam.values import Edge
@@ -17,7 +18,7 @@ from app.modules.perception.slam.values import Edge
 @pytest.mark.slow
 def test_another_process_gives_the_same_answer_and_may_die() -> None:
     poses = {k: Pose2(k + 0.1 * (k % 2), 0.0, 0.0) for k in range(5)}
-    edges = [Edge(k, k + 1, Pose2(1.0, 0.0, 0.0), (1e4, 1e4, 1e5), loop=False) for k in range(4)]
+    edges = [Edge(k, k + 1, Pose2(1.0, 0.0, 0.0), diagonal(1e4, 1e4, 1e5), loop=False) for k in range(4)]
     graph = graph_arrays(poses, edges)
     optimizer = OptimizerProcess()
     try:

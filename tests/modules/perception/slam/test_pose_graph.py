@@ -10,11 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.geometry import Pose2
+from app.modules.perception.slam.information import diagonal
 from app.modules.perception.slam.pose_graph import graph_arrays, optimized, without
 from app.modules.perception.slam.pruning import pruned, redundant
 from app.modules.perception.slam.values import Edge, Submap
 
-SURE = (1e4, 1e4, 1e5)
+SURE = diagonal(1e4, 1e4, 1e5)
 
 
 def circle(count: int = 40) -> list[Pose2]:
@@ -76,11 +77,27 @@ def test_a_place_passed_for_ever_is_joined_no_more_often() -> None:
 
 
 def test_a_surer_way_round_replaces_what_joins_two() -> None:
-    weak = Edge(0, 1, Pose2(1.2, 0.0, 0.0), (1.0, 1.0, 1.0), loop=True)
+    weak = Edge(0, 1, Pose2(1.2, 0.0, 0.0), diagonal(1.0, 1.0, 1.0), loop=True)
     round_about = [Edge(0, 2, Pose2(0.5, 0.0, 0.0), SURE, False), Edge(2, 1, Pose2(0.5, 0.0, 0.0), SURE, False)]
     (left,) = without([weak, *round_about], 2)
     assert {left.a, left.b} == {0, 1}
     assert abs(left.X_ab.x) == 1.0
+
+
+def test_a_correction_goes_along_the_corridor_where_there_is_room_for_it() -> None:
+    """Ten steps, each unsure along its own heading alone; the way turns off in its middle."""
+    true = [Pose2(min(k, 5), max(0, k - 5), 0.0 if k < 5 else math.pi / 2) for k in range(11)]
+    edges = [
+        Edge(k, k + 1, a.inverse() @ b, diagonal(1e2, 1e6, 1e8), loop=False) for k, (a, b) in enumerate(pairwise(true))
+    ]
+    # The corner's own step is along x of the map, and along minus y of the keyframe it ends in.
+    edges[4] = Edge(4, 5, edges[4].X_ab, diagonal(1e6, 1e2, 1e8), loop=False)
+    poses = dict(enumerate(true))
+    off = Edge(0, 10, true[10] @ Pose2(0.0, -0.5, 0.0), diagonal(1e6, 1e6, 1e8), loop=True)
+    found = optimized(graph_arrays(poses, [*edges, off]))
+    assert np.allclose(found[10, :2], (5.5, 5.0), atol=0.02)
+    assert np.allclose(np.diff(found[:6, 0]), 1.1, atol=0.01)  # where it went along x it is longer, each step as much
+    assert np.allclose(np.diff(found[5:, 0]), 0.0, atol=0.01)  # and where it went along y it stays straight
 
 
 def test_the_oldest_of_what_shows_the_same_goes() -> None:

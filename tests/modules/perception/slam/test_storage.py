@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from app.errors import ConfigError
 from app.geometry import Pose2
+from app.modules.perception.slam.information import diagonal
 from app.modules.perception.slam.mapper import Slam
 from app.modules.perception.slam.scans import Beams
 from app.modules.perception.slam.storage import read_state, write_state
@@ -45,7 +46,7 @@ def states(draw: st.DrawFn) -> SlamState:
         )
     one = st.sampled_from(ids) if ids else st.nothing()
     sure = st.floats(1e-6, 1e9)
-    edges = st.builds(Edge, one, one, poses, st.tuples(sure, sure, sure), st.booleans())
+    edges = st.builds(Edge, one, one, poses, st.builds(diagonal, sure, sure, sure), st.booleans())
     return SlamState(
         tuple(keyframes),
         tuple(draw(poses) for _ in ids),
@@ -113,7 +114,7 @@ def changed(written: Path, tmp_path: Path, **arrays: Any) -> Path:
 @pytest.mark.parametrize(
     ("arrays", "words"),
     [
-        ({"format": np.array(9)}, "format 9; this program reads 1"),
+        ({"format": np.array(9)}, "format 9; this program reads 2"),
         ({"pose": None}, "has no 'pose'"),
         ({"pose": np.zeros((1, 3))}, "pose has the shape"),
         ({"stamp": np.array(["now"])}, "stamp has 1 dimensions of <U3"),
@@ -124,7 +125,7 @@ def changed(written: Path, tmp_path: Path, **arrays: Any) -> Path:
             {
                 "edge": np.array([[0, 1]]),
                 "edge_pose": np.zeros((1, 3)),
-                "edge_information": np.zeros((1, 3)),
+                "edge_information": np.zeros((1, 6)),
                 "edge_loop": np.array([False]),
             },
             "edge_information is not above 0",
