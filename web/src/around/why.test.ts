@@ -21,7 +21,7 @@ test("nothing is closed where all is open", () => {
 test("attention's own reason is told", () => {
   const rows = [row("Telepresence", 1), row("LocateFaces", null, "unfulfilled: needs 20 % more cpu"), row("LocateVoices", 1)];
   expect(whyClosed(hello, rows, false, true)).toEqual([
-    { what: "faces", text: "Not looking for faces", reason: "Needs 20 % more cpu." },
+    { what: "faces", text: "Not looking for faces", reason: "Needs 20 % more CPU." },
   ]);
 });
 

@@ -125,7 +125,7 @@ describe("the way", () => {
     expect(wayWords(null, goal, [refused])).toEqual({
       tone: "warn",
       text: "Does not go to (3.0, 4.0)",
-      more: "Needs 20 % more cpu.",
+      more: "Needs 20 % more CPU.",
     });
   });
 });

@@ -106,3 +106,7 @@ test("what several filters let through is a line each, one alone is told anyway"
   expect(divisorLines({ "QR.images": 4 })).toEqual([]);
   expect(divisorLines(undefined)).toEqual([]);
 });
+
+test("the computing time is called as everywhere on the page", () => {
+  expect(reasonText("degraded", "degraded: would get 8 with 2 % more cpu")).toBe("Would get 8 with 2 % more CPU");
+});

@@ -79,7 +79,7 @@ export function stateWord(state: string): string {
 /** A reason without the state it begins with, for where the state stands beside it. */
 export function reasonText(state: string, text: string): string {
   const rest = text.startsWith(`${state}: `) ? text.slice(state.length + 2) : text;
-  return rest.charAt(0).toUpperCase() + rest.slice(1);
+  return (rest.charAt(0).toUpperCase() + rest.slice(1)).replace(/\bcpu\b/g, "CPU");
 }
 
 /** Bytes as people count them: 34 MB. */
