@@ -67,7 +67,7 @@ class TrackerSettings:
     sure_share: float = 0.18
     replaced_s: float = 0.2
     replaced_deg: float = 35.0
-    trust_s: float = 1.5
+    trust_s: float = 2.5
     echo_s: float = 0.5
     told_s: float = 0.2
     told_heard: float = 0.8
