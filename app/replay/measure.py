@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import fields
-from typing import Any
+from dataclasses import is_dataclass
+from functools import cache
+from typing import Any, get_args, get_origin, get_type_hints
 
 from app.config import Configuration
 from app.recording.log import Log
@@ -82,6 +83,17 @@ class Bench:
 
 
 def percepts(message: Any) -> int:
-    """How many percepts a message tells of: the entries of its one tuple, or itself."""
-    tuples = [value for field in fields(message) if isinstance(value := getattr(message, field.name), tuple)]
-    return len(tuples[0]) if len(tuples) == 1 else 1
+    """How many percepts a message tells of: the entries of its one tuple of percepts, or itself."""
+    name = _percepts_field(type(message))
+    return 1 if name is None else len(getattr(message, name))
+
+
+@cache
+def _percepts_field(message_type: Any) -> str | None:
+    """The field of ``message_type`` that is a tuple of dataclasses, such as ``faces``; None where there is not one."""
+    found = []
+    for name, kind in get_type_hints(message_type).items():
+        entry, *rest = get_args(kind) or (None,)
+        if get_origin(kind) is tuple and rest == [...] and is_dataclass(entry):
+            found.append(name)
+    return found[0] if len(found) == 1 else None

@@ -6,7 +6,7 @@ import pytest
 
 from app import paths
 from app.config import Configuration, load_configuration
-from app.messages import Landmarks, QRCode, QRCodes, Twist
+from app.messages import Landmarks, QRCode, QRCodes, SoundSources, Twist
 from app.replay.calibration import Run
 from app.replay.measure import WARM_UP_S, Bench, percepts
 
@@ -51,3 +51,5 @@ def test_percepts_are_counted_not_messages() -> None:
     assert percepts(QRCodes(0.0, "camera", (code, code))) == 2
     assert percepts(Landmarks(0.0, ())) == 0
     assert percepts(Twist(0.0, 1.0, 0.0)) == 1
+    # A tuple of numbers is no percept.
+    assert percepts(SoundSources(0.0, (0.0, 0.0, 1.0), ())) == 0
