@@ -84,7 +84,8 @@ class Bench:
 
 def percepts(message: Any) -> int:
     """How many percepts a message tells of: the entries of its one tuple of percepts, or itself."""
-    name = _percepts_field(type(message))
+    kind: Any = type(message)
+    name = _percepts_field(kind)
     return 1 if name is None else len(getattr(message, name))
 
 
