@@ -27,30 +27,32 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from pydantic import Field
 
 from app import compiled
 from app.geometry import Pose2
-from app.maps.control import MapControl, MapUnavailable
+from app.maps.control import MapControl
 from app.maps.library import MapLibrary
-from app.messages import LaserScan, Localization, OccupancyGrid, Odometry, Zone, Zones, read_only
+from app.messages import LaserScan, Localization, Message, OccupancyGrid, Odometry, Zone, Zones, read_only
 from app.modules.perception.pose_at import PoseAt
+from app.modules.perception.slam.beginning import Legacy, Shown, first_map
 from app.modules.perception.slam.keeper import Keeper
 from app.modules.perception.slam.optimizer import OptimizerProcess
 from app.modules.perception.slam.place import FITS_NOT, FitWatch, empty_grid, spread_of
 from app.runtime.module import Module, ModuleContext, Settings
+from app.runtime.ports import Output
 
 if TYPE_CHECKING:  # compiled, or loaded, when they are imported: that is left to the module's thread
     from app.modules.perception.slam.drawing import Glance
     from app.modules.perception.slam.relocalization import Place, PlaceSearch
     from app.modules.perception.slam.session import Followed, KeptMap, MapSession
-    from app.modules.perception.slam.values import Match, SlamState
+    from app.modules.perception.slam.values import Match
 
-#: What an instance leaves to the next: the name of the map in use, whether it grows, and how far it has grown.
-_MAP, _GROWS, _GROWN = "map", "grows", "grown"
+M = TypeVar("M", bound=Message)
+
 #: On a map that grows, odometry leads over fewer scans in a row than these that do not fit, however far apart they are.
 _LEAST_MISFITS = 3
 #: ... and it grows on once so much of each scan lies on it: long walls are alike, and what is added wrongly stays.
@@ -94,6 +96,7 @@ class SLAM2D(Module):
         self._name = ""
         self._zones: tuple[Zone, ...] = ()
         self._told: Localization | None = None
+        self._legacy = Legacy(self.kept)
         self._fits = FitWatch(self.settings.lost_after_s, self.settings.sure_after_s)
         #: Looking for the robot: asked for, under way, and where it may be by now.
         self._search_due = False
@@ -280,7 +283,7 @@ class SLAM2D(Module):
             grid = await self.compute_behind(session.drawn, glances, self.clock.now(), self._version + 1)
             if session is not self._session:
                 return
-            self.kept[_GROWN] = state
+            self._legacy.grow(state)
             if grid is not None:
                 self._version = grid.version
                 self.map.publish(grid)
@@ -311,7 +314,7 @@ class SLAM2D(Module):
     def call(self, name: str) -> None:
         """The map in use has this name from now on."""
         self._name = name
-        self.kept[_MAP] = name
+        self._legacy.call(name)
 
     @property
     def known_zones(self) -> tuple[Zone, ...]:
@@ -329,19 +332,12 @@ class SLAM2D(Module):
             optimize=self._optimizer,
         )  # fmt: skip
 
-    def _grown(self, shown: OccupancyGrid, state: SlamState, X_MO: Pose2 | None) -> MapSession:
-        """*Behind.* A session on a map that grew until the module failed."""
-        from app.modules.perception.slam.session import KeptMap
-
-        return self.new_session(KeptMap("", shown, (), state), X_MO, True)
-
     def use(self, session: MapSession, name: str, zones: tuple[Zone, ...]) -> None:
         """Take a map into use, and tell it with its zones and where the robot is on it."""
         self._session = session
         self._followed, self._glances = None, []
         self.call(name)
-        self.kept[_GROWS] = session.grows
-        self.kept.pop(_GROWN, None)
+        self._legacy.use(grows=session.grows)
         now, settings = self.clock.now(), self.settings
         grid = session.grid or empty_grid(settings.cell_m, settings.side_m)
         self._version += 1
@@ -387,49 +383,22 @@ class SLAM2D(Module):
 
     async def _take_first(self) -> None:
         """The map to begin with."""
-        channel = self.map.channel
-        shown = None if channel is None else channel.latest
-        last = None if self.localization.channel is None else self.localization.channel.latest
-        zones = None if self.zones.channel is None else self.zones.channel.latest
+        shown, self._told, zones = _last(self.map), _last(self.localization), _last(self.zones)
         self._version = 0 if shown is None else shown.version
-        self._told = last
-        X_MO = None if last is None else last.X_MO
-        name, grows = self.kept.get(_MAP, self.settings.map), self.kept.get(_GROWS, self.settings.extend)
-        grown = self.kept.get(_GROWN)
-        if grown is not None and shown is not None:
-            # Left once: who fails again before the map grew goes on without what may be the cause.
-            session = await self.compute_behind(self._grown, shown, grown, X_MO)
-            self.use(session, name, () if zones is None else zones.zones)
-            return
-        if name:
-            try:
-                kept = await self.compute_behind(_kept, self.service(MapLibrary), name)
-                session = await self.compute_behind(self.new_session, kept, X_MO, grows and kept.state is not None)
-            except MapUnavailable as refusal:
-                self.log.error("the map cannot be taken into use, an empty one is begun: %s", refusal)
-            else:
-                self.use(session, name, kept.zones)
-                return
-        if shown is not None and last is not None and (shown.cells >= 0).any():
-            # It was drawn before a restart, or is shown at some place of a recording.
-            if grows and self.kept:
-                self.log.warning("the map grows no more: it failed too soon again; begin another, or load one")
-            session = await self.compute_behind(_following, shown, X_MO)
-            self.use(session, last.map, () if zones is None else zones.zones)
-            return
-        self.use(await self.compute_behind(self.new_session, None, None, True), "", ())
+        last = Shown(shown, self._told, () if zones is None else zones.zones)
+        library, settings = self.service(MapLibrary), self.settings
+        first = await self.compute_behind(
+            first_map, self._legacy, last, library, self.new_session, settings.map, settings.extend
+        )
+        if first.refused:
+            self.log.error("the map cannot be taken into use, an empty one is begun: %s", first.refused)
+        if first.stopped:
+            self.log.warning("the map grows no more: it failed too soon again; begin another, or load one")
+        self.use(first.session, first.name, first.zones)
 
 
-def _kept(library: MapLibrary, name: str) -> KeptMap:
-    from app.modules.perception.slam.session import kept_map
-
-    return kept_map(library, name)
-
-
-def _following(grid: OccupancyGrid, X_MO: Pose2 | None) -> MapSession:
-    from app.modules.perception.slam.session import MapSession
-
-    return MapSession(grid, grows=False, X_MO=X_MO)
+def _last(output: Output[M]) -> M | None:
+    return None if output.channel is None else output.channel.latest
 
 
 def _looked(search: PlaceSearch, scan: LaserScan, X_OB: Pose2) -> tuple[Pose2 | None, tuple[Place, ...]]:
