@@ -47,7 +47,7 @@ class MemorySettings:
 
     resolution_m: float = 0.05
     every_s: float = 0.15
-    steady_s: float = 0.6
+    steady_s: float = 0.4
     again_s: float = 1.0
     laser_m: float = 0.25
     clear_s: float = 0.25
