@@ -9,16 +9,17 @@ what it needs, and no desire is dropped for it.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, WithJsonSchema
 
 from app.attention.calibration import RESOURCE, Calibration
 from app.attention.desires import GRAIN, SCALE
+from app.attention.families import StrategyFamily
 from app.yaml_source import Document, KeyPath, load_yaml, suggestion
 
 CLOSED = math.inf
@@ -208,6 +209,9 @@ class StrategyFile(BaseModel):
 
     resources: dict[str, ResourceEntry] = Field(default={}, description="Resources by name.")
     strategies: list[StrategyEntry] = Field(default=[], description="Strategies; their order breaks the last ties.")
+    families: list[StrategyFamily] = Field(
+        default=[], description="Strategies that differ in φ alone, generated; they come after the others."
+    )
 
 
 def load_strategies(
@@ -261,8 +265,7 @@ def build_table(
                 )
     table: dict[str, Strategy] = {}
     for document, file in files:
-        for index, item in enumerate(file.strategies):
-            at: KeyPath = ("strategies", index)
+        for at, item in _entries(document, file):
             if item.name in table:
                 raise document.error(
                     f"strategy {item.name!r} is already declared at {table[item.name].location}", (*at, "name")
@@ -282,6 +285,22 @@ def build_table(
                 Location(document.file, document.line(at)),
             )
     return StrategyTable(tuple(table.values()), resources)
+
+
+def _entries(document: Document, file: StrategyFile) -> Iterator[tuple[KeyPath, StrategyEntry]]:
+    """All strategies of a file and where they stand in it."""
+    for index, item in enumerate(file.strategies):
+        yield ("strategies", index), item
+    for index, family in enumerate(file.families):
+        for member in family.members():
+            try:
+                yield ("families", index), StrategyEntry.model_validate(member)
+            except ValidationError as mistake:
+                first = mistake.errors()[0]
+                where = ".".join(str(key) for key in first["loc"])
+                raise document.error(
+                    f"strategy {member['name']!r}: {where}: {first['msg']}, not {first['input']!r}", ("families", index)
+                ) from None
 
 
 def _costs(document: Document, at: KeyPath, item: StrategyEntry, calibration: Calibration | None) -> dict[str, float]:

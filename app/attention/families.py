@@ -1,0 +1,79 @@
+"""Strategies that differ in φ alone, generated from one entry: costs from a line over 1/φ, as calibration measures them
+(thesis 4.2.3), utilities from what each doubling of φ takes away.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from app.attention.desires import GRAIN, SCALE
+
+#: The word that stands for φ in a family's filters.
+PHI = "phi"
+_Number = Annotated[float, Field(ge=0, le=1e9, allow_inf_nan=False)]
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, populate_by_name=True)
+
+
+class UtilityByPhi(_Model):
+    """``at_1 - per_doubling * log2(φ)``."""
+
+    at_1: float = Field(gt=0, le=SCALE, description="Produced utility at φ = 1.")
+    per_doubling: float = Field(ge=0, le=SCALE, description="What each doubling of φ takes from it.")
+
+    def at(self, phi: int) -> float:
+        """At ``phi``, rounded to what the solver counts in."""
+        return round((self.at_1 - self.per_doubling * math.log2(phi)) * GRAIN) / GRAIN
+
+
+class CostByPhi(_Model):
+    """``base + slope / φ``."""
+
+    base: _Number = Field(description="What it costs however rarely a message passes.")
+    slope: _Number = Field(description="What all messages cost in addition.")
+
+    def at(self, phi: int) -> float:
+        """At ``phi``, rounded up to what the solver counts in."""
+        return math.ceil((self.base + self.slope / phi) * GRAIN - 1e-6) / GRAIN
+
+
+class CalibratedByPhi(_Model):
+    """What calibration of this computer says, and the line that holds where it was not calibrated."""
+
+    calibrated_or: CostByPhi
+
+
+class StrategyFamily(_Model):
+    """Strategies of one class at several φ, as the file writes them."""
+
+    names: str = Field(pattern=r"^[^{}]*\{phi\}[^{}]*$", description="Their names; {phi} stands for φ.")
+    cls: str = Field(alias="class", min_length=1, description="The desire class they serve.")
+    phis: list[Annotated[int, Field(ge=1)]] = Field(min_length=1, description="Each φ that there is a strategy of.")
+    utility: UtilityByPhi = Field(description="Produced utility: {at_1: v, per_doubling: less}.")
+    filters: dict[str, Literal["phi", "off"] | Annotated[int, Field(ge=1)]] = Field(
+        min_length=1, description="Filters they set, Module.port to phi, to an integer of at least 1, or off."
+    )
+    requires: dict[str, float] = Field(default={}, description="As of a strategy.")
+    parameters: dict[str, dict[str, Any]] = Field(default={}, description="As of a strategy.")
+    costs: dict[str, CalibratedByPhi] = Field(
+        default={}, description="By resource: {calibrated_or: {base: b, slope: s}}, for b + s / φ."
+    )
+
+    def members(self) -> Iterator[dict[str, Any]]:
+        """Each strategy as the file would have written it by itself."""
+        for phi in self.phis:
+            yield {
+                "name": self.names.replace("{phi}", str(phi)),
+                "class": self.cls,
+                "utility": self.utility.at(phi),
+                "filters": {name: phi if divisor == PHI else divisor for name, divisor in self.filters.items()},
+                "requires": self.requires,
+                "parameters": self.parameters,
+                "costs": {name: {"calibrated_or": cost.calibrated_or.at(phi)} for name, cost in self.costs.items()},
+            }
