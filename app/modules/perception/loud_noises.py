@@ -14,6 +14,9 @@ The thesis calls a frame of 512 samples a loud noise where its energy is more th
   loud.
 - *Usual peaks q.* What 98 of 100 frames stay below, followed by steps up and down (a stochastic quantile): people who
   talk and music that plays are far above their own mean again and again, and are no news.
+- *Attack.* A clap or a call begins out of less: a frame that is not ``ATTACK`` times the mean of those a moment
+  before it begins no noise, unless it is ``PLAIN`` times the floor. The louder syllables of people who talk rise out
+  of the others.
 - *Floor.* Nothing below it is loud, however silent it was before; and what is more silent than ``floor / ratio`` makes
   no difference.
 - *One noise, one event.* A noise begins where a frame is loud and lasts while frames stay above a quarter of that; the
@@ -26,8 +29,10 @@ Only ratios of energies are compared: scaling the whole sound changes nothing as
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,8 +43,12 @@ FRAME = 512
 CLIP = 4.0
 #: A loud frame is at least this often what frames usually stay below: 6.5 dB.
 CREST = 4.5
-#: A frame whose whole energy is more often that of its band is a thud: 10 dB.
-THUD = 10.0
+#: A frame whose whole energy is more often that of its band is a thud: 7 dB.
+THUD = 5.0
+#: A noise begins so many times louder than the mean from 0.15 to 0.03 s before it: 12.5 dB.
+ATTACK = 18.0
+#: What is so many times louder than the floor begins one however it rises: 8 dB.
+PLAIN = 6.3
 #: A noise lasts while its frames are above this share of what would begin one.
 LASTS = 0.25
 
@@ -54,6 +63,8 @@ _DOWN = 10.0 ** (-0.03 * (1.0 - _BELOW))
 _SHORT = 80
 #: Frames, about 0.1 s: what is above the usual peaks for longer moves them no further.
 _SYLLABLE = 10
+#: What a noise begins out of: so many frames, but for the last ones, within which a call may rise.
+_BEFORE, _RISE = 14, 2
 _LONG_AGO = 1 << 30
 #: -90 dB: one step of 16 bits. A background below it is silence.
 _SILENCE = 1e-9
@@ -151,6 +162,7 @@ class LoudNoiseJudge:
         self._next = 0
         self._sum = 0.0
         self._usual_peaks = 0.0
+        self._before: deque[float] = deque([0.0] * _BEFORE, _BEFORE)
         #: Frames since a noise was last under way.
         self._quiet = _LONG_AGO
         #: Frames since the last one began.
@@ -179,12 +191,19 @@ class LoudNoiseJudge:
         rule = self._rule
         if self._known < rule.history:
             self._remember(energy)
+            self._before.append(energy)
             self._usual_peaks = max(self._usual_peaks * (_UP if energy > self._usual_peaks else _DOWN), self.background)
             return None
         background = max(self.background, _SILENCE)
         loud = max(self._floor, rule.ratio * background, CREST * self._usual_peaks)
         under_way = self._quiet < rule.hold_off
-        begins = energy > loud and not under_way and (whole is None or whole() < THUD * energy)
+        begins = (
+            energy > loud
+            and not under_way
+            and (energy > PLAIN * self._floor or self._sudden(energy))
+            and (whole is None or whole() < THUD * energy)
+        )
+        self._before.append(energy)
         self._age = 0 if begins else self._age + 1
         if energy > LASTS * loud and (begins or under_way):
             self._quiet = 0
@@ -202,6 +221,9 @@ class LoudNoiseJudge:
         # A background that rises takes them along: steps are slow.
         self._usual_peaks = max(self._usual_peaks, self.background)
         return energy / background if begins else None
+
+    def _sudden(self, energy: float) -> bool:
+        return energy * (_BEFORE - _RISE) > ATTACK * sum(islice(self._before, _BEFORE - _RISE))
 
     def _remember(self, energy: float) -> None:
         place = self._next

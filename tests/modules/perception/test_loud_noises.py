@@ -126,6 +126,19 @@ def test_people_who_talk_are_no_news_but_one_who_calls_is() -> None:
     assert max(begins(with_clap(energies, 3700, 10**-2.3), Rule(floor_db=-60))) == 3700
 
 
+def test_what_grows_out_of_talk_is_none_and_what_bursts_out_of_quiet_is() -> None:
+    grown, burst = hum(600), hum(600)
+    # Syllables that grow, a sixth of a second long in all; the last are above the floor and the ratio.
+    grown[385:400] = np.geomspace(1e-4, 6e-4, 15)
+    grown[400:406] = 1.2e-3
+    burst[400:406] = 1.2e-3
+    assert begins(grown) == []
+    assert begins(burst) == [400]
+    # As loud as nobody talks, it may rise as it likes.
+    grown[400:406] = 1e-2
+    assert begins(grown) == [400]
+
+
 def test_a_long_noise_is_one() -> None:
     energies = hum(1000)
     energies[300:420] += 1e-2 * (1.2 + np.sin(np.arange(120)))
