@@ -162,3 +162,21 @@ async def test_a_program_that_goes_nowhere_says_so(
     monkeypatch.setattr(type(system.table), "strategies", kept, raising=False)
     document = is_problem(await client.put("/goal", json={"x": 1, "y": 1}), 409, "cannot-go")
     assert "GoTo" in document["detail"]
+
+
+async def test_a_goal_that_was_given_up_is_told_until_it_was_read(
+    client: httpx.AsyncClient, system: System, hub: Hub
+) -> None:
+    goal = {"x": 3.0, "y": 1.0, "heading": None}
+    about = {"desire": "d", "arrived": False, "why": "walls all around", "goal": goal}
+    system.timeline.add("goal", "GoTo", "Gave up going there", about)
+    told = map_models.GoalModel.model_validate((await client.get("/goal")).json())
+    assert told.navigation is not None
+    assert told.navigation.given_up is not None
+    assert (told.navigation.given_up.goal.x, told.navigation.given_up.reason) == (3.0, "walls all around")
+    assert (await client.delete("/goal")).status_code == 204
+    assert (await client.get("/goal")).json()["navigation"]["given_up"] is None
+    classes = (await client.get("/desire-classes")).json()["classes"]
+    served = {cls["name"]: cls["served"] for cls in classes}
+    assert served["GoTo"]
+    assert not served["Record"], "no Recorder, and no strategy for it"
