@@ -97,6 +97,9 @@ class PlanAndFollowPathSettings(Settings):
     corner_share: float = Field(
         0.6, gt=0, le=1, description="of its speed, beside what it cannot see, as behind corners; 1: it does not care"
     )
+    people_m: float = Field(
+        0.0, ge=0, le=0.3, description="kept clear around what may be a leg that the map does not have; 0: nothing more"
+    )
     rounds: int = Field(2, ge=1, description="of all recoveries, before people are asked")
 
 
@@ -165,6 +168,7 @@ class PlanAndFollowPath(Module):
             follower=FollowerSettings(corner_share=s.corner_share),
             recovery=RecoverySettings(stuck_s=s.stuck_s, wait_s=s.wait_s, rounds=s.rounds, ask_s=s.ask_s),
             fresh_s=s.fresh_s,
+            people_m=s.people_m,
         )
         try:
             self._pilot = await self.compute(
@@ -256,6 +260,7 @@ class PlanAndFollowPath(Module):
             now, motion, self._poses.X_MO, problem, goal, self._scan_with_poses(), self._image_with_pose(),
             answer.plan if answer is not None and answer.changed else None,
             None if answer is None else _speeds(answer, self._pilot.body.limits[1] * (goal.speed if goal else 1.0)),
+            self._grid,
         )  # fmt: skip
         if self._controller != self._steering_with:
             self._steering_with = self._controller

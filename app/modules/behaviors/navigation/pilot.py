@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from app.geometry import Pose2
 from app.link import RobotDescription
-from app.messages import Image, LaserScan
+from app.messages import Image, LaserScan, OccupancyGrid
 from app.modules.behaviors.navigation.corners import hidden_distance
 from app.modules.behaviors.navigation.costmap import CostmapSettings, LocalCostmap, Surroundings
 from app.modules.behaviors.navigation.dynamic_window import PUBLISHED, DynamicWindow
@@ -18,6 +18,7 @@ from app.modules.behaviors.navigation.follower import Follower, FollowerSettings
 from app.modules.behaviors.navigation.footprint import Footprint
 from app.modules.behaviors.navigation.goals import Plan
 from app.modules.behaviors.navigation.health import DepthWatch, unfit, watch_depth
+from app.modules.behaviors.navigation.legs import beside
 from app.modules.behaviors.navigation.memory import ThingsMemory
 from app.modules.behaviors.navigation.motion import Body, Controller, Field, Motion
 from app.modules.behaviors.navigation.mppi import Mppi, MppiSettings
@@ -48,12 +49,14 @@ def controller_named(name: str, mppi: MppiSettings | None = None) -> Controller:
 
 @dataclass(frozen=True, slots=True)
 class PilotSettings:
-    """What the pilot's parts are set to, and for how long a scan or a picture counts (s)."""
+    """What the pilot's parts are set to, and for how long a scan or a picture counts (s); ``people_m`` is taken for
+    occupied around what may be a leg (0: none is looked for)."""
 
     costmap: CostmapSettings = field(default_factory=CostmapSettings)
     follower: FollowerSettings = field(default_factory=FollowerSettings)
     recovery: RecoverySettings = field(default_factory=RecoverySettings)
     fresh_s: float = 0.3
+    people_m: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,6 +75,7 @@ class Senses:
     image: tuple[Image, Pose2] | None = None
     plan: Plan | None = None
     speed_at: SpeedAt | None = None
+    grid: OccupancyGrid | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,6 +110,7 @@ class Pilot:
         self._costmap = LocalCostmap(self.footprint, description.height_m, self._settings.costmap)
         self._scan_stamp: float | None = None
         self._scan: LaserScan | None = None
+        self._scan_from = Pose2()
         self._laser_O: tuple[float, NDArray[np.float64]] | None = None
         self._depth = DepthWatch() if depth else None
         self._sent = (0.0, 0.0)
@@ -166,7 +171,7 @@ class Pilot:
     def _see(self, senses: Senses) -> None:
         if senses.scan is not None:
             scan, begin, _ = senses.scan
-            self._scan, self._scan_stamp = scan, scan.stamp
+            self._scan, self._scan_stamp, self._scan_from = scan, scan.stamp, begin
             if self.things is not None:
                 self._laser_O = scan.stamp, _points(scan, begin)
         if senses.image is not None and self._depth is not None:
@@ -178,10 +183,17 @@ class Pilot:
             self.things.felt(_moved(self._touch.newest, senses.X_MO), senses.now)
 
     def _known(self, senses: Senses) -> NDArray[np.float64] | None:
-        """What is remembered around the body, m in ``odom``; as a last resort the way is tried without it."""
-        if self.things is None or senses.X_MO is None or self._follower.opened_up:
+        """What is remembered around the body, and room beside people, m in ``odom``; as a last resort the way is tried
+        without."""
+        if senses.X_MO is None or self._follower.opened_up:
             return None
-        return self.things.near(senses.X_MO, senses.motion.pose, 0.5 * self._settings.costmap.memory_m)
+        known = np.empty((0, 2))
+        if self.things is not None:
+            known = self.things.near(senses.X_MO, senses.motion.pose, 0.5 * self._settings.costmap.memory_m)
+        if self._settings.people_m > 0.0 and self._scan is not None and senses.grid is not None:
+            room = beside(self._scan, self._scan_from, senses.X_MO, senses.grid, self._settings.people_m)
+            known = np.concatenate((known, room))
+        return known
 
     def _all_things(self) -> NDArray[np.float64]:
         if self.things is not None and self.things.version != self._things_version:
