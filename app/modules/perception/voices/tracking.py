@@ -30,9 +30,10 @@ class TrackerSettings:
     the room's and the others' and moves nothing. An echo only ever follows: again and again, within ``trial_s`` of its
     birth and then within ``trust_s`` of sound, a track must be ``proof_share`` of the strongest or, for ``proof_steps``
     steps, louder than ``proof_loud`` of each other's level; until it is, it is not told of. The share it needs is the
-    first for what is no copy of others (``proof_echo``, mean over ``echo_s``) and the second for what is. Nor is one
+    larger, the more it is a copy of others (``proof_echo``, mean over ``echo_s``). Nor is one
     told of that is silent for longer than ``told_s`` and ``told_heard`` times as long as it was heard, or than
-    ``told_moving_s`` if it moved by more than ``moving_degps``: it keeps its number, for when it is heard again. One
+    ``told_moving_s`` if it moved by more than ``moving_degps``, or than ``hidden_s`` within ``hidden_deg`` of one that
+    sounds: it keeps its number, for when it is heard again. One
     that falls silent as another begins within ``replaced_deg`` ends once that one was heard for ``replaced_s``.
     ``jerk_degps``: how much a source's angular velocity may change in one second (standard deviation, random walk);
     ``rest_s``: how soon a silent one is supposed to have stopped. ``error_deg``: of a peak of good power. ``lag_s``:
@@ -65,17 +66,19 @@ class TrackerSettings:
     hold_s: float = 1.5
     sure_level: float = 0.3
     sure_share: float = 0.18
+    hidden_s: float = 0.5
+    hidden_deg: float = 30.0
     replaced_s: float = 0.2
     replaced_deg: float = 35.0
     trust_s: float = 2.5
     echo_s: float = 0.5
     told_s: float = 0.2
     told_heard: float = 0.8
-    told_moving_s: float = 1.2
+    told_moving_s: float = 1.5
     moving_degps: float = 5.0
     trial_s: float = 0.85
-    proof_share: tuple[float, float] = (0.38, 0.6)
-    proof_echo: tuple[float, float] = (0.35, 0.5)
+    proof_share: tuple[float, ...] = (0.25, 0.38, 0.6)
+    proof_echo: tuple[float, ...] = (0.15, 0.35, 0.5)
     proof_loud: float = 0.7
     proof_power: float = 0.04
     proof_steps: int = 2
@@ -135,7 +138,7 @@ class _Source:
     level: float = 0.0
     pace: float = 0.0
     unproven_s: float = 0.0
-    echo: float = 0.0
+    echo: float = 0.35
     proven: bool = False
 
 
@@ -205,7 +208,20 @@ class Tracker:
         moving = math.degrees(source.pace) > settings.moving_degps
         longest = settings.told_moving_s if moving else settings.silence_s
         longest = min(longest, settings.told_s + settings.told_heard * source.heard_s)
-        return bool(source.id) and trusted and time_s - source.last_sure <= longest
+        silent = time_s - source.last_sure
+        return bool(source.id) and trusted and silent <= longest and not self._hidden(source, silent, time_s)
+
+    def _hidden(self, source: _Source, silent: float, time_s: float) -> bool:
+        """Whether it is silent beside another that sounds: what is left where two passed one another."""
+        settings = self.settings
+        return silent > settings.hidden_s and any(
+            other.id
+            and other is not source
+            and other.proven
+            and time_s - other.last_sure < settings.active_s
+            and angle_deg(other.motion.direction, source.motion.direction) < settings.hidden_deg
+            for other in self._sources
+        )
 
     def _prove(self) -> None:
         settings = self.settings

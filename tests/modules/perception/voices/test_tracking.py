@@ -56,9 +56,9 @@ def test_a_weak_one_must_go_on_longer_and_an_echo_never_becomes_one() -> None:
 
 
 def with_second(powers: tuple[float, float], recents: tuple[float, float]) -> Peaks:
-    """A strong peak at 30 degrees and another at 150."""
+    """A strong peak at 30 degrees and another at 150, which may be its echo or not."""
     directions = np.array([unit(30), unit(150)])
-    return Peaks(directions, np.array(powers), np.array(recents), np.zeros(2), directions)
+    return Peaks(directions, np.array(powers), np.array(recents), np.array([0.0, 0.4]), directions)
 
 
 @settings(max_examples=10, deadline=None)
