@@ -22,6 +22,8 @@ TURN_RADPS, HEAD_RADPS = math.radians(110), math.radians(140)
 HEAD_YAW, HEAD_PITCH = math.radians(65), math.radians(20)
 CLAP_RAISE_S = 0.35
 REACHED_M = 0.004
+BACK_M, BACK_S = 1.0, 5.0
+"""Who gives way to the robot goes back so far along the way they came, and tries again after so long."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +57,11 @@ class Actor:
         self._claps: list[float] = []
         self._now = 0.0
         self.waiting_for_robot = False
+        self._came: tuple[float, float] = config.at
+        self._waited_s = 0.0
+        self._back: tuple[float, float] | None = None
+        self._back_until = 0.0
+        self._going: tuple[float, float] = config.at
 
     @property
     def posture(self) -> Posture:
@@ -106,18 +113,20 @@ class Actor:
             step = self.config.script[self._step]
             if self._since is None:
                 self._since = now
+                self._came, self._back = (self.x, self.y), None
                 happenings += self._begin(step, now)
             look = step.look
             if not self._finished(step, now, X_WB):
                 if step.walk is not None:
-                    wanted_speed = self._steer(step, dt, X_WB, before)
+                    self._going = self._place_to_go(step.walk, dt, now)
+                    wanted_speed = self._steer(self._going, step.speed, dt, X_WB, before)
                 break
             self._next()
         change = ACCELERATION_MPS2 * dt
         braking = 3 * change  # one stops quicker than one sets off
         self.speed += min(max(wanted_speed - self.speed, -braking), change)
-        if self.speed > 0 and not self._done and (target := self.config.script[self._step].walk) is not None:
-            happenings += self._walk(target, dt, now)
+        if self.speed > 0 and not self._done and self.config.script[self._step].walk is not None:
+            happenings += self._walk(self._going, dt, now)
         else:
             self.speed = 0.0
         self._stride += min(max(min(1.0, self.speed / 1.3) - self._stride, -3 * dt), 3 * dt)
@@ -153,10 +162,26 @@ class Actor:
             self._step = 0
             self._done = not self.config.repeat
 
-    def _steer(self, step: StepConfig, dt: float, X_WB: Pose2, before: Sequence[Actor]) -> float:
-        """Turn towards the step's point; return the speed to walk at now."""
-        assert step.walk is not None
-        dx, dy = step.walk[0] - self.x, step.walk[1] - self.y
+    def _place_to_go(self, walk: tuple[float, float], dt: float, now: float) -> tuple[float, float]:
+        """The step's point ``walk``, or a place back along the way they came, for who gives way to the robot."""
+        if self._back is not None and now < self._back_until:
+            return self._back
+        self._back = None
+        self._waited_s = self._waited_s + dt if self.waiting_for_robot else 0.0
+        way = math.dist(self._came, (self.x, self.y))
+        patience = self.config.gives_way_s
+        if patience is None or self._waited_s < patience or way < 0.2:
+            return walk
+        share = min(1.0, BACK_M / way)
+        self._back = (self.x + share * (self._came[0] - self.x), self.y + share * (self._came[1] - self.y))
+        self._back_until, self._waited_s = now + BACK_S, 0.0
+        return self._back
+
+    def _steer(
+        self, place: tuple[float, float], speed: float, dt: float, X_WB: Pose2, before: Sequence[Actor]
+    ) -> float:
+        """Turn towards ``place``; return the speed to walk at now, ``speed`` at most."""
+        dx, dy = place[0] - self.x, place[1] - self.y
         left = math.hypot(dx, dy)
         direction = math.atan2(dy, dx)
         error = wrap_angle(direction - self.heading)
@@ -167,7 +192,7 @@ class Actor:
             return 0.0
         if any(self._in_the_way(direction, (other.x, other.y), ahead=0.9, aside=0.45) for other in before):
             return 0.0
-        return min(step.speed, math.sqrt(2 * ACCELERATION_MPS2 * left) + 0.02)
+        return min(speed, math.sqrt(2 * ACCELERATION_MPS2 * left) + 0.02)
 
     def _in_the_way(self, direction: float, other: tuple[float, float], ahead: float, aside: float) -> bool:
         dx, dy = other[0] - self.x, other[1] - self.y

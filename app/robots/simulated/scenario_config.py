@@ -80,7 +80,8 @@ class StepConfig(_Model):
 class PersonConfig(_Model):
     """One person: looks, place at the start, and a ``script`` gone through once, or again and again (``repeat``).
 
-    Without ``height_m`` the height is drawn from the scenario's seed.
+    Without ``height_m`` the height is drawn from the scenario's seed. Who has waited for the robot to get out of their
+    way for ``gives_way_s`` goes back a metre the way they came, and tries again after a while; None: they wait.
     """
 
     name: Annotated[str, Field(min_length=1, max_length=40)]
@@ -93,6 +94,7 @@ class PersonConfig(_Model):
     shoes: Color = (38, 30, 26)
     script: tuple[StepConfig, ...] = ()
     repeat: bool = True
+    gives_way_s: Positive | None = None
 
     @field_validator("face")
     @classmethod

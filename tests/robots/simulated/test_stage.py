@@ -83,6 +83,22 @@ def test_a_person_waits_before_the_robot_and_goes_on_when_it_is_gone() -> None:
     assert walk.people[0].x == pytest.approx(6.0, abs=0.02)
 
 
+def test_who_gives_way_goes_back_the_way_they_came_and_tries_again() -> None:
+    walk = stage(person(script=[{"walk": (6, 0), "speed": 1.2}], repeat=False, gives_way_s=4))
+    robot = Pose2(3.0, 0.1, math.pi)
+    xs = []
+    for i in range(1, 1400):
+        walk.advance(i * 0.01, robot)
+        xs.append(walk.people[0].x)
+    stopped = xs[500]
+    assert stopped == pytest.approx(1.9, abs=0.15)
+    assert min(xs[800:1000]) == pytest.approx(stopped - 1.0, abs=0.1), "a metre back"
+    assert xs[-1] == pytest.approx(stopped, abs=0.1), "there again, and waiting"
+    for i in range(1400, 2600):
+        walk.advance(i * 0.01, AWAY)
+    assert walk.people[0].x == pytest.approx(6.0, abs=0.02)
+
+
 def test_passing_beside_the_robot_is_no_reason_to_wait() -> None:
     walk = stage(person(script=[{"walk": (6, 0), "speed": 1.2}], repeat=False))
     walk.advance(7.0, Pose2(3.0, 0.8, 0.0))
