@@ -223,9 +223,12 @@ def cached(recipe: Recipe, positions: NDArray[np.float64], speech: Path) -> Scen
         return Scene(name, RATE, positions, samples, stored["alone"].astype(np.float32), talkers)
 
 
-def recipes(cast: Cast, talkers: int, rt60_s: float, snr_db: float, count: int, walking: bool = False) -> list[Recipe]:
-    """``count`` scenes of one kind. Seeds: 1000 (tuning) or 2000 (held out) and on."""
-    first = 1000 if cast is TUNING else 2000
+def recipes(
+    cast: Cast, talkers: int, rt60_s: float, snr_db: float, count: int, walking: bool = False, first: int | None = None
+) -> list[Recipe]:
+    """``count`` scenes of one kind. Seeds from ``first`` on; else from 1000 (tuning) or 2000 (held out)."""
+    if first is None:
+        first = 1000 if cast is TUNING else 2000
     duration = 10.0 if walking else 6.0
     return [Recipe(cast.name, talkers, rt60_s, snr_db, walking, first + k, duration) for k in range(count)]
 

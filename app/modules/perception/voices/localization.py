@@ -36,6 +36,8 @@ _NEAR = float(np.cos(np.radians(8.0)))
 _LONGEST_STEP = float(np.radians(4.0))
 #: What is nearer to a peak (cosine of 20 degrees) than a lobe's width, and so much weaker, is a side lobe of it.
 _LOBE, _LOBE_SHARE = float(np.cos(np.radians(20.0))), 0.6
+#: A point of the grid has at least this share of the maximum beside it.
+_GRID_SHARE = 0.35
 #: How much later than its source a first reflection comes, as far as frames and beams can tell (s).
 _REFLECTION_S = (0.0008, 0.012)
 #: A mean over sound from an array that turned by this (rad, time constant) is too smeared to search.
@@ -196,9 +198,9 @@ class Localizer:
         frames = np.stack([sound[k * hop : k * hop + settings.frame].T for k in range(settings.frames)])
         self.spectra = fft.rfft(frames * self.window, axis=-1)
         spectra = self.spectra[:, :, self._band]
-        sizes = np.abs(spectra)
-        phases = spectra / (sizes + np.float32(_SMALL))
-        powers = (sizes * sizes).mean(axis=1)
+        squares = spectra.real**2 + spectra.imag**2
+        phases = spectra / (np.sqrt(squares) + np.float32(_SMALL))
+        powers = squares.mean(axis=1)
         heard = [(self._clarity.weigh(power), self._clarity.background, self._clarity.quiet) for power in powers]
         weights = np.stack([weight for weight, _, _ in heard])
         still = np.stack([weight * background for weight, background, _ in heard])
@@ -258,10 +260,13 @@ class Localizer:
         beams: list[NDArray[np.complex64]] = []
         for number in range(self.settings.sources):
             correlation = self._correlation(cross)
-            response = correlation[self._cells].sum(axis=0)
-            start = self.grid[int(response.argmax())]
-            direction, power = self._climb(correlation, start[None], 1)
-            if power[0] < max(self.settings.least_power, self.settings.least_share * max(powers, default=0.0)):
+            response = correlation.take(self._cells, mode="clip").sum(axis=0)
+            best = int(response.argmax())
+            least = max(self.settings.least_power, self.settings.least_share * max(powers, default=0.0))
+            if response[best] < _GRID_SHARE * least * pairs:
+                break
+            direction, power = self._climb(correlation, self.grid[best][None], 1)
+            if power[0] < least:
                 break
             steering = self._steer(direction)
             copies = [
@@ -336,7 +341,8 @@ class Localizer:
                 meant = np.where(nearness.max(axis=1) > _NEAR, nearness.argmax(axis=1), -1)
             known = meant >= 0
             # What the caller expects is the better start, where it and the search mean the same source.
-            new = np.setdiff1d(np.arange(len(starts)), meant)
+            taken = set(meant.tolist())
+            new = [k for k in range(len(starts)) if k not in taken]
             of_expected = np.where(known, np.append(powers, 0)[meant], 0)
             powers = np.concatenate([of_expected, powers[new]])
             echoes = np.concatenate([np.where(known, np.append(echoes, 0)[meant], 0), echoes[new]])

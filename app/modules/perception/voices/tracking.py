@@ -264,6 +264,8 @@ class Tracker:
             for k, power in enumerate(peaks.powers)
             if power >= settings.keep_power or peaks.recent[k] >= settings.sure_power
         ]
+        if len(loud) < 2:
+            return loud
         azimuths = np.degrees(np.arctan2(peaks.directions[:, 1], peaks.directions[:, 0]))
         elevations = np.degrees(np.arcsin(np.clip(peaks.directions[:, 2], -1, 1)))
 
