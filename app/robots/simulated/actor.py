@@ -24,6 +24,8 @@ CLAP_RAISE_S = 0.35
 REACHED_M = 0.004
 BACK_M, BACK_S = 1.0, 5.0
 """Who gives way to the robot goes back so far along the way they came, and tries again after so long."""
+ALMOST_THERE_M = 0.4
+"""Nearer than that to where a walk began, going back there makes no room."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +59,7 @@ class Actor:
         self._claps: list[float] = []
         self._now = 0.0
         self.waiting_for_robot = False
-        self._came: tuple[float, float] = config.at
+        self._came = (config.at, config.at)
         self._waited_s = 0.0
         self._back: tuple[float, float] | None = None
         self._back_until = 0.0
@@ -113,7 +115,9 @@ class Actor:
             step = self.config.script[self._step]
             if self._since is None:
                 self._since = now
-                self._came, self._back = (self.x, self.y), None
+                if math.dist(self._came[-1], (self.x, self.y)) > ALMOST_THERE_M:
+                    self._came = (self._came[-1], (self.x, self.y))
+                self._back = None
                 happenings += self._begin(step, now)
             look = step.look
             if not self._finished(step, now, X_WB):
@@ -168,12 +172,16 @@ class Actor:
             return self._back
         self._back = None
         self._waited_s = self._waited_s + dt if self.waiting_for_robot else 0.0
-        way = math.dist(self._came, (self.x, self.y))
         patience = self.config.gives_way_s
-        if patience is None or self._waited_s < patience or way < 0.2:
+        if patience is None or self._waited_s < patience:
+            return walk
+        before, last = self._came  # from the last turn, or, just round that, from the one before
+        came = last if math.dist(last, (self.x, self.y)) > ALMOST_THERE_M else before
+        way = math.dist(came, (self.x, self.y))
+        if way < ALMOST_THERE_M:
             return walk
         share = min(1.0, BACK_M / way)
-        self._back = (self.x + share * (self._came[0] - self.x), self.y + share * (self._came[1] - self.y))
+        self._back = (self.x + share * (came[0] - self.x), self.y + share * (came[1] - self.y))
         self._back_until, self._waited_s = now + BACK_S, 0.0
         return self._back
 

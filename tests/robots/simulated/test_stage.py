@@ -99,6 +99,16 @@ def test_who_gives_way_goes_back_the_way_they_came_and_tries_again() -> None:
     assert walk.people[0].x == pytest.approx(6.0, abs=0.02)
 
 
+def test_who_has_just_turned_a_corner_gives_way_round_it() -> None:
+    script = [{"walk": (3, 0), "speed": 1.2}, {"walk": (3, 6), "speed": 1.2}]
+    walk = stage(person(script=script, repeat=False, gives_way_s=4))
+    robot, least = Pose2(3.0, 1.2, 0.0), math.inf
+    for i in range(1, 1300):
+        walk.advance(i * 0.01, robot)
+        least = min(least, walk.people[0].x) if i > 600 else least
+    assert least == pytest.approx(2.0, abs=0.15)
+
+
 def test_passing_beside_the_robot_is_no_reason_to_wait() -> None:
     walk = stage(person(script=[{"walk": (6, 0), "speed": 1.2}], repeat=False))
     walk.advance(7.0, Pose2(3.0, 0.8, 0.0))

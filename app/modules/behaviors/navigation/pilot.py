@@ -183,12 +183,12 @@ class Pilot:
             self.things.felt(_moved(self._touch.newest, senses.X_MO), senses.now)
 
     def _known(self, senses: Senses) -> NDArray[np.float64] | None:
-        """What is remembered around the body, and room beside people, m in ``odom``; as a last resort the way is tried
-        without."""
-        if senses.X_MO is None or self._follower.opened_up:
+        """What is remembered around the body, without which the way is tried as a last resort, and room beside people;
+        m in ``odom``."""
+        if senses.X_MO is None:
             return None
         known = np.empty((0, 2))
-        if self.things is not None:
+        if self.things is not None and not self._follower.opened_up:
             known = self.things.near(senses.X_MO, senses.motion.pose, 0.5 * self._settings.costmap.memory_m)
         if self._settings.people_m > 0.0 and self._scan is not None and senses.grid is not None:
             room = beside(self._scan, self._scan_from, senses.X_MO, senses.grid, self._settings.people_m)
