@@ -45,6 +45,8 @@ _LEAST_ACROSS = 3.0
 _WRONG_M = 0.12
 _WRONG_PER_RAD = 2.0
 _AFTER_KEYFRAMES = 60
+#: ... but no sooner than after one keyframe for so many that there are: the larger the graph, the longer it takes.
+_KEYFRAMES_A_KEYFRAME = 400
 #: Keyframes that are too many are looked for so often (keyframes).
 _PRUNE_EVERY = 16
 #: How far the robot may be turned (rad), and how much more per metre that it may be off.
@@ -128,8 +130,11 @@ class LoopJob:
             edges = list(cut.edges)
         memory.unsettled += len(found)
         poses = None
-        late = newest - memory.optimized_at > _AFTER_KEYFRAMES
-        if memory.unsettled and (self.settle or (found and (memory.wrong_m > _WRONG_M or late))):
+        since = newest - memory.optimized_at
+        due = since > _AFTER_KEYFRAMES or (
+            memory.wrong_m > _WRONG_M and since * _KEYFRAMES_A_KEYFRAME >= len(self.poses)
+        )
+        if memory.unsettled and (self.settle or due):
             left = {id: pose for id, pose in self.poses.items() if cut is None or id not in cut.replaced}
             poses = self._corrected(left, edges)
             memory.optimized_at = newest
@@ -155,7 +160,7 @@ class LoopJob:
         return cut
 
     def _corrected(self, poses: Mapping[int, Pose2], edges: list[Edge]) -> Mapping[int, Pose2]:
-        found = self.optimize(graph_arrays(poses, edges))
+        found = self.optimize(graph_arrays(poses, edges, self.memory.optimized_at))
         return {id: Pose2(float(x), float(y), float(theta)) for id, (x, y, theta) in zip(poses, found, strict=True)}
 
     def _loops_of(self, id: int) -> list[Edge]:

@@ -26,7 +26,8 @@ class GraphArrays:
     """A graph as arrays, which another process can be given.
 
     ``poses`` (N, 3) float64 x, y, theta; of edge e, ``ends`` (E, 2) int64 rows of ``poses``, ``measured`` (E, 3) pose
-    of the second in the first, ``information`` (E, 6) and ``loops`` (E,) bool as in :class:`Edge`.
+    of the second in the first, ``information`` (E, 6) and ``loops`` (E,) bool as in :class:`Edge`. ``fresh``
+    (E,) bool: loops that no correction has judged yet.
     """
 
     poses: NDArray[np.float64]
@@ -34,14 +35,15 @@ class GraphArrays:
     measured: NDArray[np.float64]
     information: NDArray[np.float64]
     loops: NDArray[np.bool_]
+    fresh: NDArray[np.bool_]
 
 
 #: What corrects a graph: its poses (N, 3), the first unmoved.
 Optimize = Callable[[GraphArrays], NDArray[np.float64]]
 
 
-def graph_arrays(poses: Mapping[int, Pose2], edges: Sequence[Edge]) -> GraphArrays:
-    """``poses`` by id, in their order, and the ``edges`` between them."""
+def graph_arrays(poses: Mapping[int, Pose2], edges: Sequence[Edge], judged: int = -1) -> GraphArrays:
+    """``poses`` by id, in their order, and the ``edges`` between them; loops up to keyframe ``judged`` are old."""
     rows = {id: row for row, id in enumerate(poses)}
     return GraphArrays(
         poses=np.array([(p.x, p.y, p.theta) for p in poses.values()], dtype=np.float64).reshape(-1, 3),
@@ -49,6 +51,7 @@ def graph_arrays(poses: Mapping[int, Pose2], edges: Sequence[Edge]) -> GraphArra
         measured=np.array([(e.X_ab.x, e.X_ab.y, e.X_ab.theta) for e in edges], dtype=np.float64).reshape(-1, 3),
         information=np.array([e.information for e in edges], dtype=np.float64).reshape(-1, 6),
         loops=np.array([e.loop for e in edges], dtype=np.bool_),
+        fresh=np.array([e.loop and max(e.a, e.b) > judged for e in edges], dtype=np.bool_),
     )
 
 
@@ -66,8 +69,8 @@ def optimized(graph: GraphArrays) -> NDArray[np.float64]:
 
 
 def _farthest_sigmas(graph: GraphArrays) -> float:
-    """How many standard deviations the worst loop is off."""
-    loops = graph.loops
+    """How many standard deviations the worst fresh loop is off."""
+    loops = graph.fresh
     if not loops.any():
         return 0.0
     found = between(graph.poses[graph.ends[loops, 0]], graph.poses[graph.ends[loops, 1]])
