@@ -22,8 +22,8 @@ The thesis calls a frame of 512 samples a loud noise where its energy is more th
 - *One noise, one event.* A noise begins where a frame is loud and lasts while frames stay above a quarter of that; the
   next can begin only ``hold_off`` frames after its end. And nobody judges before a background is known.
 
-Only ratios of energies are compared: scaling the whole sound changes nothing as long as its background stays above
-``floor / ratio``.
+But for the floor and what is far above it, only ratios of energies are compared: scaling the whole sound changes
+nothing else as long as its background stays above ``floor / ratio``.
 """
 
 from __future__ import annotations
