@@ -46,7 +46,7 @@ _WRONG_M = 0.12
 _WRONG_PER_RAD = 2.0
 _AFTER_KEYFRAMES = 60
 #: ... but no sooner than after one keyframe for so many that there are: the larger the graph, the longer it takes.
-_KEYFRAMES_A_KEYFRAME = 400
+_KEYFRAMES_A_KEYFRAME = 200
 #: Keyframes that are too many are looked for so often (keyframes).
 _PRUNE_EVERY = 16
 #: How far the robot may be turned (rad), and how much more per metre that it may be off.

@@ -98,7 +98,7 @@ def _solved(graph: GraphArrays, poses: NDArray[np.float64], soft_sigmas: float) 
         model = noise.Robust.Create(soft, sure) if loop else sure
         factors.add(gtsam.BetweenFactorPose2(a, b, gtsam.Pose2(*X_ab), model))
     parameters = gtsam.LevenbergMarquardtParams()
-    parameters.setMaxIterations(20)
+    parameters.setMaxIterations(8)
     parameters.setRelativeErrorTol(1e-4)
     parameters.setAbsoluteErrorTol(1e-4)
     result = gtsam.LevenbergMarquardtOptimizer(factors, values, parameters).optimize()
