@@ -64,6 +64,7 @@ async def _drive(seconds: float, *, one_core: bool) -> tuple[list[float], list[f
             commands.append(time.monotonic())
 
         async with system:
+            await system.supervisor.started()
             be_punctual()
             if one_core:
                 await asyncio.to_thread(_confine, os.getpid(), {min(cores)})

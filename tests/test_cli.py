@@ -35,7 +35,8 @@ def test_each_command_explains_itself(command: str, capsys: pytest.CaptureFixtur
 
 def test_linear_algebra_computes_in_the_calling_thread_unless_told_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("OPENBLAS_NUM_THREADS", "3")
-    monkeypatch.delenv("MKL_NUM_THREADS", raising=False)
+    monkeypatch.setenv("MKL_NUM_THREADS", "")  # so that it is put back
+    monkeypatch.delenv("MKL_NUM_THREADS")
     with pytest.raises(SystemExit):
         cli.main(["--version"])
     assert (os.environ["OPENBLAS_NUM_THREADS"], os.environ["MKL_NUM_THREADS"]) == ("3", "1")

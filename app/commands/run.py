@@ -21,10 +21,12 @@ from urllib.parse import quote
 
 from app import logs
 from app.commands.body import add_body_options, chosen
+from app.runtime.punctual import be_punctual
 
 if TYPE_CHECKING:
     from app.config import Configuration
     from app.robots.factory import Body
+    from app.system import System
 
 #: Everything has stopped by then, or is made to.
 STOP_WITHIN_S = 2.0
@@ -103,7 +105,6 @@ async def _live(
     from app.console.server import address_of, serve
     from app.robots.factory import create_link
     from app.runtime.clock import RealClock
-    from app.runtime.punctual import be_punctual
     from app.system import System
 
     cv2.setNumThreads(1)  # modules have their own threads; OpenCV's pool would only fight them for the cores
@@ -115,7 +116,7 @@ async def _live(
     system = System(configuration, link=create_link(body, clock.offset), body=body, clock=clock)
     app = create_app(system, token=token, host=host)  # takes long enough to be felt by who drives
     async with system:
-        be_punctual()
+        settling = asyncio.create_task(_settle(system), name="settling")
         console = asyncio.create_task(serve(app, host, port, listener=listener, started=announce), name="console")
         failure = asyncio.create_task(system.wait_failed(), name="body's failure")
         try:
@@ -125,9 +126,14 @@ async def _live(
             await console
         finally:
             log.info("stopping")
-            console.cancel()
-            failure.cancel()
-            await asyncio.gather(console, failure, return_exceptions=True)
+            for task in (console, failure, settling):
+                task.cancel()
+            await asyncio.gather(console, failure, settling, return_exceptions=True)
+
+
+async def _settle(system: System) -> None:
+    await system.supervisor.started()
+    be_punctual()
 
 
 def announcer(what: str, host: str, port: int, token: str | None, *, open_browser: bool) -> Callable[[str], None]:

@@ -9,6 +9,7 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 
 from app.attention.desires import Source
+from app.errors import ConfigError
 from app.experiments.lockstep import PATIENCE_S
 from app.experiments.observation import Observer, Outcome
 from app.experiments.script import Waypoint, drive_script, load_script
@@ -94,15 +95,17 @@ async def _run(
 async def _unhurried(system: System) -> AsyncIterator[None]:
     """Hold virtual time up for what is recorded, and have the file closed before the end."""
     modules = (slot.module for slot in system.graph.modules.values())
-    recorder = next(module for module in modules if isinstance(module, Recorder))
+    recorder = next((module for module in modules if isinstance(module, Recorder)), None)
+    if recorder is None:
+        raise ConfigError("this program has no Recorder: nothing can be recorded", system.config.program_document.file)
     waiting = asyncio.create_task(wait_for_disk(recorder, system.clock))
     try:
         yield
-    finally:
         for desire in system.workspace.desires():
             if desire.cls == RECORD:
                 system.workspace.remove(desire.id)
         await system.translator.settled()
         while recorder.writing:
             await asyncio.to_thread(time.sleep, _LOOK_S)
+    finally:
         waiting.cancel()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -31,9 +30,10 @@ class Pace:
         self.simulated_s += simulated_s
 
     def told(self, left: int) -> str:
-        """How long ``left`` more may take, and how fast the worlds turn; both of the time since it began."""
+        """How long ``left`` more may take, and how fast the worlds turn, by the goals done since it began: one at
+        least."""
         passed_s = max(self.now - self.began, 1e-3)
-        minutes = left * passed_s / self.count / 60 if self.count else math.nan
+        minutes = left * passed_s / self.count / 60
         return f"about {minutes:.0f} min left, {self.simulated_s / passed_s:.1f} simulated s a second"
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import deque
 
 RATE_WINDOW_S = 1.0
-LONGEST_WAIT_S = 0.25
-"""Under the half second after which the guard takes a silent sensor for a broken one."""
+LONGEST_WAIT_S = 0.15
+"""Half of what makes a scan too old to drive by, so that scans are not."""
 
 
 class Pacer:
@@ -59,7 +59,9 @@ class Pacer:
         self._since_anchor += 1
 
     def wait_s(self, now: float, steps: int) -> float:
-        """Seconds until ``steps`` more steps are due."""
+        """Seconds until ``steps`` more steps are due, or while time stands until it is to be looked at again."""
+        if self._waits_since is not None and now - self._waits_since < LONGEST_WAIT_S:
+            return steps * self._step_s
         return max(0.0, self.stamp + steps * self._step_s - now)
 
     def rate(self, now: float) -> float:

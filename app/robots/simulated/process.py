@@ -21,7 +21,6 @@ def main(arguments: list[str]) -> int:
         ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
     if parent != os.getppid():
         return 0
-    sys.setswitchinterval(0.001)  # the control loop is not to wait 5 ms for the camera's thread
 
     from app.robots.simulated.serve import serve  # only now, so that the lines above hold from the first moment
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import select
 import signal
 import socket
@@ -13,6 +12,7 @@ from app.errors import ConfigError
 from app.robots.simulated.gl import GlUnavailable, check_gl
 from app.robots.simulated.lenses import picture_formats
 from app.robots.simulated.wire import Ready, Socket, Start
+from app.runtime.punctual import be_punctual
 
 
 def serve(link_descriptor: int, memory_descriptor: int) -> int:
@@ -35,8 +35,7 @@ def serve(link_descriptor: int, memory_descriptor: int) -> int:
     except (ConfigError, GlUnavailable) as failure:
         return _refuse(str(failure))
     signal.signal(signal.SIGTERM, lambda *_: loop.end())
-    gc.collect()
-    gc.freeze()  # the world stays: later collections need not look at it again
+    be_punctual()
     sock.send(Ready(setup_s=time.monotonic() - began))
     loop.run()
     return 0

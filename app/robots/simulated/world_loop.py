@@ -15,6 +15,7 @@ from collections.abc import Iterator
 
 from app.robots.simulated import wire
 from app.robots.simulated.acoustics.client import Acoustics
+from app.robots.simulated.acoustics.soundscape import SCENES_HZ
 from app.robots.simulated.body import TIMESTEP_S
 from app.robots.simulated.camera import CameraThread
 from app.robots.simulated.guard_log import GuardLog
@@ -24,7 +25,6 @@ from app.robots.simulated.living_world import STEPS_PER_TURN, LivingWorld, Sched
 from app.robots.simulated.pacer import Pacer
 
 _CAMERA_SETUP_S = 20.0
-_SCENES_HZ = 100.0
 _NICENESS = -5
 
 
@@ -49,7 +49,7 @@ class WorldLoop:
             self._camera = CameraThread(model, streams, rings, self._living.eye_rngs, self._wake)
             self._camera.wait_ready(_CAMERA_SETUP_S)
         self._acoustics: Acoustics | None = None
-        self._scenes = Schedule(_SCENES_HZ)
+        self._scenes = Schedule(SCENES_HZ)
         if streams.microphones is not None:
             wheels = (robot.base.left_wheel_joint, robot.base.right_wheel_joint)
             acoustics = self._acoustics = Acoustics(

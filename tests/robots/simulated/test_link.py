@@ -115,11 +115,13 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
         statuses: list[LinkStatus] = listener.messages["status"][marks["status"] + 20 :]
         world_rate = float(np.mean([status.world_rate for status in statuses]))
         assert 0.05 < world_rate < 1.2  # a busy computer slows the world down, and all alike
+        if os.getloadavg()[0] < 1.5:
+            assert world_rate == pytest.approx(1.0, abs=0.02)
         for name, description in link.description.streams.items():
             if name == "status":
                 continue
             rate = (len(listener.messages[name]) - marks[name]) / (wall * world_rate)
-            # A computer so busy that a picture takes a quarter of a second loses some.
+            # A computer so busy that a picture takes 0.15 s loses some.
             low = 0.15 if name in ("kinect", "imv", "microphones") and world_rate < 0.9 else 0.8
             assert low * description.rate_hz <= rate <= 1.2 * description.rate_hz + 1, name
         rows = await asyncio.to_thread(read_guard_log, guard_log)

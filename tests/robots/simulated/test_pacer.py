@@ -57,21 +57,23 @@ def test_who_waits_for_a_picture_makes_up_for_a_little() -> None:
     pacer = Pacer(0.0, STEP)
     turn(pacer, 0.02)
     assert pacer.waits(0.03, missing=True)
-    assert pacer.waits(0.2, missing=True)
-    assert not pacer.waits(0.2, missing=False)
-    assert pacer.stamp == pytest.approx(0.15)
+    assert pacer.waits(0.12, missing=True)
+    assert pacer.wait_s(0.12, 2) == pytest.approx(2 * STEP)
+    assert not pacer.waits(0.12, missing=False)
+    assert pacer.stamp == pytest.approx(0.07)
+    assert pacer.wait_s(0.12, 2) == 0.0
 
 
 def test_nobody_waits_for_ever() -> None:
     pacer = Pacer(0.0, STEP)
     assert pacer.waits(1.0, missing=True)
-    assert not pacer.waits(1.0 + LONGEST_WAIT_S, missing=True)
+    assert not pacer.waits(1.01 + LONGEST_WAIT_S, missing=True)
     assert not pacer.waits(5.0, missing=True)
     assert not pacer.waits(5.1, missing=False)
     assert pacer.waits(5.2, missing=True)  # for the next one, again
 
 
-@given(st.lists(st.integers(1, 40), min_size=1, max_size=100))
+@given(st.lists(st.integers(1, 36), min_size=1, max_size=100))
 def test_pictures_keep_their_rate_in_the_worlds_time(drawing: list[int]) -> None:
     """Each picture takes so many turns of 4 ms; one is due every 66 ms of the world's time."""
     pacer, schedule, now, busy_until = Pacer(0.0, STEP), Schedule(15.0), 0.0, 0.0
