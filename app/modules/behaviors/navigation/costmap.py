@@ -168,7 +168,8 @@ class LocalCostmap:
 
     def around(self, X_OB: Pose2, stamp: float, known: NDArray[np.float64] | None = None) -> Surroundings:
         """What stands around the robot at ``stamp``, not before the newest message; the middle is within a cell
-        of ``X_OB``. Something stands at ``known`` (N, 2), m in ``odom``, as well, seen or not."""
+        of ``X_OB``. Something stands at ``known`` (N, 2), m in ``odom``, as well, seen or not, but never where the body
+        itself stands: what it is in already would count for the nearest, and nothing else keep it from moving."""
         from app.modules.behaviors.navigation.rays import standing
 
         self._roll(X_OB)
@@ -181,6 +182,7 @@ class LocalCostmap:
         if known is not None and len(known):
             at = np.floor((known - frame[:2]) / s.resolution_m).astype(np.int64)
             at = at[((at >= 0) & (at < self._side)).all(axis=1)]
+            at = at[~self._in_body((at + 0.5) * s.resolution_m + frame[:2], X_OB)]
             free[at[:, 1], at[:, 0]] = 0
         distance = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
         resolution, size = s.resolution_m, round(s.size_m / s.resolution_m)
@@ -202,6 +204,13 @@ class LocalCostmap:
             (float(frame[0]), float(frame[1])),
             self._side * resolution,
         )
+
+    def _in_body(self, points: NDArray[np.float64], X_OB: Pose2) -> NDArray[np.bool_]:
+        """Which of ``points`` (N, 2), m in ``odom``, lie within the body at ``X_OB``, or too near for its clearance."""
+        beside = points - np.array([X_OB.x, X_OB.y])
+        c, s = math.cos(X_OB.theta), math.sin(X_OB.theta)
+        reach = (beside @ np.array([[c, -s], [s, c]])) @ self._edges[:, :2].T
+        return np.asarray((reach <= self._edges[:, 2] + self.settings.resolution_m).all(axis=1))
 
     def _roll(self, X_OB: Pose2) -> None:
         """Keep the robot near the grid's middle."""

@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+import pytest
 
 from app.geometry import CameraModel, Pose2
 from app.messages import Image
+from app.modules.behaviors.navigation.follower import Goal
+from app.modules.behaviors.navigation.goals import Plan
 from app.modules.behaviors.navigation.motion import Motion
-from app.modules.behaviors.navigation.pilot import Pilot, Senses
+from app.modules.behaviors.navigation.pilot import Pilot, PilotSettings, Senses
 
-from ..driven_world import DrivenLink
-from .boxes import CAMERA, World, looking
+from ..driven_world import DrivenLink, box, mapped
+from .boxes import CAMERA, Box, World, looking
 
 EYE = looking(0.0, 1.38)
 #: Lower than the laser; the wall behind is not.
 WORLD = World(((3.0, -0.2, 3.3, 0.2, 0.0, 0.22), (5.0, -3.0, 5.2, 3.0, 0.0, 2.5)))
 X_MO = Pose2(2.0, 1.0, 0.3)
+EMPTY = mapped(box(-5.0, -5.0, 5.0, 5.0), (-6.0, -6.0, 12.0, 12.0))
 
 
 def senses(stamp: float, pose: Pose2, *, look: bool, problem: str = "") -> Senses:
@@ -62,3 +68,72 @@ def test_nothing_is_learned_without_knowing_where() -> None:
     here = pilot()
     drive_up(here, problem="it looks for itself on the map")
     assert not len(here.cycle(senses(300.0, Pose2(2.2, 0.0, 1.5), look=False), 0.1).things)
+
+
+def shins(gap_m: float) -> tuple[Box, ...]:
+    """Two shins before the body's front edge, which is at 0.25 m."""
+    x = 0.25 + gap_m
+    return ((x, 0.03, x + 0.1, 0.13, 0.0, 1.7), (x, -0.13, x + 0.1, -0.03, 0.0, 1.7))
+
+
+def clearance_m(pose: Pose2, boxes: tuple[Box, ...]) -> float:
+    """How far the hull, 0.5 m square, is from boxes beside it; under zero where it is in one."""
+    least = math.inf
+    for x0, y0, x1, y1, *_ in boxes:
+        x, y = np.meshgrid(np.linspace(x0, x1, 21) - pose.x, np.linspace(y0, y1, 21) - pose.y)
+        c, s = math.cos(pose.theta), math.sin(pose.theta)
+        least = min(least, float((np.maximum(np.abs(c * x + s * y), np.abs(c * y - s * x)) - 0.25).min()))
+    return least
+
+
+def drive(pilot: Pilot, world: World, to: tuple[float, float], cycles: int) -> list[Pose2]:
+    """Where the body goes that follows a straight way exactly as commanded, ``odom`` being the map."""
+    goal = Goal(Pose2(*to, math.nan))
+    x, y = (np.linspace(0.0, end, 60) for end in to)
+    poses = np.stack((x, y, np.full(60, math.atan2(to[1], to[0]))), axis=1)
+    plan: Plan | None = Plan("way", "", poses, goal.pose, math.hypot(*to))
+    here, linear, angular = [Pose2()], 0.0, 0.0
+    for k in range(cycles):
+        at, now = here[-1], 0.1 * k
+        scan = (world.scan(now, at), at, at)
+        told = pilot.cycle(
+            Senses(now, Motion(at, linear, angular), Pose2(), "", goal, scan, None, plan, None, EMPTY), 0.1
+        )
+        plan, linear, angular = None, told.step.linear_mps, told.step.angular_radps
+        middle = at.theta + 0.05 * angular
+        step = 0.1 * linear
+        here.append(Pose2(at.x + step * math.cos(middle), at.y + step * math.sin(middle), at.theta + 0.1 * angular))
+    return here
+
+
+@pytest.mark.parametrize(("gap_m", "people_m"), [(0.05, 0.1), (0.08, 0.18)])
+def test_room_beside_people_that_the_body_stands_in_does_not_let_it_turn_into_their_legs(
+    gap_m: float, people_m: float
+) -> None:
+    here = Pilot(DrivenLink().description, "pursuit", PilotSettings(people_m=people_m), depth=False)
+    way = drive(here, World(shins(gap_m)), (0.0, 3.0), 20)
+    assert min(clearance_m(pose, shins(gap_m)) for pose in way) > 0.03
+
+
+@pytest.mark.parametrize("inside_m", [0.01, 0.03])
+def test_what_is_remembered_within_the_body_does_not_let_it_turn_into_legs(inside_m: float) -> None:
+    here = seeing_no_depth()
+    assert here.things is not None
+    here.things.felt(np.array([[0.25 - inside_m, y] for y in (-0.1, -0.05, 0.0, 0.05, 0.1)]), 0.0)
+    way = drive(here, World(shins(0.05)), (0.0, 3.0), 20)
+    assert min(clearance_m(pose, shins(0.05)) for pose in way) > 0.03
+
+
+def test_what_is_remembered_before_the_body_stops_it_however_thin() -> None:
+    here = seeing_no_depth()
+    assert here.things is not None
+    here.things.felt(np.array([[0.62, y] for y in np.arange(-3.0, 3.0, 0.05)]), 0.0)
+    way = drive(here, World(()), (3.0, 0.0), 60)
+    assert 0.2 < max(pose.x for pose in way) < 0.35
+
+
+def seeing_no_depth() -> Pilot:
+    """It remembers, and drives by its laser."""
+    here = Pilot(DrivenLink().description, "pursuit", depth=True)
+    here._depth = None
+    return here
