@@ -68,6 +68,8 @@ class ThingsMemory:
         reach = (normals * footprint.corners).sum(axis=1)
         self._itself = np.column_stack((normals, reach))
         self._inside = np.column_stack((normals, reach - _UNSURE_M))
+        #: Grows with every change of what is kept, also to another map's.
+        self.version = 0
         self.forget()
 
     def forget(self) -> None:
@@ -78,8 +80,7 @@ class ThingsMemory:
         self._kept = np.zeros((_TILE, _TILE), dtype=np.bool_)
         self._epoch: float | None = None
         self._looked_at = -math.inf
-        #: Grows with every change of what is kept.
-        self.version = 0
+        self.version += 1
 
     @property
     def points(self) -> NDArray[np.float64]:
@@ -184,7 +185,6 @@ class ThingsMemory:
             self._first[rows, columns] = self._last[rows, columns] = 0
             self._bands[rows, columns] = bands
             self._kept[rows, columns] = True
-        self.version += 1
 
     def _middles(self, which: NDArray[np.bool_], row: int, column: int) -> NDArray[np.float64]:
         rows, columns = np.nonzero(which)

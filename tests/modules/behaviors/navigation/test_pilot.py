@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +11,9 @@ import pytest
 from app.geometry import CameraModel, Pose2
 from app.messages import Image
 from app.modules.behaviors.navigation.follower import Goal
+from app.modules.behaviors.navigation.footprint import Footprint
 from app.modules.behaviors.navigation.goals import Plan
+from app.modules.behaviors.navigation.memory import ThingsMemory
 from app.modules.behaviors.navigation.motion import Motion
 from app.modules.behaviors.navigation.pilot import Pilot, PilotSettings, Senses
 
@@ -137,3 +140,18 @@ def seeing_no_depth() -> Pilot:
     here = Pilot(DrivenLink().description, "pursuit", depth=True)
     here._depth = None
     return here
+
+
+def test_whoever_plans_is_told_what_is_kept_with_another_map_though_it_changed_as_often(tmp_path: Path) -> None:
+    for name, x in (("a", 1.0), ("b", 2.0)):
+        things = ThingsMemory(Footprint.of(DrivenLink().description), 1.4)
+        things.felt(np.array([[x, 2.0]]), 1.0)
+        things.save(tmp_path / name)
+    here = seeing_no_depth()
+    assert here.things is not None
+    for name, x in (("a", 1.0), ("b", 2.0)):
+        here.things.load(tmp_path / name)
+        told = here.cycle(Senses(0.0, Motion(Pose2(), 0.0, 0.0), Pose2(), "", None), 0.1)
+        assert told.things == pytest.approx(np.array([[x, 2.0]]), abs=0.05)
+    here.things.forget()
+    assert not len(here.cycle(Senses(0.1, Motion(Pose2(), 0.0, 0.0), Pose2(), "", None), 0.1).things)
