@@ -119,7 +119,19 @@ def test_it_is_kept_in_a_file_and_what_is_none_is_told(tmp_path: Path) -> None:
 
 def test_a_year_of_uptime_loses_nothing() -> None:
     things = memory()
-    look(things, World((BOX,)), approach(-1.0, 0.8))
+    look(things, World((BOX,)), approach(-0.6, 0.4))
     count = about(things, 3.0, 0.0)
-    look(things, World((BOX,)), [Pose2(2.0, 0.0, 0.0)] * 3, 3.2e7)
+    assert count
+    look(things, World((BOX,)), [Pose2(2.0, 0.0, 0.0)] * 2, 3.2e7)
     assert about(things, 3.0, 0.0) == count
+
+
+def test_it_costs_no_more_far_from_the_maps_origin_nor_in_a_large_building() -> None:
+    things = memory()
+    far = np.array([2.0e4, 3.0e4])
+    things.felt(np.array([far, [0.0, 0.0]]), 1.0)
+    stamp = look(things, World(()), [Pose2(*(far + 1.0), 0.0)], 2.0)
+    look(things, World(()), [Pose2(0.0, 100.0, 0.0)], stamp)
+    assert things.cells_held < 10 * 64**2
+    assert about(things, *far) == 1
+    assert about(things, 0.0, 0.0) == 1

@@ -1,0 +1,127 @@
+"""A grid without an edge, of tiles: what it costs grows with what is kept and with where the robot is, with no map."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+#: When a cell was never hit, in its ms.
+NEVER = -(2**30)
+#: Cells along a tile's side.
+TILE = 64
+
+#: The first row, the row after the last, the first column, the column after the last.
+Box = tuple[int, int, int, int]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cells:
+    """Cells of a rectangle, (rows, columns) each: when each was hit ``first`` and ``last`` (int32, ms), in which
+    ``bands`` of height (uint16, a bit each), and whether it is ``kept`` (bool)."""
+
+    first: NDArray[np.int32]
+    last: NDArray[np.int32]
+    bands: NDArray[np.uint16]
+    kept: NDArray[np.bool_]
+
+    @staticmethod
+    def empty(rows: int, columns: int) -> Cells:
+        """Never hit."""
+        shape = (rows, columns)
+        return Cells(
+            np.full(shape, NEVER, dtype=np.int32), np.full(shape, NEVER, dtype=np.int32),
+            np.zeros(shape, dtype=np.uint16), np.zeros(shape, dtype=np.bool_),
+        )  # fmt: skip
+
+
+class Tiles:
+    """Cells by row and column, which may be negative. Those that are kept stay; others, while they are looked at."""
+
+    def __init__(self) -> None:
+        self._tiles: dict[tuple[int, int], Cells] = {}
+        #: Row and column (N, 2) int64 of the kept cells of those tiles that have any.
+        self._kept: dict[tuple[int, int], NDArray[np.int64]] = {}
+
+    def __len__(self) -> int:
+        return len(self._tiles)
+
+    def read(self, box: Box) -> Cells:
+        """A copy of the cells in ``box``."""
+        out = Cells.empty(box[1] - box[0], box[3] - box[2])
+        for key, inside, part in _parts(box):
+            if (tile := self._tiles.get(key)) is not None:
+                out.first[part], out.last[part] = tile.first[inside], tile.last[inside]
+                out.bands[part], out.kept[part] = tile.bands[inside], tile.kept[inside]
+        return out
+
+    def write(self, box: Box, cells: Cells) -> None:
+        """``cells`` are in ``box`` now. What lies in other tiles and is not kept is gone: it was hit too long ago."""
+        seen = set()
+        for key, inside, part in _parts(box):
+            seen.add(key)
+            tile = self._tiles.get(key)
+            if tile is None:
+                if (cells.last[part] == NEVER).all():
+                    continue
+                tile = self._tiles[key] = Cells.empty(TILE, TILE)
+            changed = (tile.kept[inside] != cells.kept[part]).any()
+            tile.first[inside], tile.last[inside] = cells.first[part], cells.last[part]
+            tile.bands[inside], tile.kept[inside] = cells.bands[part], cells.kept[part]
+            if changed:
+                self._note(key, tile)
+        for key in [key for key in self._tiles if key not in seen and key not in self._kept]:
+            del self._tiles[key]
+
+    def keep(self, cells: NDArray[np.int64], bands: NDArray[np.uint16], stamp: int) -> None:
+        """Keep ``cells`` (N, 2), row and column, as hit at ``stamp`` in ``bands`` (N,) too."""
+        tiles = cells // TILE
+        for i, j in np.unique(tiles, axis=0).tolist():
+            tile = self._tiles.setdefault((i, j), Cells.empty(TILE, TILE))
+            here = (tiles == (i, j)).all(axis=1)
+            rows, columns = (cells[here] - np.array([i, j]) * TILE).T
+            tile.first[rows, columns] = tile.last[rows, columns] = stamp
+            np.bitwise_or.at(tile.bands, (rows, columns), bands[here])
+            tile.kept[rows, columns] = True
+            self._note((i, j), tile)
+
+    def count_anew(self) -> None:
+        """What is kept was hit at 0, all else never."""
+        for tile in self._tiles.values():
+            tile.first[:] = tile.last[:] = np.where(tile.kept, 0, NEVER)
+
+    def kept(self, box: Box | None = None) -> NDArray[np.int64]:
+        """Row and column (N, 2) int64 of the cells that are kept, in ``box`` or anywhere."""
+        if box is None:
+            parts = [self._kept[key] for key in sorted(self._kept)]
+            return np.concatenate(parts) if parts else np.empty((0, 2), dtype=np.int64)
+        parts = [self._kept[key] for key, _, _ in _parts(box) if key in self._kept]
+        if not parts:
+            return np.empty((0, 2), dtype=np.int64)
+        cells = np.concatenate(parts)
+        return cells[((cells >= box[::2]) & (cells < box[1::2])).all(axis=1)]
+
+    def bands(self) -> NDArray[np.uint16]:
+        """The bands (N,) of all cells that are kept, in the order of :meth:`kept`."""
+        parts = [self._tiles[key].bands[self._tiles[key].kept] for key in sorted(self._kept)]
+        return np.concatenate(parts) if parts else np.empty(0, dtype=np.uint16)
+
+    def _note(self, key: tuple[int, int], tile: Cells) -> None:
+        cells = np.argwhere(tile.kept) + np.array(key) * TILE
+        if len(cells):
+            self._kept[key] = cells
+        else:
+            self._kept.pop(key, None)
+
+
+def _parts(box: Box) -> Iterator[tuple[tuple[int, int], tuple[slice, slice], tuple[slice, slice]]]:
+    """Each tile that ``box`` reaches into: its key, what of it is in the box, and where in the box that is."""
+    r0, r1, c0, c1 = box
+    for i in range(r0 // TILE, -(-r1 // TILE)):
+        for j in range(c0 // TILE, -(-c1 // TILE)):
+            top, bottom = max(r0, i * TILE), min(r1, (i + 1) * TILE)
+            left, right = max(c0, j * TILE), min(c1, (j + 1) * TILE)
+            inside = slice(top - i * TILE, bottom - i * TILE), slice(left - j * TILE, right - j * TILE)
+            yield (i, j), inside, (slice(top - r0, bottom - r0), slice(left - c0, right - c0))
