@@ -12,8 +12,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
-from zipfile import BadZipFile
 
 import cv2
 import numpy as np
@@ -22,6 +20,7 @@ from numpy.typing import NDArray
 from app.geometry import CameraModel, Pose2
 from app.messages import Image
 from app.modules.behaviors.navigation.footprint import Footprint
+from app.modules.behaviors.navigation.things_file import Things
 from app.modules.behaviors.navigation.tiles import NEVER, TILE, Box, Cells, Tiles
 
 #: Times are kept in ms of 32 bits, counted anew after this long (s).
@@ -30,11 +29,6 @@ _COUNTED_S = 1e6
 _UNSURE_M = 0.04
 #: The bands of height (of 16) that something felt by the base is taken to stand at.
 _FELT_BANDS = 0b111
-_VERSION = 1
-
-
-class UnreadableMemory(ValueError):
-    """What was kept with the map is damaged, or of another version."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,33 +138,15 @@ class ThingsMemory:
         self._tiles.keep(cells, np.full(len(cells), _FELT_BANDS, dtype=np.uint16), now)
         self.version += 1
 
-    def save(self, file: Path) -> None:
-        """Write what is kept (NumPy's npz). Raises OSError."""
-        cells = self._tiles.kept().astype(np.int32)
-        with file.open("wb") as out:
-            np.savez_compressed(
-                out, version=_VERSION, resolution_m=self.settings.resolution_m, cells=cells,
-                bands=self._tiles.bands(),
-            )  # fmt: skip
+    def snapshot(self) -> Things:
+        """What is kept."""
+        return Things(self._tiles.kept(), self._tiles.bands())
 
-    def load(self, file: Path) -> None:
-        """Take what was kept with a map in place of what is known; nothing where there is no file.
-
-        Raises UnreadableMemory, and OSError; then nothing has changed.
-        """
-        cells, bands = np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.uint16)
-        if file.exists():
-            try:
-                with file.open("rb") as data, np.load(data, allow_pickle=False) as kept:
-                    version, resolution = int(kept["version"]), float(kept["resolution_m"])
-                    cells, bands = kept["cells"].astype(np.int64).reshape(-1, 2), kept["bands"].astype(np.uint16)
-            except (ValueError, KeyError, EOFError, TypeError, BadZipFile) as damage:
-                raise UnreadableMemory(f"{file} is damaged: {damage}") from None
-            if version != _VERSION or resolution != self.settings.resolution_m or len(cells) != len(bands):
-                raise UnreadableMemory(f"{file} is of another version")
+    def take(self, things: Things) -> None:
+        """Take what was kept with a map in place of what is known."""
         self.forget()
-        if len(cells):
-            self._tiles.keep(cells, bands, 0)
+        if len(things.cells):
+            self._tiles.keep(things.cells, things.bands, 0)
 
     def _middles(self, cells: NDArray[np.int64]) -> NDArray[np.float64]:
         return np.asarray((cells[:, ::-1] + 0.5) * self.settings.resolution_m)

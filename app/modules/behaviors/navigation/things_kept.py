@@ -10,7 +10,8 @@ from typing import Any
 from app.errors import ConfigError
 from app.maps.control import MapControl, MapUnavailable
 from app.maps.library import MapLibrary, UnknownMap
-from app.modules.behaviors.navigation.memory import ThingsMemory, UnreadableMemory
+from app.modules.behaviors.navigation.memory import ThingsMemory
+from app.modules.behaviors.navigation.things_file import read_things, write_things
 
 THINGS = "things.npz"
 
@@ -49,7 +50,7 @@ class ThingsKept:
         """Take what was kept; what is damaged is said, and the map is used without."""
         try:
             await self._compute(self._load, name)
-        except (OSError, UnreadableMemory) as failure:
+        except ConfigError as failure:
             self._log.warning("low things on the map %s are not known: %s", name, failure)
             await self.forget()
 
@@ -60,9 +61,9 @@ class ThingsKept:
     def _save(self, name: str) -> None:
         file = self._library.existing(name) / THINGS
         new = file.with_name(f".{THINGS}.new")
-        self._things.save(new)
+        write_things(new, self._things.snapshot(), self._things.settings.resolution_m)
         new.replace(file)
 
     def _load(self, name: str) -> None:
         file: Path = self._library.existing(name) / THINGS
-        self._things.load(file)
+        self._things.take(read_things(file, self._things.settings.resolution_m))

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from app.geometry import Pose2
-from app.modules.behaviors.navigation.memory import MemorySettings, ThingsMemory, UnreadableMemory
+from app.modules.behaviors.navigation.memory import MemorySettings, ThingsMemory
+from app.modules.behaviors.navigation.things_file import Things
 
 from .boxes import World, looking
 from .maps import ROUND
@@ -100,20 +100,15 @@ def test_what_was_felt_is_kept_and_where_the_body_stands_nothing_is() -> None:
     assert about(things, 1.3, 1.1, 0.1) == 0
 
 
-def test_it_is_kept_in_a_file_and_what_is_none_is_told(tmp_path: Path) -> None:
-    things, file = memory(), tmp_path / "things.npz"
+def test_what_was_kept_counts_until_seen_to_be_gone() -> None:
+    things, other = memory(), memory()
     stamp = look(things, World((BOX,)), approach(-1.0, 0.8))
-    things.save(file)
-    other = memory()
-    other.load(file)
+    other.take(things.snapshot())
+    assert len(other.points)
     assert (other.points == things.points).all()
     look(other, World(()), approach(-1.0, -0.6), stamp)
     assert not len(other.points), "what was loaded is seen to be gone as well"
-    file.write_bytes(b"PK\x03\x04 broken")
-    with pytest.raises(UnreadableMemory, match=r"things\.npz"):
-        things.load(file)
-    assert len(things.points)
-    things.load(tmp_path / "none.npz")
+    things.take(Things.none())
     assert not len(things.points)
 
 
