@@ -56,6 +56,14 @@ def wait_fast(robot: Robot) -> None:
     raise AssertionError("the wheels were never fast")
 
 
+def wait_odometry(robot: Robot, page: Page, there: Callable[[dict[str, float]], bool]) -> None:
+    """Until odometry is as it is to be: on a busy computer the simulated world is slower than the page's time."""
+    end = time.monotonic() + 20
+    while not there(robot.odometry()):
+        assert time.monotonic() < end, "the robot did not get there"
+        page.wait_for_timeout(50)
+
+
 def braking_begins(robot: Robot, after: float) -> float:
     """Monotonic time of the first row after ``after`` that is slower than the one before it."""
     rows = [row for row in robot.wheels() if row.monotonic_s >= after]
@@ -66,30 +74,30 @@ def braking_begins(robot: Robot, after: float) -> float:
 
 
 def test_held_key_drives_and_release_stops(robot: Robot, page: Page) -> None:
-    """Forward for two seconds by a held key, then still: the odometry tells."""
+    """Forward by a held key, then still: the odometry tells."""
     before = robot.odometry()
+
+    def forward(odometry: dict[str, float]) -> float:
+        return math.hypot(odometry["x"] - before["x"], odometry["y"] - before["y"])
+
     page.keyboard.down("KeyW")
     wait_driving(page)
-    page.wait_for_timeout(2_000)
+    wait_odometry(robot, page, lambda odometry: forward(odometry) > 0.3)
     page.keyboard.up("KeyW")
     wait_for_rest(robot)
-    page.wait_for_timeout(200)
-    after = robot.odometry()
-    forward = math.hypot(after["x"] - before["x"], after["y"] - before["y"])
-    # 0.4 m/s2 up to the page's normal speed of about 0.2 m/s, held for 2 s and a little, and the same slope down.
-    assert 0.3 < forward < 0.9
-    assert after["linear_mps"] == pytest.approx(0.0, abs=0.02)
+    wait_odometry(robot, page, lambda odometry: abs(odometry["linear_mps"]) < 0.02)
+    # From the page's normal speed of about 0.2 m/s at 0.4 m/s2: 0.05 m, and what is driven until the key is seen.
+    assert forward(robot.odometry()) < 0.9
 
 
 def test_turning_left_is_to_the_left(robot: Robot, page: Page) -> None:
     """A turns the heading counter-clockwise and moves nowhere."""
     page.keyboard.down("KeyA")
     wait_driving(page)
-    page.wait_for_timeout(800)
+    wait_odometry(robot, page, lambda odometry: odometry["theta"] > 0.3)
     page.keyboard.up("KeyA")
     wait_for_rest(robot)
     after = robot.odometry()
-    assert after["theta"] > 0.3
     assert math.hypot(after["x"], after["y"]) < 0.1
 
 
