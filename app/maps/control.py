@@ -5,11 +5,16 @@ Other modules may keep something with each map (a ``MapLayer``): what the camera
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import logging
+from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Protocol
 
 from app.geometry import Pose2
 from app.messages import Zone
+
+#: File names, and what writes each.
+Files = Mapping[str, Callable[[Path], None]]
 
 #: The desire class that makes and follows maps.
 SLAM = "SLAM"
@@ -30,8 +35,9 @@ class MapKeeper(Protocol):
         """The name of the map in use; "" while it has none."""
         ...
 
-    async def save(self, name: str) -> None:
-        """Keep the map under ``name``, which it has from then on; an older one of this name is replaced."""
+    async def save(self, name: str, others: Files | None = None) -> None:
+        """Keep the map under ``name``, which it has from then on, and ``others`` with it; an older one of this name is
+        replaced, wholly or not at all. What else was kept with the map in use, under its former name, goes along."""
         ...
 
     async def load(self, name: str, X_MB: Pose2 | None = None, extend: bool = False) -> None:
@@ -59,33 +65,43 @@ class MapKeeper(Protocol):
 
 
 class MapLayer(Protocol):
-    """What another module than the keeper knows of the map in use; all methods are called on the event loop, once the
-    keeper has done the same. Each raises MapUnavailable, in words for people."""
+    """What another module than the keeper knows of the map in use; all methods are called on the event loop."""
 
-    async def save(self, name: str) -> None:
-        """Keep it with the map ``name``, which was just written anew."""
+    async def files(self) -> Files:
+        """What to keep with the map, as it is now."""
         ...
 
     async def load(self, name: str) -> None:
-        """The map ``name`` is in use now: what was kept with it counts, nothing else."""
+        """The map ``name`` is in use now: what was kept with it counts, nothing else.
+
+        Raises MapUnavailable, in words for people, where that is not known.
+        """
         ...
 
     async def forget(self) -> None:
-        """An empty map is in use now."""
+        """A map without a name is in use now, of which nothing is known."""
         ...
 
 
 class MapControl:
     """The one way to the map: a service of the program. The module attaches itself while it lives."""
 
-    def __init__(self) -> None:
+    def __init__(self, log: logging.Logger | None = None) -> None:
         self._keeper: MapKeeper | None = None
-        self._layers: list[MapLayer] = []
+        self._layers = Layers()
+        self._log = log or logging.getLogger(__name__)
 
-    def add(self, layer: MapLayer) -> Callable[[], None]:
-        """Keep ``layer`` with every map; returns what takes it away."""
-        self._layers.append(layer)
-        return lambda: self._layers.remove(layer)
+    async def add(self, layer: MapLayer) -> Callable[[], None]:
+        """Keep ``layer`` with every map, and tell it of the one in use; returns what takes it away."""
+        leave = self._layers.add(layer)
+        if self._keeper is not None:
+            await self._told(self._keeper.name, same=True)
+        return leave
+
+    async def resume(self, name: str, *, same: bool) -> None:
+        """A keeper that is about to attach has the map ``name`` in use; ``same``: its former instance had it too, and
+        who was told of it then knows more than what was kept."""
+        await self._told(name, same=same)
 
     def attach(self, keeper: MapKeeper) -> Callable[[], None]:
         """The keeper is there; returns what detaches it."""
@@ -107,34 +123,89 @@ class MapControl:
         """Whoever keeps the map. Raises MapUnavailable where nobody does."""
         if self._keeper is None:
             raise MapUnavailable("this program makes no maps: SLAM2D does not run")
-        return _Layered(self._keeper, tuple(self._layers)) if self._layers else self._keeper
+        return _Layered(self._keeper, self._layers)
+
+    async def _told(self, name: str, *, same: bool) -> None:
+        try:
+            await self._layers.tell(name, same=same)
+        except MapUnavailable as lack:
+            self._log.warning("%s", lack)
+
+
+class Layers:
+    """All layers, and which map each was told of."""
+
+    def __init__(self) -> None:
+        self._told: dict[MapLayer, str | None] = {}
+
+    def add(self, layer: MapLayer) -> Callable[[], None]:
+        """One more, which was told of none; returns what takes it away."""
+        self._told[layer] = None
+
+        def leave() -> None:
+            self._told.pop(layer, None)
+
+        return leave
+
+    async def tell(self, name: str, *, same: bool) -> None:
+        """Tell all, also those that are added meanwhile, that the map ``name`` is in use ("": it has none); ``same``:
+        not those that were told of it before. Raises what the first raises that cannot, once all are told."""
+        lack: MapUnavailable | None = None
+        if not same:
+            self._told = dict.fromkeys(self._told)
+        while (due := next((layer for layer, told in self._told.items() if told != name), None)) is not None:
+            self._told[due] = name
+            try:
+                await (due.load(name) if name else due.forget())
+            except MapUnavailable as failure:
+                lack = lack or failure
+        if lack is not None:
+            raise lack
+
+    async def files(self, name: str) -> Files:
+        """What those keep that were told of the map ``name``."""
+        files: dict[str, Callable[[Path], None]] = {}
+        for layer in [layer for layer, told in self._told.items() if told == name]:
+            files |= await layer.files()
+        return files
+
+    def call(self, name: str, former: str) -> None:
+        """The map ``former`` has this name from now on."""
+        for layer, told in self._told.items():
+            if told == former:
+                self._told[layer] = name
 
 
 class _Layered:
     """A keeper with layers."""
 
-    def __init__(self, keeper: MapKeeper, layers: tuple[MapLayer, ...]) -> None:
+    def __init__(self, keeper: MapKeeper, layers: Layers) -> None:
         self._keeper = keeper
         self._layers = layers
-        self.place = keeper.place
-        self.search = keeper.search
-        self.mark = keeper.mark
 
     @property
     def name(self) -> str:
         return self._keeper.name
 
-    async def save(self, name: str) -> None:
-        await self._keeper.save(name)
-        for layer in self._layers:
-            await layer.save(name)
+    async def save(self, name: str, others: Files | None = None) -> None:
+        former = self._keeper.name
+        files = {**(others or {}), **await self._layers.files(former)}
+        await self._keeper.save(name, files)
+        self._layers.call(name, former)
 
     async def load(self, name: str, X_MB: Pose2 | None = None, extend: bool = False) -> None:
         await self._keeper.load(name, X_MB, extend)
-        for layer in self._layers:
-            await layer.load(name)
+        await self._layers.tell(name, same=False)
 
     async def begin(self) -> None:
         await self._keeper.begin()
-        for layer in self._layers:
-            await layer.forget()
+        await self._layers.tell("", same=False)
+
+    async def place(self, X_MB: Pose2) -> None:
+        await self._keeper.place(X_MB)
+
+    async def search(self) -> None:
+        await self._keeper.search()
+
+    async def mark(self, zones: tuple[Zone, ...]) -> None:
+        await self._keeper.mark(zones)

@@ -12,7 +12,7 @@ import re
 import shutil
 import tempfile
 import threading
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -139,12 +139,15 @@ class MapLibrary:
         grid: OccupancyGrid,
         zones: Iterable[Zone] = (),
         others: Mapping[str, Callable[[Path], None]] | None = None,
+        former: str = "",
     ) -> None:
         """Keep ``grid`` and ``zones`` as the map ``name``; an older one of this name is replaced, wholly or not at all.
 
-        ``others``: file names and what writes each.
+        ``others``: file names and what writes each. ``former``: the name that this map had before, if any: what
+        somebody else keeps with it goes along.
         """
         path = self.path(name)
+        along = [] if not former else list(_kept_beside(self.path(former), others or {}))
         self.folder.mkdir(parents=True, exist_ok=True)
         new = Path(tempfile.mkdtemp(prefix=".new-", dir=self.folder))
         try:
@@ -152,6 +155,8 @@ class MapLibrary:
             _write(new / ZONES, zones_text(zones).encode())
             for file, write in (others or {}).items():
                 write(new / file)
+            for kept in along:
+                _write(new / kept.name, kept.read_bytes())
             _write(new / MAP, yaml_text(grid, PICTURE).encode())
             new.chmod(0o755)
             old = self.folder / f".{name}.old"
@@ -183,6 +188,15 @@ class MapLibrary:
     def delete(self, name: str) -> None:
         """Delete the map ``name`` with all that is kept with it."""
         shutil.rmtree(self.existing(name))
+
+
+def _kept_beside(folder: Path, others: Container[str]) -> Iterator[Path]:
+    """The files in a map's folder that are neither the map's own nor ``others``."""
+    own = (MAP, PICTURE, ZONES, GRAPH)
+    if folder.is_dir():
+        for file in folder.iterdir():
+            if file.is_file() and not file.name.startswith(".") and file.name not in own and file.name not in others:
+                yield file
 
 
 def _write(path: Path, data: bytes) -> None:

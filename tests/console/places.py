@@ -7,7 +7,7 @@ import asyncio
 import numpy as np
 
 from app.geometry import Pose2
-from app.maps.control import MapUnavailable
+from app.maps.control import Files, MapUnavailable
 from app.maps.library import MapLibrary
 from app.messages import (
     Localization,
@@ -72,9 +72,9 @@ class Keeper:
     def name(self) -> str:
         return self._name
 
-    async def save(self, name: str) -> None:
+    async def save(self, name: str, others: Files | None = None) -> None:
         self._ask("save", name)
-        await asyncio.to_thread(self._library.keep, name, grid(0.0))
+        await asyncio.to_thread(self._library.keep, name, grid(0.0), (), others)
         self._name = name
 
     async def load(self, name: str, X_MB: Pose2 | None = None, extend: bool = False) -> None:

@@ -1,26 +1,141 @@
-"""The one way to the map."""
+"""The one way to the map, and who keeps something with it."""
 
 from __future__ import annotations
 
-from typing import cast
+import asyncio
+from pathlib import Path
 
 import pytest
 
-from app.maps.control import MapControl, MapKeeper, MapUnavailable
+from app.geometry import Pose2
+from app.maps.control import Files, MapControl, MapUnavailable
+from app.messages import Zone
 
 
-class Someone:
-    """Stands for a keeper; nothing of it is called."""
+class Keeper:
+    """Has a map by name, and remembers what was kept with each; a load waits for ``go_on``."""
+
+    def __init__(self, name: str = "") -> None:
+        self.name = name
+        self.kept: dict[str, Files] = {}
+        self.go_on = asyncio.Event()
+        self.go_on.set()
+
+    async def save(self, name: str, others: Files | None = None) -> None:
+        self.kept[name] = others or {}
+        self.name = name
+
+    async def load(self, name: str, X_MB: Pose2 | None = None, extend: bool = False) -> None:
+        await self.go_on.wait()
+        self.name = name
+
+    async def begin(self) -> None:
+        self.name = ""
+
+    async def place(self, X_MB: Pose2) -> None: ...
+
+    async def search(self) -> None: ...
+
+    async def mark(self, zones: tuple[Zone, ...]) -> None: ...
+
+
+class Layer:
+    """Remembers what it was told."""
+
+    def __init__(self, lacks: str = "") -> None:
+        self.told: list[str] = []
+        self._lacks = lacks
+
+    async def files(self) -> Files:
+        return {"layer": lambda path: void(path)}
+
+    async def load(self, name: str) -> None:
+        self.told.append(name)
+        if name == self._lacks:
+            raise MapUnavailable(f"nothing is known of {name}")
+
+    async def forget(self) -> None:
+        self.told.append("")
+
+
+def void(path: Path) -> None:
+    path.touch()
 
 
 def test_nobody_keeps_maps_until_somebody_attaches_and_after_they_left() -> None:
     control = MapControl()
-    first, second = (cast(MapKeeper, Someone()) for _ in range(2))
     with pytest.raises(MapUnavailable, match="makes no maps"):
         _ = control.keeper
-    leave = control.attach(first)
+    leave = control.attach(Keeper("first"))
     assert control.available
-    assert control.keeper is first
-    control.attach(second)
+    assert control.keeper.name == "first"
+    control.attach(Keeper("second"))
     leave()  # the first one's, after a restart: the second stays
-    assert control.keeper is second
+    assert control.keeper.name == "second"
+
+
+async def test_a_layer_is_told_of_the_map_whoever_is_there_first() -> None:
+    control, early, late = MapControl(), Layer(), Layer()
+    await control.add(early)
+    assert early.told == [], "nobody knows yet which map is in use"
+    await control.resume("hall", same=False)
+    control.attach(Keeper("hall"))
+    await control.add(late)
+    assert early.told == late.told == ["hall"]
+
+
+async def test_after_a_restart_on_the_same_map_a_layer_goes_on_and_on_another_it_does_not() -> None:
+    control, layer = MapControl(), Layer()
+    await control.add(layer)
+    for name, same in (("", False), ("", True), ("", False), ("hall", False), ("hall", True), ("attic", True)):
+        await control.resume(name, same=same)
+        leave = control.attach(Keeper(name))
+        leave()
+    assert layer.told == ["", "", "hall", "attic"]
+    late = Layer()
+    await control.add(late)
+    await control.resume("attic", same=True)
+    assert late.told == ["attic"], "who was not there knows nothing of it"
+    assert layer.told[-2:] == ["hall", "attic"]
+
+
+async def test_a_layer_added_while_another_map_is_being_loaded_is_told_of_that_in_the_end() -> None:
+    control, keeper, layer = MapControl(), Keeper("hall"), Layer()
+    control.attach(keeper)
+    keeper.go_on.clear()
+    load = asyncio.create_task(control.keeper.load("attic"))
+    await asyncio.sleep(0)
+    await control.add(layer)
+    keeper.go_on.set()
+    await load
+    assert layer.told == ["hall", "attic"]
+
+
+async def test_what_layers_know_is_written_with_the_map_by_those_that_know_it() -> None:
+    control, keeper, layer = MapControl(), Keeper(), Layer()
+    control.attach(keeper)
+    leave = await control.add(layer)
+    await control.keeper.save("hall")
+    assert list(keeper.kept["hall"]) == ["layer"]
+    await control.keeper.save("hall")
+    assert list(keeper.kept["hall"]) == ["layer"]
+    await control.resume("hall", same=True)
+    assert layer.told == [""], "it has the name that it was kept under"
+    keeper.name = "attic"  # taken into use, and nobody was told yet
+    await control.keeper.save("attic")
+    assert not keeper.kept["attic"], "what it knows is of another map"
+    leave()
+    await control.keeper.save("hall")
+    assert not keeper.kept["hall"]
+
+
+async def test_a_layer_that_lacks_something_holds_up_no_other(caplog: pytest.LogCaptureFixture) -> None:
+    control, one, other = MapControl(), Layer("hall"), Layer()
+    control.attach(Keeper())
+    await control.add(one)
+    await control.add(other)
+    with pytest.raises(MapUnavailable, match="nothing is known of hall"):
+        await control.keeper.load("hall")
+    assert other.told[-1] == "hall"
+    await control.resume("hall", same=False)
+    assert "nothing is known of hall" in caplog.text

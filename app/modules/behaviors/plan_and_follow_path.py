@@ -189,9 +189,8 @@ class PlanAndFollowPath(Module):
             control, library = self.service(MapControl), self.service(MapLibrary)
         except ModuleFailed:
             return  # where no maps are kept, what is remembered lasts as long as the module
-        layer = ThingsKept(things, library, self.compute, self.log)
-        self._leave_map = control.add(layer)
-        await layer.resume(control)
+        layer = ThingsKept(things, library, self.compute, self.compute_behind, self.log)
+        self._leave_map = await control.add(layer)
 
     async def stop(self) -> None:
         """Look for no way any more."""

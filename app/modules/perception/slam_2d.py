@@ -128,10 +128,12 @@ class SLAM2D(Module):
         """Load the kernels, and the map to begin with: the one in use before a restart, or as configured."""
         await self.compute(self._load_kernels)
         keeper = Keeper(self, self.service(MapLibrary))
-        await self._take_first()
+        control = self.service(MapControl)
+        same = await self._take_first()
+        await control.resume(self._name, same=same)
         self._working = asyncio.create_task(self._metered(self._work()), name=f"{self.name}, behind")
         self._working.add_done_callback(self._ended)
-        self._detach = self.service(MapControl).attach(keeper)
+        self._detach = control.attach(keeper)
 
     async def stop(self) -> None:
         """Keep no maps any more."""
@@ -381,8 +383,8 @@ class SLAM2D(Module):
             compiled.make_ready()
         import app.modules.perception.slam.session  # noqa: F401
 
-    async def _take_first(self) -> None:
-        """The map to begin with."""
+    async def _take_first(self) -> bool:
+        """The map to begin with; whether the instance before had it in use."""
         shown, self._told, zones = _last(self.map), _last(self.localization), _last(self.zones)
         self._version = 0 if shown is None else shown.version
         last = Shown(shown, self._told, () if zones is None else zones.zones)
@@ -395,6 +397,7 @@ class SLAM2D(Module):
         if first.stopped:
             self.log.warning("the map grows no more: it failed too soon again; begin another, or load one")
         self.use(first.session, first.name, first.zones)
+        return first.same
 
 
 def _last(output: Output[M]) -> M | None:

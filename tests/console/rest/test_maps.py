@@ -12,6 +12,7 @@ import pytest
 
 from app.console.rest import map_models
 from app.geometry import Pose2
+from app.maps.control import Files
 from app.maps.library import MapLibrary
 from app.system import System
 from tests.console.places import Keeper, localization, zone, zones
@@ -74,9 +75,9 @@ class BusyKeeper(Keeper):
         self.loads, self.loaded = asyncio.Event(), asyncio.Event()
         self._one = asyncio.Lock()
 
-    async def save(self, name: str) -> None:
+    async def save(self, name: str, others: Files | None = None) -> None:
         async with self._one:
-            await super().save(name)
+            await super().save(name, others)
 
     async def load(self, name: str, X_MB: Pose2 | None = None, extend: bool = False) -> None:
         async with self._one:

@@ -2,68 +2,63 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 from collections.abc import Awaitable, Callable
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 from app.errors import ConfigError
-from app.maps.control import MapControl, MapUnavailable
-from app.maps.library import MapLibrary, UnknownMap
+from app.maps.control import Files
+from app.maps.library import MapLibrary
 from app.modules.behaviors.navigation.memory import ThingsMemory
-from app.modules.behaviors.navigation.things_file import read_things, write_things
+from app.modules.behaviors.navigation.things_file import Things, read_things, write_things
 
 THINGS = "things.npz"
 
 
 class ThingsKept:
-    """Implements :class:`app.maps.control.MapLayer` for a memory that one thread uses: ``compute`` calls in it."""
+    """Implements :class:`app.maps.control.MapLayer` for a memory that one thread uses: ``compute`` calls in it, and
+    ``behind`` in another, where the disk may take its time."""
 
     def __init__(
         self,
         things: ThingsMemory,
         library: MapLibrary,
         compute: Callable[..., Awaitable[Any]],
+        behind: Callable[..., Awaitable[Any]],
         log: logging.Logger | logging.LoggerAdapter[logging.Logger],
     ) -> None:
         self._things = things
         self._library = library
         self._compute = compute
+        self._behind = behind
         self._log = log
+        self._one = asyncio.Lock()
 
-    async def resume(self, control: MapControl) -> None:
-        """What was kept with the map in use counts: after a failure, or where the map was there first."""
-        if control.available and control.keeper.name:
-            try:
-                await self.load(control.keeper.name)
-            except UnknownMap:
-                self._log.info("the map in use is not kept any more: nothing is known of low things on it")
-
-    async def save(self, name: str) -> None:
-        """Write it beside the map."""
-        try:
-            await self._compute(self._save, name)
-        except (OSError, ConfigError) as failure:
-            raise MapUnavailable(f"the disk refuses what the camera saw of the map {name!r}: {failure}") from None
+    async def files(self) -> Files:
+        """Its file beside the map's."""
+        async with self._one:
+            things: Things = await self._compute(self._things.snapshot)
+        return {THINGS: partial(write_things, things=things, resolution_m=self._things.settings.resolution_m)}
 
     async def load(self, name: str) -> None:
-        """Take what was kept; what is damaged is said, and the map is used without."""
-        try:
-            await self._compute(self._load, name)
-        except ConfigError as failure:
-            self._log.warning("low things on the map %s are not known: %s", name, failure)
-            await self.forget()
+        """Take what was kept; what is damaged or gone is said, and the map is used without. Raises MapUnavailable where
+        there is no such map."""
+        async with self._one:
+            # Whatever comes of it, this is another map.
+            await self._compute(self._things.forget)
+            try:
+                things = await self._behind(self._read, name)
+            except (ConfigError, OSError) as failure:
+                self._log.warning("low things on the map %s are not known: %s", name, failure)
+                return
+            await self._compute(self._things.take, things)
 
     async def forget(self) -> None:
         """Begin anew."""
-        await self._compute(self._things.forget)
+        async with self._one:
+            await self._compute(self._things.forget)
 
-    def _save(self, name: str) -> None:
-        file = self._library.existing(name) / THINGS
-        new = file.with_name(f".{THINGS}.new")
-        write_things(new, self._things.snapshot(), self._things.settings.resolution_m)
-        new.replace(file)
-
-    def _load(self, name: str) -> None:
-        file: Path = self._library.existing(name) / THINGS
-        self._things.take(read_things(file, self._things.settings.resolution_m))
+    def _read(self, name: str) -> Things:
+        return read_things(self._library.existing(name) / THINGS, self._things.settings.resolution_m)

@@ -75,13 +75,15 @@ class Shown:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class First:
-    """The map to begin with. ``refused``: why a kept one cannot be used; ``stopped``: it grew, and does no more."""
+    """The map to begin with. ``refused``: why a kept one cannot be used; ``stopped``: it grew, and does no more;
+    ``same``: the instance before had it in use."""
 
     session: MapSession
     name: str = ""
     zones: tuple[Zone, ...] = ()
     refused: str = ""
     stopped: bool = False
+    same: bool = False
 
 
 def first_map(
@@ -93,15 +95,18 @@ def first_map(
     name, grows, grown = legacy.name(configured), legacy.grows(extend), legacy.grown()
     if grown is not None and shown.grid is not None:
         # Left once: who fails again before the map grew goes on without what may be the cause.
-        return First(new(KeptMap("", shown.grid, (), grown), shown.X_MO, True), name, shown.zones)
+        return First(new(KeptMap("", shown.grid, (), grown), shown.X_MO, True), name, shown.zones, same=True)
     refused = ""
     if name:
         try:
             kept = kept_map(library, name)
-            return First(new(kept, shown.X_MO, grows and kept.state is not None), name, kept.zones)
+            session = new(kept, shown.X_MO, grows and kept.state is not None)
+            return First(session, name, kept.zones, same=legacy.known())
         except MapUnavailable as refusal:
             refused = str(refusal)
     if shown.grid is not None and shown.place is not None and (shown.grid.cells >= 0).any():
         session = MapSession(shown.grid, grows=False, X_MO=shown.X_MO)
-        return First(session, shown.place.map, shown.zones, refused, stopped=grows and legacy.known())
+        return First(
+            session, shown.place.map, shown.zones, refused, stopped=grows and legacy.known(), same=legacy.known()
+        )
     return First(new(None, None, True), refused=refused)

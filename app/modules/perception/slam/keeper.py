@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from app.geometry import Pose2
@@ -91,7 +92,7 @@ class Keeper:
         """The name of the map in use; "" while it has none."""
         return self._host.map_name
 
-    async def save(self, name: str) -> None:
+    async def save(self, name: str, others: Mapping[str, Callable[[Path], None]] | None = None) -> None:
         """Keep the map under ``name``."""
         from app.modules.perception.slam.session import keep
 
@@ -104,7 +105,9 @@ class Keeper:
             if grid is None or not (grid.cells >= 0).any():
                 raise MapUnavailable("there is nothing to keep yet: let the robot see something with SLAM in force")
             state = await host.compute(session.state)
-            await host.compute_behind(keep, self._library, name, grid, host.known_zones, state)
+            await host.compute_behind(
+                keep, self._library, name, grid, host.known_zones, state, others or {}, host.map_name
+            )
             host.call(name)
 
     async def load(self, name: str, X_MB: Pose2 | None = None, extend: bool = False) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -260,8 +260,17 @@ def look(search: PlaceSearch, scan: LaserScan, X_OB: Pose2) -> tuple[Pose2 | Non
     return search.see(Sighting(points, np.array(view.eye), X_OB)), search.places
 
 
-def keep(library: MapLibrary, name: str, grid: OccupancyGrid, zones: tuple[Zone, ...], state: SlamState | None) -> None:
-    """*Behind.* Keep a map. Raises MapUnavailable, in words, where that cannot be."""
+def keep(
+    library: MapLibrary,
+    name: str,
+    grid: OccupancyGrid,
+    zones: tuple[Zone, ...],
+    state: SlamState | None,
+    others: Mapping[str, Callable[[Path], None]],
+    former: str,
+) -> None:
+    """*Behind.* Keep a map, with ``others`` as in ``MapLibrary.keep``. Raises MapUnavailable, in words, where that
+    cannot be."""
     rows, columns = cropped(grid.cells)
     origin = (
         grid.origin[0] + columns.start * grid.resolution_m,
@@ -276,6 +285,6 @@ def keep(library: MapLibrary, name: str, grid: OccupancyGrid, zones: tuple[Zone,
             os.fsync(file.fileno())
 
     try:
-        library.keep(name, shown, zones, {} if state is None else {GRAPH: write_graph})
+        library.keep(name, shown, zones, {**others, **({} if state is None else {GRAPH: write_graph})}, former)
     except OSError as failure:
         raise MapUnavailable(f"the disk refuses the map {name!r}: {failure.strerror or failure}") from None
