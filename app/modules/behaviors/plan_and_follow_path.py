@@ -277,7 +277,9 @@ class PlanAndFollowPath(Module):
             await self.compute(self._pilot.remember, senses)
 
     async def _look_on(self, now: float) -> None:
-        """Remember what is seen while others drive."""
+        """Remember what is seen while others drive, by a body that sees what is worth it."""
+        if self._pilot.things is None:
+            return
         motion, scan, image = self._poses.motion(now), self._scan_with_poses(), self._image_with_pose()
         if motion is not None and (scan is not None or image is not None):
             senses = Senses(now, motion, self._poses.X_MO, self._poses.problem(now), None, scan, image)
@@ -328,8 +330,14 @@ class PlanAndFollowPath(Module):
 
     def _publish_stop(self, now: float, goal: Goal | None, problem: str) -> None:
         self.twist.publish(Twist(now, 0.0, 0.0))
+        if goal is not None:
+            self._periods.commanded(self.clock.now())
         state = "idle" if goal is None else "waiting"
-        self._teller.tell(NavigationStatus(now, self.name, state, problem, None if goal is None else goal.pose))
+        self._teller.tell(
+            NavigationStatus(
+                now, self.name, state, problem, None if goal is None else goal.pose, period_s=self._periods.longest_s
+            )
+        )
 
     def _forget_way(self, now: float) -> None:
         if self._plan is not None:

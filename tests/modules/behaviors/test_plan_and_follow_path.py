@@ -201,6 +201,16 @@ async def test_scans_that_stop_coming_stop_it() -> None:
 
 
 @in_virtual_time
+async def test_stops_for_want_of_odometry_are_commands_given_in_time() -> None:
+    world = DrivenWorld(HOUSE, Pose2(1.0, 1.0, 0.0))
+    async with Drive(world, x=3.5, y=1.0) as drive:
+        await drive.bench.clock.sleep(1.5)
+        assert len(drain(drive.twists)) > 10
+        assert drive.status.state == "waiting"
+        assert drive.status.period_s == pytest.approx(0.1, abs=0.02)
+
+
+@in_virtual_time
 async def test_while_another_drives_it_is_idle_and_makes_no_excuses() -> None:
     world = DrivenWorld(HOUSE, Pose2(1.0, 1.0, 0.0))
     async with Drive(world, x=3.5, y=1.0) as drive:
