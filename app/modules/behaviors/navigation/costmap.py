@@ -105,6 +105,8 @@ class LocalCostmap:
         self._roll(end)
         R, t = scan.X_BL.rotation, scan.X_BL.translation
         X_BL = Pose2(float(t[0]), float(t[1]), math.atan2(R[1, 0], R[0, 0]))
+        # Mounted upside down, it turns the other way round.
+        way = 1.0 if R[2, 2] >= 0.0 else -1.0
         turn = wrap_angle(end.theta - X_OB.theta)
         begin_L, end_L = X_OB @ X_BL, end @ X_BL
         poses = np.array(
@@ -116,8 +118,8 @@ class LocalCostmap:
         body = np.concatenate(([[X_OB.theta, X_OB.theta + turn, 0.0]], self._itself))
         sweep(
             np.array(scan.ranges, dtype=np.float32),
-            scan.angle_min,
-            scan.angle_increment,
+            way * scan.angle_min,
+            way * scan.angle_increment,
             scan.range_min,
             scan.range_max,
             poses,

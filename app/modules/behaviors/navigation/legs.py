@@ -66,9 +66,8 @@ def unknown_to(grid: OccupancyGrid, points: NDArray[np.float64]) -> NDArray[np.b
 
 def beside(scan: LaserScan, X_OB: Pose2, X_MO: Pose2, grid: OccupancyGrid, room_m: float) -> NDArray[np.float64]:
     """Points (N, 2), m in ``odom``, around each leg that the map does not have, ``room_m`` from its middle."""
-    R, t = scan.X_BL.rotation, scan.X_BL.translation
-    X_OL = X_OB @ Pose2(float(t[0]), float(t[1]), math.atan2(R[1, 0], R[0, 0]))
-    middles = np.array([(at.x, at.y) for at in (X_OL @ Pose2(x, y) for x, y in legs(scan))]).reshape(-1, 2)
+    found = legs(scan)
+    middles = (X_OB.to_pose3() @ scan.X_BL).transform(np.column_stack((found, np.zeros(len(found)))))[:, :2]
     on_map = np.array([(at.x, at.y) for at in (X_MO @ Pose2(x, y) for x, y in middles)]).reshape(-1, 2)
     middles = middles[unknown_to(grid, on_map)]
     turns = np.linspace(0.0, 2.0 * math.pi, _RING, endpoint=False)

@@ -23,6 +23,7 @@ from app.modules.behaviors.navigation.memory import ThingsMemory
 from app.modules.behaviors.navigation.motion import Body, Controller, Field, Motion
 from app.modules.behaviors.navigation.mppi import Mppi, MppiSettings
 from app.modules.behaviors.navigation.recovery import RecoverySettings
+from app.modules.behaviors.navigation.scan_field import points_of
 from app.modules.behaviors.navigation.touch import Touch
 from app.modules.behaviors.navigation.way import SpeedAt
 
@@ -173,7 +174,7 @@ class Pilot:
             scan, begin, _ = senses.scan
             self._scan, self._scan_stamp, self._scan_from = scan, scan.stamp, begin
             if self.things is not None:
-                self._laser_O = scan.stamp, _points(scan, begin)
+                self._laser_O = scan.stamp, points_of(scan, begin)
         if senses.image is not None and self._depth is not None:
             self._depth = watch_depth(self._depth, senses.image[0], self._scan)
 
@@ -213,16 +214,6 @@ class Pilot:
         angular = _between(step.angular_radps, w - angular_radps2 * period_s, w + angular_radps2 * period_s)
         self._sent = (_between(linear, -high, high), _between(angular, -turn, turn))
         return Step(*self._sent, step.state, step.reason, step.clear, step.replan)
-
-
-def _points(scan: LaserScan, X_OB: Pose2) -> NDArray[np.float64]:
-    """What a scan met: points (N, 2), m in ``odom``; its sweep is too short to matter."""
-    met = np.flatnonzero((scan.ranges >= scan.range_min) & (scan.ranges < scan.range_max))
-    angles = scan.angle_min + scan.angle_increment * met
-    ranges = scan.ranges[met].astype(np.float64)
-    R, t = scan.X_BL.rotation, scan.X_BL.translation
-    X_BL = Pose2(float(t[0]), float(t[1]), math.atan2(R[1, 0], R[0, 0]))
-    return _moved(np.stack((ranges * np.cos(angles), ranges * np.sin(angles)), axis=-1), X_OB @ X_BL)
 
 
 def _moved(points: NDArray[np.float64], pose: Pose2) -> NDArray[np.float64]:

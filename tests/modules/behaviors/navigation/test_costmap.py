@@ -1,12 +1,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.geometry import FisheyeModel, Pose2
+from app.geometry import FisheyeModel, Pose2, Pose3
 from app.messages import Image
 from app.modules.behaviors.navigation.costmap import CostmapSettings, LocalCostmap, Surroundings
 
@@ -310,3 +311,19 @@ def test_only_depth_of_a_pinhole_will_do() -> None:
     ):
         with pytest.raises(ValueError, match=f"{image.frame} gives none"):
             costmap().add_depth(image, HERE)
+
+
+def test_a_laser_mounted_upside_down_marks_the_same() -> None:
+    scan = World(((1.5, 0.3, 1.7, 0.6, 0.0, 1.0),)).scan(0.0, Pose2())
+    hung = replace(
+        scan,
+        ranges=scan.ranges[::-1],
+        X_BL=scan.X_BL @ Pose3.from_translation_rpy((0.0, 0.0, 0.0), (math.pi, 0.0, 0.0)),
+    )
+    cells = []
+    for each in (scan, hung):
+        around = costmap()
+        around.add_scan(each, HERE)
+        cells.append(around.around(HERE, 0.0).cells)
+    assert (cells[0] == 100).sum() > 5
+    assert (cells[0] != cells[1]).mean() < 1e-3
