@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -90,6 +91,8 @@ def run(what: GoalsPlan, kept: KeptResults, told: Told, began: Callable[[str], N
         compiled.make_ready()  # before any child wants it
     maps = kept.file.parent / "maps"
     if len(results) < what.count and (kept.moved or not (maps / MAP).is_dir()):
+        # Broken off, the tour must begin anew: what stood there is of another program.
+        shutil.rmtree(maps / MAP, ignore_errors=True)
         maps.mkdir(exist_ok=True)
         for _, leg in TrialSeries(drive, [Tour(what.config, what.tour, maps, what.cameras)], 1):
             began(leg)
