@@ -54,6 +54,11 @@ class Pose2:
             wrap_angle(self.theta + fraction * turn),
         )
 
+    def transform(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Map ``points`` (..., 2) from B to A for this ``X_AB``."""
+        c, s = math.cos(self.theta), math.sin(self.theta)
+        return np.asarray(points @ np.array([[c, s], [-s, c]]) + np.array([self.x, self.y]))
+
     def to_pose3(self) -> Pose3:
         """The same pose in space, in the plane z = 0."""
         return Pose3.from_translation_rpy((self.x, self.y, 0.0), (0.0, 0.0, self.theta))

@@ -77,6 +77,15 @@ def test_the_plane_agrees_with_space(a: Pose2, b: Pose2) -> None:
     assert same3((a @ b).to_pose3(), a.to_pose3() @ b.to_pose3())
 
 
+@given(poses2, points)
+def test_points_of_the_plane_go_where_poses_do(pose: Pose2, found: np.ndarray) -> None:
+    moved = pose.transform(found[:, :2])
+    for (x, y), point in zip(moved, found, strict=True):
+        at = pose @ Pose2(float(point[0]), float(point[1]))
+        assert (at.x, at.y) == pytest.approx((x, y), abs=1e-9)
+    assert pose.transform(found[:0, :2]).shape == (0, 2)
+
+
 @given(poses2, poses2, st.floats(0, 1))
 def test_interpolation_goes_from_one_to_the_other_by_the_shorter_arc(a: Pose2, b: Pose2, fraction: float) -> None:
     assert same2(a.interpolate(b, 0), a)

@@ -67,9 +67,9 @@ def unknown_to(grid: OccupancyGrid, points: NDArray[np.float64]) -> NDArray[np.b
 def beside(scan: LaserScan, X_OB: Pose2, X_MO: Pose2, grid: OccupancyGrid, room_m: float) -> NDArray[np.float64]:
     """Points (N, 2), m in ``odom``, around each leg that the map does not have, ``room_m`` from its middle."""
     found = legs(scan)
-    middles = (X_OB.to_pose3() @ scan.X_BL).transform(np.column_stack((found, np.zeros(len(found)))))[:, :2]
-    on_map = np.array([(at.x, at.y) for at in (X_MO @ Pose2(x, y) for x, y in middles)]).reshape(-1, 2)
-    middles = middles[unknown_to(grid, on_map)]
+    in_space = np.column_stack((found, np.zeros(len(found))))
+    middles = np.asarray((X_OB.to_pose3() @ scan.X_BL).transform(in_space)[:, :2], dtype=np.float64)
+    middles = middles[unknown_to(grid, X_MO.transform(middles))]
     turns = np.linspace(0.0, 2.0 * math.pi, _RING, endpoint=False)
     ring = room_m * np.stack((np.cos(turns), np.sin(turns)), axis=-1)
     return (middles[:, None, :] + ring).reshape(-1, 2)

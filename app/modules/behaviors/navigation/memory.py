@@ -89,7 +89,7 @@ class ThingsMemory:
             return middles
         quarter = 0.25 * self.settings.resolution_m
         corners = np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]]) * quarter
-        return _moved((middles[:, None, :] + corners).reshape(-1, 2), X_MO.inverse())
+        return X_MO.inverse().transform((middles[:, None, :] + corners).reshape(-1, 2))
 
     def look(self, image: Image, X_MB: Pose2, laser: NDArray[np.float64]) -> None:
         """Take a depth picture, the robot being at ``X_MB`` at its stamp; ``laser`` (N, 2): what the laser sees about
@@ -178,11 +178,6 @@ class ThingsMemory:
             self._epoch = stamp - 1.0
             self._tiles.count_anew()
         return round(1000.0 * (stamp - self._epoch))
-
-
-def _moved(points: NDArray[np.float64], pose: Pose2) -> NDArray[np.float64]:
-    c, s = math.cos(pose.theta), math.sin(pose.theta)
-    return np.asarray(points @ np.array([[c, s], [-s, c]]) + np.array([pose.x, pose.y]))
 
 
 def _ms(seconds: float) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -167,7 +166,7 @@ class Pilot:
             return
         stamp, points = self._laser_O
         if abs(image.stamp - stamp) <= self._settings.fresh_s:
-            self.things.look(image, senses.X_MO @ X_OB, _moved(points, senses.X_MO))
+            self.things.look(image, senses.X_MO @ X_OB, senses.X_MO.transform(points))
 
     def _see(self, senses: Senses) -> None:
         if senses.scan is not None:
@@ -181,7 +180,7 @@ class Pilot:
     def _feel(self, senses: Senses) -> None:
         felt = self._touch.feel(senses.now, self._sent[0], senses.motion)
         if felt and self.things is not None and senses.X_MO is not None:
-            self.things.felt(_moved(self._touch.newest, senses.X_MO), senses.now)
+            self.things.felt(senses.X_MO.transform(self._touch.newest), senses.now)
 
     def _known(self, senses: Senses) -> NDArray[np.float64] | None:
         """What is remembered around the body, without which the way is tried as a last resort, and room beside people;
@@ -214,11 +213,6 @@ class Pilot:
         angular = _between(step.angular_radps, w - angular_radps2 * period_s, w + angular_radps2 * period_s)
         self._sent = (_between(linear, -high, high), _between(angular, -turn, turn))
         return Step(*self._sent, step.state, step.reason, step.clear, step.replan)
-
-
-def _moved(points: NDArray[np.float64], pose: Pose2) -> NDArray[np.float64]:
-    c, s = math.cos(pose.theta), math.sin(pose.theta)
-    return np.asarray(points @ np.array([[c, s], [-s, c]]) + np.array([pose.x, pose.y]))
 
 
 def _from(sent: float, measured: float, apart: float) -> float:

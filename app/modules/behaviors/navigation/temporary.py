@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,10 +41,10 @@ def remember(
     """
     old, stamps = known.points, known.stamps
     if len(old):
-        places = _moved(old, X_MO.inverse()) - np.array(around.known_from)
+        places = X_MO.inverse().transform(old) - np.array(around.known_from)
         keep = (stamps >= around.stamp - keep_s) & ~((places >= 0.0) & (places < around.known_m)).all(axis=1)
         old, stamps = old[keep], stamps[keep]
-    new = off_map(_moved(around.obstacles, X_MO), field, on_map_m)
+    new = off_map(X_MO.transform(around.obstacles), field, on_map_m)
     return TemporaryObstacles(np.concatenate((old, new)), np.concatenate((stamps, np.full(len(new), around.stamp))))
 
 
@@ -58,8 +57,3 @@ def off_map(points: NDArray[np.float64], field: CostField, on_map_m: float = 0.1
     cells = cells[field.clearance[cells[:, 0], cells[:, 1]] > on_map_m]
     frame = field.frame
     return np.asarray((cells[:, ::-1] + 0.5) * frame.resolution_m + np.array([frame.x, frame.y]))
-
-
-def _moved(points: NDArray[np.float64], pose: Pose2) -> NDArray[np.float64]:
-    c, s = math.cos(pose.theta), math.sin(pose.theta)
-    return np.asarray(points @ np.array([[c, s], [-s, c]]) + np.array([pose.x, pose.y]))
