@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from app.geometry import Pose2
+from app.modules.behaviors.navigation.kernels import load_kernels
 from app.modules.behaviors.navigation.memory import MemorySettings, ThingsMemory
 from app.modules.behaviors.navigation.things_file import Things
 
@@ -18,6 +19,12 @@ from .maps import ROUND
 EYE = looking(0.0, 1.38)
 #: Lower than the laser, which stands at 0.4 m; a camera at 1.38 m that looks ahead sees it from 3 m on.
 BOX = (3.0, -0.2, 3.3, 0.2, 0.0, 0.22)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _kernels() -> None:
+    """Compiled before, and loaded once: no test's own time."""
+    load_kernels()
 
 
 def memory() -> ThingsMemory:

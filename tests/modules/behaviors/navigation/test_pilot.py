@@ -12,6 +12,7 @@ from app.messages import Image
 from app.modules.behaviors.navigation.follower import Goal
 from app.modules.behaviors.navigation.footprint import Footprint
 from app.modules.behaviors.navigation.goals import Plan
+from app.modules.behaviors.navigation.kernels import load_kernels
 from app.modules.behaviors.navigation.memory import ThingsMemory
 from app.modules.behaviors.navigation.motion import Motion
 from app.modules.behaviors.navigation.pilot import Pilot, PilotSettings, Senses
@@ -24,6 +25,12 @@ EYE = looking(0.0, 1.38)
 WORLD = World(((3.0, -0.2, 3.3, 0.2, 0.0, 0.22), (5.0, -3.0, 5.2, 3.0, 0.0, 2.5)))
 X_MO = Pose2(2.0, 1.0, 0.3)
 EMPTY = mapped(box(-5.0, -5.0, 5.0, 5.0), (-6.0, -6.0, 12.0, 12.0))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _kernels() -> None:
+    """Compiled before, and loaded once: no test's own time."""
+    load_kernels()
 
 
 def senses(stamp: float, pose: Pose2, *, look: bool, problem: str = "") -> Senses:
