@@ -20,7 +20,7 @@ from tests.console.program import build
 ME = Source("operator", "test")
 RUN_S = 6.0
 #: A busy computer may make the world slower, and with it every rate; pictures suffer first.
-LEAST_SHARE = {"kinect": 0.25}
+LEAST_SHARE = {"kinect": 0.25, "imv": 0.25}
 
 needs_gl = pytest.mark.skipif(check_gl() is not None, reason=check_gl() or "")
 
@@ -42,20 +42,24 @@ async def test_the_lab_keeps_its_rates_and_its_budgets(lab: System) -> None:
         await first(system, "point_cloud")
         before = {name: channel.statistics().published for name, channel in system.graph.channels.items()}
         loads: list[Load] = []
+        worlds: list[float] = []
         while len(loads) < RUN_S:
             await system.clock.sleep(1.0)
             loads.append(system.load.latest)
-        status = system.graph.channel("link_status").latest
-        assert isinstance(status, LinkStatus)
+            status = system.graph.channel("link_status").latest
+            assert isinstance(status, LinkStatus)
+            worlds.append(status.world_rate)
+        world_rate = sum(worlds) / len(worlds)
         rates = {
             name: (channel.statistics().published - before[name]) / RUN_S
             for name, channel in system.graph.channels.items()
         }
-        assert 0 < status.world_rate < 1.05
+        assert 0 < world_rate < 1.05
         for name, spec in system.graph.specs.items():
             if spec.rate_hz is not None and system.graph.channels[name].wanted:
                 least = LEAST_SHARE.get(name, 0.6)
-                assert least * spec.rate_hz < rates[name] < 1.2 * spec.rate_hz, name
+                # The world of a busy computer goes slower, and all that is sensed of it with it.
+                assert least * spec.rate_hz * world_rate < rates[name] < 1.2 * spec.rate_hz, name
         for name in ("camera_jpeg", "point_cloud", "qr_codes"):
             assert rates[name] > 0.6 * rates["kinect"], name
         for name, slot in system.graph.modules.items():

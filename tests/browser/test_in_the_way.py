@@ -22,7 +22,7 @@ def test_a_wall_stops_the_robot_and_the_override_crawls(robot: Robot, page: Page
     page.keyboard.up("KeyA")
     page.keyboard.down("KeyW")
     limited = page.locator("[data-testid=limited]")
-    expect(limited).to_have_text(re.compile(r"Stopped: something 0\.\d m"), timeout=30_000)
+    expect(limited).to_have_text(re.compile(r"Stopped: something 0\.\d m"), timeout=60_000)
     assert robot.get("/robot")["guard"]["state"] in ("idle", "driving")
     assert robot.wheels()[-1].linear_mps == 0.0
 

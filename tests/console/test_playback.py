@@ -78,7 +78,7 @@ async def test_it_plays_and_stands_and_the_page_lives_on(replay_url: str, rest: 
             if frame["stamp"] == told["position"]:
                 statuses.append(frame)
         # As many a second as ever, all of one moment, and the guard has not fallen silent.
-        assert time.monotonic() - began < 3.0
+        assert time.monotonic() - began < END - BEGIN
         assert statuses[-1]["guard"]["state"] == "driving"
         assert {source["channel"]: source["state"] for source in statuses[-1]["sources"]}["odometry"] == "live"
         await ann.send("ping", t=7, rtt_ms=None)
@@ -92,7 +92,7 @@ async def test_speed_and_end(replay_url: str, rest: httpx.AsyncClient) -> None:
         began = time.monotonic()
         await patch(rest, playing=True, speed=20)
         ended = await ann.until("playback", lambda m: m["phase"] == "ended")
-        assert time.monotonic() - began < 3.0
+        assert time.monotonic() - began < END - BEGIN
         assert (ended["position"], ended["playing"], ended["speed"]) == (END, False, 20)
         assert (await patch(rest, speed=None))["speed"] is None
         told = await patch(rest, playing=True)

@@ -7,6 +7,8 @@ from collections import deque
 RATE_WINDOW_S = 1.0
 LONGEST_WAIT_S = 0.15
 """Half of what makes a scan too old to drive by, so that scans are not."""
+GO_ON_S = 0.05
+"""Time for a new scan."""
 
 
 class Pacer:
@@ -25,6 +27,7 @@ class Pacer:
         self._waited_s = waited_s
         self._burst = burst
         self._waits_since: float | None = None
+        self._goes_on = 0
         self._anchor = now
         self._steps = 0
         self._since_anchor = 0
@@ -41,14 +44,18 @@ class Pacer:
         return max(0, min(self._burst, int((now - self.stamp) / self._step_s)))
 
     def waits(self, now: float, missing: bool) -> bool:
-        """Whether time stands because something of the world's present is ``missing``: for ``LONGEST_WAIT_S``, then it
-        goes on without."""
+        """Whether time stands, instead of the next step, because something of the world's present is ``missing``: for
+        ``LONGEST_WAIT_S``, then it goes on for ``GO_ON_S`` before it stands again."""
         if not missing:
-            self._waits_since = None
+            self._waits_since, self._goes_on = None, 0
+            return False
+        if self._goes_on:
+            self._goes_on -= 1
             return False
         if self._waits_since is None:
             self._waits_since = now
         if now - self._waits_since >= LONGEST_WAIT_S:
+            self._waits_since, self._goes_on = None, round(GO_ON_S / self._step_s) - 1
             return False
         self._give_up_beyond(self._waited_s, now)
         return True
@@ -60,7 +67,7 @@ class Pacer:
 
     def wait_s(self, now: float, steps: int) -> float:
         """Seconds until ``steps`` more steps are due, or while time stands until it is to be looked at again."""
-        if self._waits_since is not None and now - self._waits_since < LONGEST_WAIT_S:
+        if self._waits_since is not None:
             return steps * self._step_s
         return max(0.0, self.stamp + steps * self._step_s - now)
 

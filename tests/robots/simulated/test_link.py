@@ -121,7 +121,7 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
             if name == "status":
                 continue
             rate = (len(listener.messages[name]) - marks[name]) / (wall * world_rate)
-            # A computer so busy that a picture takes 0.15 s loses some.
+            # A computer so busy that a picture takes half a second loses some.
             low = 0.15 if name in ("kinect", "imv", "microphones") and world_rate < 0.9 else 0.8
             assert low * description.rate_hz <= rate <= 1.2 * description.rate_hz + 1, name
         rows = await asyncio.to_thread(read_guard_log, guard_log)
