@@ -45,8 +45,10 @@ _LEAST_ACROSS = 3.0
 _WRONG_M = 0.12
 _WRONG_PER_RAD = 2.0
 _AFTER_KEYFRAMES = 60
-#: ... but no sooner than after one keyframe for so many that there are: the larger the graph, the longer it takes.
+#: ... but no sooner than after one keyframe for so many that there are, if it is so wrong, or else: the larger the
+#: graph, the longer it takes, so that all corrections together grow as the way does.
 _KEYFRAMES_A_KEYFRAME = 200
+_KEYFRAMES_A_KEYFRAME_UNLESS = 40
 #: Keyframes that are too many are looked for so often (keyframes).
 _PRUNE_EVERY = 16
 #: How far the robot may be turned (rad), and how much more per metre that it may be off.
@@ -131,7 +133,7 @@ class LoopJob:
         memory.unsettled += len(found)
         poses = None
         since = newest - memory.optimized_at
-        due = since > _AFTER_KEYFRAMES or (
+        due = since > max(_AFTER_KEYFRAMES, len(self.poses) / _KEYFRAMES_A_KEYFRAME_UNLESS) or (
             memory.wrong_m > _WRONG_M and since * _KEYFRAMES_A_KEYFRAME >= len(self.poses)
         )
         if memory.unsettled and (self.settle or due):

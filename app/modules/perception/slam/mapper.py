@@ -15,6 +15,7 @@ from app.modules.perception.slam.information import Information, diagonal
 from app.modules.perception.slam.local_map import STALE_M, LocalMap, local_map
 from app.modules.perception.slam.loop_closure import LoopJob, LoopMemory, LoopOutcome, pose_array
 from app.modules.perception.slam.matching import NOISE_M, Fit, fitted
+from app.modules.perception.slam.odometry import OdometryRatios
 from app.modules.perception.slam.pose_graph import Optimize, optimized
 from app.modules.perception.slam.pruning import Pruned
 from app.modules.perception.slam.scans import Beams, Scan, prepared
@@ -102,6 +103,7 @@ class Slam:
         self._rested = 0
         self._last_fit: Fit | None = None
         self._step_sigmas = (0.0, 0.0)
+        self._ratios = OdometryRatios()
         self._before = self._covariance
         self._local: LocalMap | None = None
         self._placed = False
@@ -247,6 +249,7 @@ class Slam:
     def _follow(self, scan: Scan, step: Pose2) -> Fit:
         """Move on by odometry's ``step``, then to where the scan lies on the submap."""
         settings = self.settings
+        step = self._ratios.corrected(step)
         distance = math.hypot(step.x, step.y)
         sigma_m, sigma_rad = settings.odometry_sigmas(distance, step.theta)
         if self._placed:
@@ -257,6 +260,8 @@ class Slam:
         X_MS = self._poses[submap.keyframes[0]]
         prior = X_MS.inverse() @ self._X_MB
         fit = fitted(submap.grid, scan.points, prior, prior, (sigma_m, sigma_rad))
+        if fit.inliers >= settings.rescue_below and not self._placed:
+            self._ratios.learn(step, prior.inverse() @ fit.X_SB)
         if (fit.inliers < settings.rescue_below or self._placed) and len(scan.points) > _LEAST_POINTS:
             fit = self._rescued(submap, scan, prior, fit, (sigma_m, sigma_rad), step)
         self._placed = self._placed and fit.inliers < settings.lost_below

@@ -22,6 +22,8 @@ _SOFT_LINE_M = 0.04
 _SOFT_POINT_M = 0.06
 #: A point of no surface says less.
 _POINT_WEIGHT = 0.2
+#: ... and from so far (m) on nothing but its bearing.
+_POINT_REACH_M = 5.0
 _LEAST_INLIERS = 15
 #: A match is wrong by at least so much (m^2, m^2, rad^2), however many readings agree: surfels are not the walls.
 _MODEL_VARIANCES = (0.005**2, 0.005**2, 0.0015**2)
@@ -89,7 +91,16 @@ def fitted(
     x, y, theta, inliers, overlap, rms = (float(v) for v in found[:6])
     a, b, c, d, e, f = found[6:]
     information = np.array([[a, b, c], [b, d, e], [c, e, f]])
+    if not (a > 0.0 and a * d - b * b > 0.0 and np.linalg.det(information) > 0.0):
+        information = _nowhere_less_than_none(information)
     return Fit(Pose2(x, y, math.remainder(theta, math.tau)), inliers, overlap, rms, information)
+
+
+def _nowhere_less_than_none(information: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The nearest that knows nothing where noise makes it less than that."""
+    known, axes = np.linalg.eigh(information)
+    found: NDArray[np.float64] = (axes * np.maximum(known, 0.0)) @ axes.T
+    return found
 
 
 @kernel(
@@ -114,9 +125,14 @@ def _fit(
     far: float,
     near: float,
 ) -> NDArray[np.float64]:
-    """Gauss-Newton; x, y, theta, inliers, overlap, rms, then the upper triangle of the information, row by row."""
+    """Gauss-Newton; x, y, theta, inliers, overlap, rms, then the upper triangle of the information, row by row.
+
+    What is told of the information (``i00`` …) is by the surfel's normal and the reading's own, whose errors have
+    nothing to do with each other: squares of one normal would make its noise look like knowledge along a bare wall.
+    """
     rows, columns = surfels.shape[:2]
     h00 = h01 = h02 = h11 = h12 = h22 = 0.0
+    i00 = i01 = i02 = i11 = i12 = i22 = 0.0
     inliers = 0
     overlapping = 0
     squares = 0.0
@@ -129,6 +145,7 @@ def _fit(
         c = math.cos(theta)
         s = math.sin(theta)
         h00 = h01 = h02 = h11 = h12 = h22 = 0.0
+        i00 = i01 = i02 = i11 = i12 = i22 = 0.0
         g0 = g1 = g2 = 0.0
         inliers = 0
         overlapping = 0
@@ -185,8 +202,23 @@ def _fit(
                 g0 += w * ux * e
                 g1 += w * uy * e
                 g2 += w * turn * e
+                if has_normal:
+                    turned = nx * arm_x + ny * arm_y
+                    i00 += w * ux * nx
+                    i01 += w * 0.5 * (ux * ny + uy * nx)
+                    i02 += w * 0.5 * (ux * turned + nx * turn)
+                    i11 += w * uy * ny
+                    i12 += w * 0.5 * (uy * turned + ny * turn)
+                    i22 += w * turn * turned
+                else:
+                    i00 += w * ux * ux
+                    i01 += w * ux * uy
+                    i02 += w * ux * turn
+                    i11 += w * uy * uy
+                    i12 += w * uy * turn
+                    i22 += w * turn * turn
                 squares += e * e
-            else:
+            elif points[k, 0] ** 2 + points[k, 1] ** 2 < _POINT_REACH_M**2:
                 d = ex * ex + ey * ey
                 w = _POINT_WEIGHT / (1.0 + d / _SOFT_POINT_M**2)
                 h00 += w
@@ -194,10 +226,39 @@ def _fit(
                 h02 += w * arm_x
                 h12 += w * arm_y
                 h22 += w * (arm_x * arm_x + arm_y * arm_y)
+                i00 += w
+                i11 += w
+                i02 += w * arm_x
+                i12 += w * arm_y
+                i22 += w * (arm_x * arm_x + arm_y * arm_y)
                 g0 += w * ex
                 g1 += w * ey
                 g2 += w * (arm_x * ex + arm_y * ey)
                 squares += 0.25 * d
+            else:
+                # Far readings of a wall that is seen aslant lie wide apart, and the robot carries them along with it:
+                # where along the ray they lie says nothing, only their bearing does.
+                arm = math.sqrt(arm_x * arm_x + arm_y * arm_y)
+                ux = arm_x / arm
+                uy = arm_y / arm
+                e = ux * ex + uy * ey
+                w = _POINT_WEIGHT / (1.0 + (e / _SOFT_POINT_M) ** 2)
+                h00 += w * ux * ux
+                h01 += w * ux * uy
+                h02 += w * ux * arm
+                h11 += w * uy * uy
+                h12 += w * uy * arm
+                h22 += w * arm * arm
+                i00 += w * ux * ux
+                i01 += w * ux * uy
+                i02 += w * ux * arm
+                i11 += w * uy * uy
+                i12 += w * uy * arm
+                i22 += w * arm * arm
+                g0 += w * ux * e
+                g1 += w * uy * e
+                g2 += w * arm * e
+                squares += 0.25 * e * e
         if inliers < _LEAST_INLIERS:
             scale = 0.0
             break
@@ -210,8 +271,8 @@ def _fit(
         a22 = h22 * scale + weight_rad
         g0 = g0 * scale + weight_m * (x - prior_x)
         g1 = g1 * scale + weight_m * (y - prior_y)
-        turned = (theta - prior_theta + math.pi) % (2.0 * math.pi) - math.pi
-        g2 = g2 * scale + weight_rad * turned
+        away = (theta - prior_theta + math.pi) % (2.0 * math.pi) - math.pi
+        g2 = g2 * scale + weight_rad * away
         # Solved by the adjugate.
         c00 = a11 * a22 - a12 * a12
         c01 = a02 * a12 - a01 * a22
@@ -238,10 +299,10 @@ def _fit(
     found[3] = inliers / max(count, 1)
     found[4] = overlapping / max(count, 1)
     found[5] = math.sqrt(squares / max(inliers, 1))
-    found[6] = h00 * scale
-    found[7] = h01 * scale
-    found[8] = h02 * scale
-    found[9] = h11 * scale
-    found[10] = h12 * scale
-    found[11] = h22 * scale
+    found[6] = i00 * scale
+    found[7] = i01 * scale
+    found[8] = i02 * scale
+    found[9] = i11 * scale
+    found[10] = i12 * scale
+    found[11] = i22 * scale
     return found

@@ -15,6 +15,15 @@ from app.geometry import Pose2
 _FURTHEST_M = 1000.0
 #: Neighbours on either side of a reading that its surface is estimated from.
 _NEIGHBOURS = 4
+#: ... and, of a laser with more noise than this (standard deviation, m), where these say too little, from so many, up
+#: to so far (m).
+_NOISY_M = 0.02
+_WIDE_NEIGHBOURS = 12
+_WIDE_M = 0.35
+#: Readings lie on a surface if their variance across is less than this share of that along it; ...
+_SURFACE = 0.1
+#: ... and on one that they tell well with less than this.
+_FLAT = 0.02
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,6 +127,59 @@ def _ends(
     return ends, origins
 
 
+@kernel("float64(float64[::1], float64, float64)")
+def _noise(ranges: NDArray[np.float64], range_min: float, range_max: float) -> float:
+    """Standard deviation (m) of the ranges' noise: most surfaces are smooth, so that second differences show it."""
+    bends = np.empty(len(ranges))
+    n = 0
+    for i in range(1, len(ranges) - 1):
+        first, middle, last = ranges[i - 1], ranges[i], ranges[i + 1]
+        if min(first, middle, last) > range_min and max(first, middle, last) < range_max:
+            bends[n] = abs(first - 2.0 * middle + last)
+            n += 1
+    # Of a normal distribution, the median of the sizes is 0.6745 standard deviations; those of three readings add.
+    return float(np.median(bends[:n]) / (0.6745 * math.sqrt(6.0))) if n > 0 else 0.0
+
+
+@kernel("UniTuple(float64, 2)(float64[::1], float64[:, ::1], int64, int64, float64, float64, float64)")
+def _line(
+    ranges: NDArray[np.float64],
+    ends: NDArray[np.float64],
+    at: int,
+    neighbours: int,
+    gap: float,
+    range_min: float,
+    range_max: float,
+) -> tuple[float, float]:
+    """Direction (rad) of the readings around one, and their variance across it as a share of that along; 1 if none."""
+    x = ends[at, 0]
+    y = ends[at, 1]
+    n = 0
+    sx = sy = sxx = sxy = syy = 0.0
+    for j in range(max(0, at - neighbours), min(len(ranges), at + neighbours + 1)):
+        if not (ranges[j] > range_min and ranges[j] < range_max):
+            continue
+        u = ends[j, 0] - x
+        v = ends[j, 1] - y
+        if u * u + v * v < gap * gap:
+            n += 1
+            sx += u
+            sy += v
+            sxx += u * u
+            sxy += u * v
+            syy += v * v
+    if n < 3:
+        return 0.0, 1.0
+    sxx -= sx * sx / n
+    sxy -= sx * sy / n
+    syy -= sy * sy / n
+    axis = 0.5 * math.atan2(2.0 * sxy, sxx - syy)
+    c = math.cos(axis)
+    s = math.sin(axis)
+    along = sxx * c * c + 2.0 * sxy * c * s + syy * s * s
+    return axis, (sxx + syy - along) / (along + 1e-8)
+
+
 @kernel("float32[:, ::1](float64[::1], float64[:, ::1], float64[:, ::1], float64, float64, float64)")
 def _surface(
     ranges: NDArray[np.float64],
@@ -133,6 +195,7 @@ def _surface(
     made = 0
     last_x = 1e9
     last_y = 1e9
+    noisy = _noise(ranges, range_min, range_max) > _NOISY_M
     for i in range(count):
         if not (ranges[i] > range_min and ranges[i] < range_max):
             continue
@@ -142,39 +205,24 @@ def _surface(
             continue
         last_x = x
         last_y = y
-        # A neighbour farther away than this is on another surface; far off, readings of one surface lie wide apart.
-        gap = max(0.12, 0.06 * ranges[i])
-        n = 0
-        sx = sy = sxx = sxy = syy = 0.0
-        for j in range(max(0, i - _NEIGHBOURS), min(count, i + _NEIGHBOURS + 1)):
-            if not (ranges[j] > range_min and ranges[j] < range_max):
-                continue
-            u = ends[j, 0] - x
-            v = ends[j, 1] - y
-            if u * u + v * v < gap * gap:
-                n += 1
-                sx += u
-                sy += v
-                sxx += u * u
-                sxy += u * v
-                syy += v * v
         points[made, 0] = x
         points[made, 1] = y
         points[made, 2] = 0.0
         points[made, 3] = 0.0
-        if n >= 3:
-            sxx -= sx * sx / n
-            sxy -= sx * sy / n
-            syy -= sy * sy / n
-            axis = 0.5 * math.atan2(2.0 * sxy, sxx - syy)
+        # A neighbour farther away than this is on another surface; far off, readings of one surface lie wide apart.
+        gap = max(0.12, 0.06 * ranges[i])
+        axis, flatness = _line(ranges, ends, i, _NEIGHBOURS, gap, range_min, range_max)
+        if noisy and flatness > _FLAT and gap < _WIDE_M:
+            # Nearby, readings lie so close that their noise is wider than their row is long.
+            wide_axis, wide_flatness = _line(ranges, ends, i, _WIDE_NEIGHBOURS, _WIDE_M, range_min, range_max)
+            if wide_flatness < flatness:
+                axis, flatness = wide_axis, wide_flatness
+        if flatness < _SURFACE:
             c = math.cos(axis)
             s = math.sin(axis)
-            along = sxx * c * c + 2.0 * sxy * c * s + syy * s * s
-            across = sxx + syy - along
-            if across < 0.1 * along + 1e-9:
-                towards = -s * (origins[i, 0] - x) + c * (origins[i, 1] - y)
-                sign = 1.0 if towards >= 0.0 else -1.0
-                points[made, 2] = -s * sign
-                points[made, 3] = c * sign
+            towards = -s * (origins[i, 0] - x) + c * (origins[i, 1] - y)
+            sign = 1.0 if towards >= 0.0 else -1.0
+            points[made, 2] = -s * sign
+            points[made, 3] = c * sign
         made += 1
     return points[:made].copy()

@@ -99,3 +99,23 @@ def test_a_grid_grows_to_all_sides_and_keeps_what_it_has() -> None:
     assert int((grid.surfels[..., 0] < 1e3).sum()) > 4 * before
     fit = fitted(grid, points(walls, Pose2(0, 1, 0)), Pose2(0, 1.05, 0), Pose2(0, 1.05, 0), LOOSE)
     assert math.dist((fit.X_SB.x, fit.X_SB.y), (0, 1)) < 0.01
+
+
+def test_noise_tells_nothing_along_a_bare_corridor_and_does_not_carry_the_robot() -> None:
+    ahead = half_circle(180)
+    rng = np.random.default_rng(5)
+
+    def noisy(pose: Pose2) -> np.ndarray:
+        ranges = seen(corridor(), ahead, pose) + rng.uniform(-0.05, 0.05, 180)
+        return prepared(ranges, ahead, (0.0, 0.0), 0.0, 25.0, 0.03).points
+
+    grid = surfel_grid((noisy(pose), pose) for pose in (Pose2(0.3 * k, 0.0, 0.0) for k in range(12)))
+    pulls, along, across = [], [], []
+    for k in range(30):
+        true = Pose2(3.3 + 0.01 * k, 0.1, 0.02)
+        fit = fitted(grid, noisy(true), true, true, (0.06, 0.04))
+        pulls.append(fit.X_SB.x - true.x)
+        along.append(fit.information[0, 0])
+        across.append(fit.information[1, 1])
+    assert abs(np.mean(pulls)) < 0.006
+    assert np.mean(along) < 0.01 * np.mean(across)
