@@ -3,8 +3,9 @@
 *relation error* is that of Kuemmerle et al. (2009), on relations by checked pairwise scan ICP. φ on the Intel log
 counts from 5 scans a second; scans between those taken get poses from odometry on both sides. The peer is openslam's
 GMapping with ROS's settings (30 particles), built and run on the same logs and relations on another day; on Fr079 it
-doubles the map six times of six. *720 rays* are Fr079's scans with a ray between each two. Needs the reference data
-(HBBA_REFERENCE_DATA).
+doubles the map six times of six. *720 rays* are Fr079's scans with a ray between each two. *Corridors* are 1.7 km,
+synthetic (``corridors.py``), with odometry that tells so much of each metre and radian: *revisits* are pairs of scans
+within 2 m of each other, with 500 scans or more between them. The rest needs the reference data (HBBA_REFERENCE_DATA).
 """
 
 from __future__ import annotations
@@ -19,8 +20,9 @@ from numpy.typing import NDArray
 
 from app.geometry import Pose2
 from app.modules.perception.slam.offline import MappedLog, Sweep, mapped
-from app.modules.perception.slam.relations import RelationErrors, filled_in, relation_errors
+from app.modules.perception.slam.relations import RelationErrors, between, filled_in, relation_errors, trajectory_error
 from app.modules.perception.slam.scans import Beams
+from benchmarks.corridors import ANGLES, drive
 from benchmarks.report import Row, benchmark_main, row
 
 DATA = Path(os.environ.get("HBBA_REFERENCE_DATA") or Path(__file__).resolve().parents[2] / "shared" / "data") / "slam"
@@ -30,14 +32,18 @@ PEER = "GMapping"
 PEERS = {"intel": (0.0183, 69.0), "fr079": (None, 75.0)}
 PHIS = (2, 4, 8, 16, 32)
 RANGE_MAX_M = 80.0
+#: Seed, and what odometry tells of a metre and of a radian.
+CORRIDORS = ((1, 1.02, 1.03), (2, 0.96, 1.06))
+REVISIT_M, REVISIT_SCANS = 2.0, 500
 
 
 def measure(quick: bool) -> list[Row]:
-    """All rows; ``quick`` leaves out the sweep of φ."""
+    """All rows; ``quick`` leaves out the sweep of φ and the corridors."""
+    corridors = [] if quick else [made for case in CORRIDORS for made in _corridor_rows(*case)]
     if not (DATA / "intel.npz").is_file():
         print(f"the public laser logs are not there: {DATA} (set HBBA_REFERENCE_DATA)", file=sys.stderr)
-        return []
-    rows: list[Row] = []
+        return corridors
+    rows = corridors
     for name in NAMES:
         log = mapped(_sweeps(name))
         peer_m, peer_s = PEERS[name]
@@ -61,6 +67,30 @@ def measure(quick: bool) -> list[Row]:
             row("slam", case, "believed (mean σ)", "m", [float(np.hypot(*log.sigmas()[:, :2].T).mean())]),
         ]
     return rows
+
+
+def _corridor_rows(seed: int, scale: float, turn: float) -> list[Row]:
+    case = f"corridors, odometry × {scale}, turns × {turn}"
+    made = drive(seed, scale, turn)
+    beams = Beams(ANGLES, 0.05, RANGE_MAX_M)
+    sweeps = (
+        Sweep(0.3 * number, scan, beams, Pose2(*(float(v) for v in pose)))
+        for number, (scan, pose) in enumerate(zip(made.ranges, made.odometry, strict=True))
+    )
+    log = mapped(sweeps)
+    poses = filled_in(log.numbers(), log.poses(), log.odometry_poses())
+    first, second = np.random.default_rng(0).integers(0, len(poses), (2, 400_000))
+    off = np.hypot(*(made.truth[first, :2] - made.truth[second, :2]).T)
+    revisits = (off < REVISIT_M) & (np.abs(first - second) > REVISIT_SCANS)
+    first, second = first[revisits], second[revisits]
+    errors = relation_errors(poses[first], poses[second], between(made.truth[first], made.truth[second]))
+    return [
+        row("slam", case, "off the truth, rms", "m", [trajectory_error(poses, made.truth)[1]]),
+        row("slam", case, "revisits, mean", "m", [errors.mean_m]),
+        row("slam", case, "revisits, greatest", "m", [errors.max_m]),
+        row("slam", case, f"gross of {errors.relations} revisits", "relations", [errors.gross]),
+        row("slam", case, "whole log", "s CPU", [log.cpu_s]),
+    ]
 
 
 def _row(name: str, metric: str, unit: str, ours: float, peer: list[float] | None = None, peer_name: str = "") -> Row:
