@@ -11,12 +11,13 @@ from app.geometry import Pose2
 from app.modules.perception.slam.surfels import SurfelGrid, surfel_grid
 from app.modules.perception.slam.values import Keyframe
 
-#: So many keyframes at most of each quarter of headings: those nearest, which see what the robot sees.
-_OF_A_QUARTER = 12
+#: So many keyframes at most of each quarter of headings, the nearest: enough for those behind a wall, too, which see
+#: nothing of what the robot sees, and for a corridor that was mapped in the other direction.
+_OF_A_QUARTER = 40
 #: Keyframes farther away (m) see other places.
 _AROUND_M = 8.0
-#: Having moved so far (m), the robot sees another part.
-STALE_M = 1.5
+#: Having moved so far (m), the robot sees another part; so much sooner where scans hardly fit any more.
+STALE_M, DOUBTED_M = 1.5, 0.4
 
 
 @dataclass(frozen=True, slots=True, eq=False)

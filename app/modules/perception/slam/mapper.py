@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from app.geometry import Pose2, wrap_angle
 from app.modules.perception.slam.information import Information, diagonal
-from app.modules.perception.slam.local_map import STALE_M, LocalMap, local_map
+from app.modules.perception.slam.local_map import DOUBTED_M, STALE_M, LocalMap, local_map
 from app.modules.perception.slam.loop_closure import LoopJob, LoopMemory, LoopOutcome, pose_array
 from app.modules.perception.slam.matching import NOISE_M, Fit, fitted
 from app.modules.perception.slam.odometry import OdometryRatios
@@ -152,7 +152,8 @@ class Slam:
             return self._told(stamp, X_OB, added=True)
         if self._frozen and self._local is not None:
             gone = self._local.X_MB.inverse() @ self._X_MB
-            if math.hypot(gone.x, gone.y) > STALE_M:
+            doubted = self._last_fit is not None and self._last_fit.inliers < self.settings.poor_below
+            if math.hypot(gone.x, gone.y) > (DOUBTED_M if doubted else STALE_M):
                 self._look_around()
         fit = self._follow(scan, step)
         off = self._poses[self._keyframe].inverse() @ self._X_MB

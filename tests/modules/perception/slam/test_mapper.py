@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from app.geometry import Pose2
 from app.modules.perception.slam.mapper import Slam
 from app.modules.perception.slam.offline import MappedLog, mapped
 from app.modules.perception.slam.settings import SlamSettings
+from app.modules.perception.slam.values import SlamState
 from tests.modules.perception.slam.rooms import around, driven, half_circle, ring, room, seen
 
 BEAMS = half_circle(181)
@@ -84,6 +86,37 @@ def test_a_kept_map_is_followed_and_stays_as_it_is(lap: tuple[MappedLog, list[Po
     assert math.dist((match.X_MB.x, match.X_MB.y), (there[59].x, there[59].y)) < 0.1
     assert list(slam.keyframes) == [keyframe.id for keyframe in state.keyframes]
     assert slam.state().edges == state.edges
+
+
+def test_what_was_mapped_in_one_direction_is_followed_in_the_other(lap: tuple[MappedLog, list[Pose2]]) -> None:
+    """Beside many keyframes behind a wall, which are nearer than those that see what the robot sees."""
+    log, true = lap
+    state = log.slam.state()
+    back = [Pose2(pose.x, pose.y, pose.theta + math.pi) for pose in true[::-1]]
+    start = true[0].inverse()
+    there = [start @ pose for pose in back]
+    slam = Slam(state=_crowded(state), frozen=True, X_MB=there[0])
+    X_OM = there[0].inverse()
+    shares = []
+    for number, (pose, X_MB) in enumerate(zip(back, there, strict=True)):
+        match = slam.add(0.5 * number, seen(WALLS, BEAMS, pose), BEAMS, X_OM @ X_MB)
+        shares.append(match.inliers)
+    assert min(shares) > 0.45
+    assert math.dist((match.X_MB.x, match.X_MB.y), (there[-1].x, there[-1].y)) < 0.2
+
+
+def _crowded(state: SlamState) -> SlamState:
+    """``state`` with keyframes of the next room about its own: all headings, and a wall that nobody else sees."""
+    wall = np.array([[0.1 * k, 0.0, 0.0, 1.0] for k in range(5)], np.float32)
+    keyframes, poses = list(state.keyframes), list(state.poses)
+    number = max(keyframe.id for keyframe in keyframes) + 1
+    for keyframe, pose in list(zip(keyframes, poses, strict=True))[::4]:
+        for quarter in range(4):
+            for _ in range(3):
+                keyframes.append(replace(keyframe, id=number, points=wall))
+                poses.append(Pose2(pose.x, pose.y, pose.theta + quarter * math.pi / 2))
+                number += 1
+    return replace(state, keyframes=tuple(keyframes), poses=tuple(poses))
 
 
 def test_mapping_goes_on_where_it_was_left() -> None:
