@@ -183,12 +183,12 @@ class Pilot:
             self.things.felt(senses.X_MO.transform(self._touch.newest), senses.now)
 
     def _known(self, senses: Senses) -> NDArray[np.float64] | None:
-        """What is remembered around the body, without which the way is tried as a last resort, and room beside people;
-        m in ``odom``."""
+        """What is remembered around the body, and room beside people; m in ``odom``. The body keeps clear of it even
+        where a way through is tried as a last resort: what is low there is touched before it is seen again."""
         if senses.X_MO is None:
             return None
         known = np.empty((0, 2))
-        if self.things is not None and not self._follower.opened_up:
+        if self.things is not None:
             known = self.things.near(senses.X_MO, senses.motion.pose, 0.5 * self._settings.costmap.memory_m)
         if self._settings.people_m > 0.0 and self._scan is not None and senses.grid is not None:
             room = beside(self._scan, self._scan_from, senses.X_MO, senses.grid, self._settings.people_m)

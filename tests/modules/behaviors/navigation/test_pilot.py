@@ -141,6 +141,15 @@ def test_what_is_remembered_before_the_body_stops_it_however_thin() -> None:
     assert 0.2 < max(pose.x for pose in way) < 0.35
 
 
+def test_not_even_as_a_last_resort_does_it_drive_into_what_it_remembers() -> None:
+    here = seeing_no_depth()
+    assert here.things is not None
+    here.things.felt(np.array([[0.62, y] for y in np.arange(-3.0, 3.0, 0.05)]), 0.0)
+    way = drive(here, World(()), (3.0, 0.0), 450)
+    assert here._follower.opened_up
+    assert max(pose.x for pose in way) < 0.35
+
+
 def seeing_no_depth() -> Pilot:
     """It remembers, and drives by its laser."""
     here = Pilot(DrivenLink().description, "pursuit", depth=True)
