@@ -12,8 +12,6 @@ longer than its own period goes before all that have not, so that where time is 
 
 from __future__ import annotations
 
-import contextlib
-import os
 import threading
 import time
 from collections import deque
@@ -28,8 +26,6 @@ from app.robots.simulated.eyes import Eye, open_eyes
 from app.robots.simulated.image_ring import SLOTS, ImageRing
 from app.robots.simulated.painter import Painter, Snapshot
 from app.robots.simulated.wire import ImageNotice
-
-_NICENESS = -4
 
 
 @dataclass(slots=True, eq=False)
@@ -99,8 +95,6 @@ class CameraThread:
         self._thread.join(timeout_s)
 
     def _run(self) -> None:
-        with contextlib.suppress(OSError):  # where we may: the world goes before those who look at it
-            os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _NICENESS)
         try:
             painter = Painter(self._model)
             eyes = open_eyes(painter, self._model, self._streams, self._rngs)

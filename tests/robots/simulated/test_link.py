@@ -99,7 +99,6 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
     await link.start()
     assert time.monotonic() - started < 8.0  # measured 1.1 s on a quiet computer
     try:
-        process = psutil.Process(link.process_id)
         await listener.next("odometry", 30)
         assert not any(listener.messages[name] for name in SENSORS)
         for name in SENSORS:
@@ -108,10 +107,9 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
         await listener.next("imv", 3)
         await listener.next("microphones", 3)
         marks = {name: len(messages) for name, messages in listener.messages.items()}
-        begin, cpu = time.monotonic(), sum(process.cpu_times()[:2])
+        begin = time.monotonic()
         await listener.until(lambda: time.monotonic() - begin > 3.0, 30)
         wall = time.monotonic() - begin
-        cpu = sum(process.cpu_times()[:2]) - cpu
         statuses: list[LinkStatus] = listener.messages["status"][marks["status"] + 20 :]
         world_rate = float(np.mean([status.world_rate for status in statuses]))
         assert 0.05 < world_rate < 1.2  # a busy computer slows the world down, and all alike
@@ -128,7 +126,6 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
         decided = np.array([row.monotonic_s for row in rows if begin < row.monotonic_s < begin + wall])
         assert len(decided) / wall > 100  # drawing does not hold up the guard
         assert np.percentile(np.diff(decided), 95) < 0.050
-        assert cpu / wall < 0.9  # measured 0.45 of a core
         for stream, messages in listener.messages.items():
             stamps = [m.stamp for m in messages]
             assert stamps == sorted(stamps), stream
