@@ -6,7 +6,6 @@ import argparse
 import json
 import os
 import sys
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -46,7 +45,7 @@ def run(args: argparse.Namespace) -> int:
     from app.commands.progress import shown
     from app.experiments.goals.experiment import done, plan
     from app.experiments.goals.experiment import run as run_goals
-    from app.experiments.goals.report import Pace, failures, table
+    from app.experiments.goals.report import failures, table
     from app.experiments.goals.result import Summary
     from app.experiments.kept import KeptResults, default_folder
 
@@ -70,27 +69,21 @@ def run(args: argparse.Namespace) -> int:
     logs.configure("warning", as_json=False)
     reached = sum(result.outcome == "reached" for result in before)
     with_contact = sum(bool(result.touched) for result in before)
-    pace = Pace(time.monotonic())
     with shown("goals") as progress:
 
         def told(result: GoalResult, number: int, total: int) -> None:
             nonlocal reached, with_contact
             reached += result.outcome == "reached"
             with_contact += bool(result.touched)
-            pace.done(time.monotonic(), result.time_s)
             touched = f", touched {', '.join(result.touched)}" if result.touched else ""
             progress(
                 number,
                 total,
                 f"goal {result.number}: {result.outcome} after {result.time_s:.0f} s{touched}; "
-                f"{reached} of {number} reached, {with_contact} with contact; {pace.told(total - number)}",
+                f"{reached} of {number} reached, {with_contact} with contact",
             )
 
-        def began(stage: str) -> None:
-            pace.begin(time.monotonic())
-            progress(len(before), args.count, stage)
-
-        results = run_goals(what, kept, told, began)
+        results = run_goals(what, kept, told, lambda stage: progress(len(before), args.count, stage))
     if args.json:
         document = {
             "of": what.of(),

@@ -61,7 +61,7 @@ class _Lines:
     def __call__(self, done: float, total: float, text: str = "") -> None:
         now = time.monotonic()
         share = done / total if total else 1.0
-        if self._first is None:  # what was done before tells nothing of the pace
+        if self._first is None or share <= self._first[1]:  # what was done before tells nothing of the pace
             self._first = now, share
         if now >= self._due:
             self._due = now + LINE_EVERY_S

@@ -50,6 +50,17 @@ def test_what_takes_minutes_says_how_many_are_left_at_the_pace_so_far(
     ]
 
 
+def test_what_went_before_the_first_of_many_says_nothing_of_the_pace(
+    clock: Clock, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with shown("goals") as progress:
+        for done in (0, 0, 1):  # a minute and a half of mapping, then the first
+            progress(done, 3, "codes")
+            clock.now += 90.0 if done == 0 else 6.0
+    said = capsys.readouterr().err.splitlines()
+    assert said == ["goals: 0 %  codes", "goals: 33 %, about 3 min left  codes"]
+
+
 def test_what_is_quick_says_nothing(clock: Clock, capsys: pytest.CaptureFixture[str]) -> None:
     with shown("cut tour.mcap") as progress:
         progress(1, 1)

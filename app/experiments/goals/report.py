@@ -4,37 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from app.experiments.goals.result import GoalResult, Summary
-
-
-@dataclass(slots=True)
-class Pace:
-    """How quickly goals get done: ``began`` (s on the caller's clock), what was done since, by then."""
-
-    began: float
-    count: int = 0
-    simulated_s: float = 0.0
-    now: float = 0.0
-
-    def begin(self, now: float) -> None:
-        """What came before (the map) says nothing of goals."""
-        self.began = self.now = now
-        self.count, self.simulated_s = 0, 0.0
-
-    def done(self, now: float, simulated_s: float) -> None:
-        """One more goal is done, which took the robot ``simulated_s``."""
-        self.now = now
-        self.count += 1
-        self.simulated_s += simulated_s
-
-    def told(self, left: int) -> str:
-        """How long ``left`` more may take, and how fast the worlds turn, by the goals done since it began: one at
-        least."""
-        passed_s = max(self.now - self.began, 1e-3)
-        minutes = left * passed_s / self.count / 60
-        return f"about {minutes:.0f} min left, {self.simulated_s / passed_s:.1f} simulated s a second"
 
 
 def table(results: Sequence[GoalResult]) -> str:

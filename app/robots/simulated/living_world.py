@@ -12,11 +12,12 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from app.messages import GroundTruth, JointState, LinkStatus, Odometry, SceneTruth, SoundTruth, Twist
+from app.messages import GroundTruth, JointState, LinkStatus, Odometry, SceneTruth, Twist
 from app.robots import guard
 from app.robots.config import RobotConfig
 from app.robots.model import load_model
 from app.robots.simulated import wire
+from app.robots.simulated.acoustics.soundscape import Soundscape
 from app.robots.simulated.body import TIMESTEP_S, build_simulation
 from app.robots.simulated.laser import Laser
 from app.robots.simulated.lenses import lenses
@@ -54,8 +55,8 @@ class LivingWorld:
     """Builds the world with ``robot`` and the people of ``scenario`` in it. Stamps are the robot's clock (s).
 
     ``send(stream, message)`` is given what is sensed, of the streams in ``wanted`` and those that always run.
-    ``sounds(time_s, stamp)`` tells the truth about what is heard, where the keeper has sound. Raises ConfigError for a
-    body that cannot be simulated.
+    ``soundscape`` is what a body with microphones is among; the keeper has it heard. Raises ConfigError for a body that
+    cannot be simulated, and for a sound there is not.
     """
 
     def __init__(
@@ -77,12 +78,17 @@ class LivingWorld:
         self.stage = Stage(scenario or ScenarioConfig(name="nobody"))
         self._inhabited = scenario is not None
         self.wanted = set(wanted)
-        self.sounds: Callable[[float, float], tuple[SoundTruth, ...]] = lambda _time_s, _stamp: ()
         self._send_out = send
         base = draw_true_base(robot.base, base_rng)
         self.simulation = build_simulation(robot, world, base, self.stage.actors)
         self._people = People(self.simulation.model, self.stage.actors)
         self.kinematics = load_model(robot.model)
+        self.soundscape: Soundscape | None = None
+        if streams.microphones is not None:
+            wheels = (robot.base.left_wheel_joint, robot.base.right_wheel_joint)
+            self.soundscape = Soundscape(
+                streams.microphones, robot.loudspeaker, world, self.kinematics, scenario, wheels, robot.seed
+            )
         self._limits = robot.limits.guard()
         self.state = guard.GuardState(e_stop=e_stop)
         self._odometry = WheelOdometry(robot.base, odometry_rng)
@@ -215,7 +221,8 @@ class LivingWorld:
             truth = GroundTruth(stamp, self.simulation.true_pose(), speed.linear_mps, speed.angular_radps)
             self.send("ground_truth", truth, stamp)
         if "scene_truth" in wanted and schedules["scene_truth"].due(time_s):
-            self.send("scene_truth", SceneTruth(stamp, self.stage.people, self.sounds(time_s, stamp)), stamp)
+            sounds = () if self.soundscape is None else self.soundscape.truth(time_s, stamp, self.stage)
+            self.send("scene_truth", SceneTruth(stamp, self.stage.people, sounds), stamp)
         if self._laser is not None and "hokuyo" in wanted:
             if not self._laser.sweeping and schedules["hokuyo"].due(time_s):
                 self._laser.begin(stamp)

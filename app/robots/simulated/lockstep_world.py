@@ -39,15 +39,8 @@ class LockstepWorld(LivingWorld):
         self._formats = picture_formats(robot)
         self._painter: Painter | None = None
         self._open: dict[str, Eye] = {}
-        self._soundscape: Soundscape | None = None
         self._ear: Ear | None = None
         self._scenes = Schedule(SCENES_HZ)
-        if robot.streams.microphones is not None:
-            wheels = (robot.base.left_wheel_joint, robot.base.right_wheel_joint)
-            soundscape = self._soundscape = Soundscape(
-                robot.streams.microphones, robot.loudspeaker, world, self.kinematics, scenario, wheels, robot.seed
-            )
-            self.sounds = lambda time_s, stamp: soundscape.truth(time_s, stamp, self.stage)
 
     def lockstep(self, now: float, began: float) -> None:
         """Take every step that is due at ``now``, the first one ``TIMESTEP_S`` after ``began``."""
@@ -69,8 +62,8 @@ class LockstepWorld(LivingWorld):
 
     def _also(self, stamp: float) -> None:
         self._see(stamp)
-        if self._soundscape is not None and "microphones" in self.wanted:
-            self._hear(stamp, self._soundscape)
+        if self.soundscape is not None and "microphones" in self.wanted:
+            self._hear(stamp, self.soundscape)
 
     def _hear(self, stamp: float, soundscape: Soundscape) -> None:
         time_s = self.simulation.time_s

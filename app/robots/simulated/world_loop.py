@@ -50,18 +50,8 @@ class WorldLoop:
             self._camera.wait_ready(_CAMERA_SETUP_S)
         self._acoustics: Acoustics | None = None
         self._scenes = Schedule(SCENES_HZ)
-        if streams.microphones is not None:
-            wheels = (robot.base.left_wheel_joint, robot.base.right_wheel_joint)
-            acoustics = self._acoustics = Acoustics(
-                streams.microphones,
-                robot.loudspeaker,
-                start.world,
-                self._living.kinematics,
-                start.scenario,
-                wheels,
-                robot.seed,
-            )
-            self._living.sounds = lambda time_s, stamp: acoustics.truth(time_s, stamp, self._living.stage)
+        if self._living.soundscape is not None:
+            self._acoustics = Acoustics(self._living.soundscape)
         self._ending = False
         self._pacer = Pacer(time.monotonic(), TIMESTEP_S)
 

@@ -11,16 +11,12 @@ import sys
 from typing import Any
 
 from app.geometry import Pose2
-from app.messages import Audio, SoundTruth
-from app.robots.config import LoudspeakerConfig, MicrophonesConfig
-from app.robots.model import RobotModel
+from app.messages import Audio
 from app.robots.simulated.acoustics.orders import Heard, Played
 from app.robots.simulated.acoustics.soundscape import Soundscape
 from app.robots.simulated.image_ring import create_memory
-from app.robots.simulated.scenario_config import ScenarioConfig
 from app.robots.simulated.stage import Stage
 from app.robots.simulated.wire import Socket
-from app.robots.simulated.world_config import WorldConfig
 
 _LATE_S = 0.1
 """So far behind the world sound may be, s: before the microphones' process leaves out what it cannot make up for."""
@@ -30,24 +26,13 @@ _TELL_S = 10.0
 
 
 class Acoustics:
-    """Never waits. Raises ConfigError from the beginning for a sound there is not, or that would be cut off.
-
-    ``listening`` starts and stops it; then call :meth:`tell` often and :meth:`receive` when :attr:`descriptors` can be
-    read.
+    """Has ``soundscape`` heard in a process of its own; never waits. Call :meth:`tell` often and :meth:`receive` when
+    :attr:`descriptors` can be read.
     """
 
-    def __init__(
-        self,
-        config: MicrophonesConfig,
-        loudspeaker: LoudspeakerConfig | None,
-        world: WorldConfig,
-        model: RobotModel,
-        scenario: ScenarioConfig | None,
-        wheels: tuple[str, str],
-        seed: int,
-    ) -> None:
-        self._soundscape = Soundscape(config, loudspeaker, world, model, scenario, wheels, seed)
-        pickled = pickle.dumps(self._soundscape.setup, protocol=5)
+    def __init__(self, soundscape: Soundscape) -> None:
+        self._soundscape = soundscape
+        pickled = pickle.dumps(soundscape.setup, protocol=5)
         self._setup = create_memory(len(pickled))
         with open(os.dup(self._setup), "wb") as memory:
             memory.write(pickled)
@@ -106,10 +91,6 @@ class Acoustics:
     def late(self) -> bool:
         """Whether what has been told is not heard yet, though it should be."""
         return self._socket is not None and self._heard_s is not None and self._scene_s - self._heard_s > _LATE_S
-
-    def truth(self, time_s: float, stamp: float, stage: Stage) -> tuple[SoundTruth, ...]:
-        """Every scripted sound that is being given off."""
-        return self._soundscape.truth(time_s, stamp, stage)
 
     def close(self) -> None:
         """End the process."""
