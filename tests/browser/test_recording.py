@@ -12,7 +12,8 @@ from playwright.sync_api import Page, expect
 
 from tests.browser.running import Robot, running_robot
 
-RECORD_S = 2.5
+#: Whole seconds of the robot, which a busy computer takes longer for.
+RECORD_S = 3
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +36,7 @@ def record(page: Page, name: str) -> None:
     page.get_by_test_id("recording-name-field").fill(name)
     page.get_by_test_id("recording-start").click()
     recorder(page, "recording")
-    page.wait_for_timeout(RECORD_S * 1e3)
+    expect(page.get_by_test_id("record-time")).to_have_text(f"0:{RECORD_S:02}", timeout=30_000)
     page.get_by_test_id("record").click()
     recorder(page, "idle")
     page.locator(f"[data-testid=recording][data-name={name}][data-state=complete]").wait_for()
@@ -47,7 +48,7 @@ def test_a_recording_is_made_listed_downloaded_and_deleted(robot: Robot, page: P
     record(page, "kept")
     most_s = time.monotonic() - began
     row = page.locator("[data-testid=recording][data-name=kept]")
-    assert RECORD_S * 0.8 < float(row.get_attribute("data-duration") or 0) < most_s
+    assert RECORD_S - 0.5 < float(row.get_attribute("data-duration") or 0) < most_s
     size = int(row.get_attribute("data-bytes") or 0)
     with page.expect_download() as download:
         row.get_by_test_id("recording-download").click()

@@ -22,7 +22,7 @@ export function Transport() {
       class={`transport panel ${phase}`}
       aria-label="Recording"
       data-testid="transport"
-      data-phase={phase}
+      data-phase={playback.wanted.value === null ? phase : "seeking"}
       data-playing={playing}
       data-position={position}
       data-begin={begin}

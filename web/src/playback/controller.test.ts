@@ -50,6 +50,18 @@ test("skips add up from where the hand is, not from where the robot is yet", asy
   expect(store.playback.value!.position).toBe(140);
 });
 
+test("what is asked while it still seeks waits for it, and goes by what is true then", async () => {
+  const { control, asked, store } = replay({ playing: false, phase: "ended", position: 160 });
+  asked.playback.mockImplementationOnce(async (change) => ({ ...store.playback.value!, ...change, phase: "paused" }));
+  control.act("begin");
+  control.act("step");
+  control.act("toggle");
+  expect(asked.stepPlayback).not.toHaveBeenCalled();
+  await settled();
+  expect(asked.stepPlayback).toHaveBeenCalledOnce();
+  expect(asked.playback.mock.calls).toEqual([[{ position: 100 }], [{ playing: true }]]);
+});
+
 test("a step back looks at a moment, which does not run away again", () => {
   const { control, asked } = replay();
   control.act("back");

@@ -4,23 +4,23 @@ import { signal } from "@preact/signals";
 import { inWords, type Rest } from "../protocol/rest";
 import type { Playback } from "../protocol/types";
 import type { Store } from "../state/store";
-import { Seeker } from "./seeker";
 import { type Action, actionOf, type Key, target } from "./transport";
+import { Turns } from "./turns";
 
 const SEEK_REST_MS = 90;
 
 export class PlaybackController {
   /** Where the timeline was asked to go and is not yet; null: nowhere. */
   readonly wanted = signal<number | null>(null);
-  private readonly seeker: Seeker;
+  private readonly turns: Turns;
 
   constructor(
     private readonly store: Store,
     private readonly rest: Rest,
   ) {
-    this.seeker = new Seeker(
+    this.turns = new Turns(
       async (position) => this.take(await this.rest.playback({ position })),
-      () => (this.wanted.value = this.seeker.wanted),
+      () => (this.wanted.value = this.turns.wanted),
       (error) => this.store.notify("error", inWords(error)),
       SEEK_REST_MS,
     );
@@ -39,31 +39,29 @@ export class PlaybackController {
     const to = target(action, this.wanted.peek() ?? playback.position, playback);
     if (to !== null) {
       // A step back is to look at a moment: it must not run away again.
-      if (action === "back" && playback.playing) this.ask(this.rest.playback({ playing: false, position: to }));
+      if (action === "back" && playback.playing) this.ask(() => this.rest.playback({ playing: false, position: to }));
       else this.seek(to);
-    } else if (action === "step") this.ask(this.rest.stepPlayback());
-    else this.toggle(playback);
+    } else if (action === "step") this.ask(() => this.rest.stepPlayback());
+    else this.ask(() => this.toggle());
   }
 
   seek(position: number): void {
-    this.seeker.to(position);
+    this.turns.seek(position);
   }
 
   speed(speed: number | null): void {
-    this.ask(this.rest.playback({ speed }));
+    this.ask(() => this.rest.playback({ speed }));
   }
 
-  private toggle(playback: Omit<Playback, "type">): void {
-    if (playback.playing) this.ask(this.rest.playback({ playing: false }));
-    else if (playback.phase === "ended") this.ask(this.rest.playback({ position: playback.begin, playing: true }));
-    else this.ask(this.rest.playback({ playing: true }));
+  /** Told by what the recording does when its turn comes: what was asked before may have changed that. */
+  private async toggle(): Promise<Partial<Playback>> {
+    const playback = this.store.playback.peek();
+    if (playback?.phase === "ended") return this.rest.playback({ position: playback.begin, playing: true });
+    return this.rest.playback({ playing: !playback?.playing });
   }
 
-  private ask(request: Promise<Partial<Playback>>): void {
-    request.then(
-      (answer) => this.take(answer),
-      (error: unknown) => this.store.notify("error", inWords(error)),
-    );
+  private ask(request: () => Promise<Partial<Playback>>): void {
+    this.turns.ask(async () => this.take(await request()));
   }
 
   /** What the answer says of the playback is newer than the last report. */

@@ -1,6 +1,6 @@
-import { expect, test } from "vitest";
-import { Seeker } from "./seeker";
+import { expect, test, vi } from "vitest";
 import { actionOf, isDated, slowerThanAsked, spokenSpan, target } from "./transport";
+import { Turns } from "./turns";
 
 const key = (code: string, where: Partial<{ typing: boolean; ownsArrows: boolean; pressable: boolean }> = {}) =>
   actionOf({ code, typing: false, ownsArrows: false, pressable: false, ...where });
@@ -43,7 +43,7 @@ test("a computer too slow for the speed asked is said to be", () => {
 test("of a drag one request is under way at a time, and the newest wins", async () => {
   const sent: number[] = [];
   let answer: () => void = () => undefined;
-  const seeker = new Seeker(
+  const turns = new Turns(
     (position) => {
       sent.push(position);
       return new Promise((resolve) => (answer = resolve));
@@ -51,28 +51,46 @@ test("of a drag one request is under way at a time, and the newest wins", async 
     () => undefined,
     () => undefined,
   );
-  for (const position of [1, 2, 3, 4]) seeker.to(position);
+  for (const position of [1, 2, 3, 4]) turns.seek(position);
   expect(sent).toEqual([1]);
-  expect(seeker.wanted).toBe(4);
+  expect(turns.wanted).toBe(4);
   answer();
   await new Promise((resolve) => setTimeout(resolve));
   expect(sent).toEqual([1, 4]);
-  expect(seeker.wanted).toBe(4);
+  expect(turns.wanted).toBe(4);
   answer();
   await new Promise((resolve) => setTimeout(resolve));
-  expect(seeker.wanted).toBeNull();
+  expect(turns.wanted).toBeNull();
 });
 
 test("a refused seek gives the position back, and only the last refusal is told", async () => {
   const told: unknown[] = [];
-  const seeker = new Seeker(
+  const turns = new Turns(
     (position) => Promise.reject(new Error(`not ${position}`)),
     () => undefined,
     (error) => told.push(error),
   );
-  seeker.to(1);
-  seeker.to(2);
+  turns.seek(1);
+  turns.seek(2);
   await new Promise((resolve) => setTimeout(resolve));
   expect(told.map(String)).toEqual(["Error: not 2"]);
-  expect(seeker.wanted).toBeNull();
+  expect(turns.wanted).toBeNull();
+});
+
+test("everything has its turn in the order of the hand, and only seeks in a row become one", async () => {
+  const done: string[] = [];
+  const takes = (what: string) => async () => {
+    await new Promise((resolve) => setTimeout(resolve));
+    done.push(what);
+  };
+  const turns = new Turns((position) => takes(`seek ${position}`)(), () => undefined, (error) => done.push(String(error)));
+  turns.seek(1);
+  turns.ask(takes("pause"));
+  turns.ask(() => Promise.reject(new Error("no such speed")));
+  turns.seek(2);
+  turns.seek(3);
+  turns.ask(takes("step"));
+  await vi.waitFor(() => expect(done).toHaveLength(5));
+  expect(done).toEqual(["seek 1", "pause", "Error: no such speed", "seek 3", "step"]);
+  expect(turns.wanted).toBeNull();
 });
