@@ -259,7 +259,7 @@ class PlanAndFollowPath(Module):
             now, motion, self._poses.X_MO, problem, goal, self._scan_with_poses(), self._image_with_pose(),
             answer.plan if answer is not None and answer.changed else None,
             None if answer is None else _speeds(answer, self._pilot.body.limits[1] * (goal.speed if goal else 1.0)),
-            self._grid,
+            self._grid, self._poses.astray(now) and self._grid is not None,
         )  # fmt: skip
         if self._controller != self._steering_with:
             self._steering_with = self._controller

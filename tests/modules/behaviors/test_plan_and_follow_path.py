@@ -227,17 +227,68 @@ async def test_while_another_drives_it_is_idle_and_makes_no_excuses() -> None:
         assert await drive.until("arrived", 15.0)
 
 
+def lost(world: DrivenWorld) -> None:
+    """What localizes ``world``'s body says that it is lost, from now on."""
+    tracking = world.localization
+    world.localization = lambda stamp, state="lost": tracking(stamp, state)
+
+
 @in_virtual_time
-async def test_a_robot_that_is_lost_stands_until_it_knows_where_it_is() -> None:
+async def test_a_robot_that_is_lost_turns_on_the_spot_to_find_itself_and_goes_on() -> None:
     world = DrivenWorld(HOUSE, Pose2(1.0, 1.0, 0.0))
     async with Drive(world, x=3.5, y=1.0) as drive:
         await drive.until("never", 2.0)
         tracking = world.localization
-        world.localization = lambda stamp, state="lost": tracking(stamp, state)
+        lost(world)
         assert await drive.until("waiting", 1.0)
         assert "lost" in drive.status.reason
+        assert await drive.until("recovering", 3.0)
+        assert drive.status.reason == "it is lost on the map: turning to find itself"
+        at, heading = world.pose, world.pose.theta
+        await drive.until("never", 3.0)
+        assert abs(world.pose.theta - heading) > 1.5
+        assert math.dist((world.pose.x, world.pose.y), (at.x, at.y)) < 0.02
         world.localization = tracking
         assert await drive.until("arrived", 15.0)
+
+
+@in_virtual_time
+async def test_a_robot_that_turning_does_not_find_stands_and_asks_until_it_is_placed() -> None:
+    world = DrivenWorld(HOUSE, Pose2(1.0, 1.0, 0.0))
+    async with Drive(world, x=3.5, y=1.0) as drive:
+        tracking = world.localization
+        lost(world)
+        assert await drive.until("recovering", 5.0)
+        assert await drive.until("waiting", 25.0)
+        assert "say where it is" in drive.status.reason
+        assert 4 * math.pi - 0.5 < world.pose.theta < 4 * math.pi + 1.0
+        await drive.until("never", 5.0)
+        assert world.angular == world.linear == 0.0
+        world.localization = tracking
+        assert await drive.until("arrived", 15.0)
+
+
+@in_virtual_time
+async def test_lost_without_room_without_sight_or_without_a_goal_it_stands() -> None:
+    tight = DrivenWorld([*HOUSE, *box(0.7, 0.7, 1.3, 1.3)], Pose2(1.0, 1.0, 0.0))
+    lost(tight)
+    async with Drive(tight, x=3.5, y=1.0) as drive:
+        await drive.until("never", 5.0)
+        assert drive.status.state == "waiting"
+        assert tight.nearest_m > 0.015
+    blind = DrivenWorld(HOUSE, Pose2(1.0, 1.0, 0.0))
+    lost(blind)
+    async with Drive(blind, x=3.5, y=1.0) as drive:
+        assert await drive.until("recovering", 5.0)
+        async with Living(blind, drive.bench, scans=False):
+            assert await until(drive.bench, lambda: drive.status.state == "waiting", 2.0)
+            await drive.bench.clock.sleep(1.0)
+            assert blind.angular == 0.0
+        drive.go()
+        assert await drive.until("idle", 1.0)
+        heading = blind.pose.theta
+        await drive.until("never", 5.0)
+        assert blind.pose.theta == pytest.approx(heading, abs=1e-6)
 
 
 def picture(stamp: float, depth: np.ndarray | None = None) -> Image:

@@ -3,7 +3,7 @@
     planning ─▶ following ─▶ (at the target) turning ─▶ arrived        waiting: something it needs is missing
                    │  ▲
       no progress  ▼  │ the measure is over
-                recovering ─▶ waiting for people's help
+                recovering ─▶ waiting for people's help         (lost on the map: turning to find itself)
 
 Poses: ``X_OB`` the body in ``odom``, ``X_MO`` as localization says. Controllers see ``odom`` alone.
 """
@@ -19,7 +19,7 @@ from app.geometry import Pose2, wrap_angle
 from app.modules.behaviors.navigation.corners import careful
 from app.modules.behaviors.navigation.goals import Plan
 from app.modules.behaviors.navigation.motion import Body, Controller, Field, Motion
-from app.modules.behaviors.navigation.recovery import Measure, Recovery, RecoverySettings
+from app.modules.behaviors.navigation.recovery import Measure, Recovery, RecoverySettings, Search
 from app.modules.behaviors.navigation.trail import Trail, back_toward
 from app.modules.behaviors.navigation.way import SpeedAt, Track
 
@@ -91,6 +91,7 @@ class Follower:
     ) -> None:
         self.settings = settings or FollowerSettings()
         self.recovery = Recovery(recovery)
+        self._search = Search(self.recovery.settings)
         self._body = body
         self._controller = controller
         self._trail = Trail()
@@ -130,6 +131,7 @@ class Follower:
         self._at_place = self._arrived = self.opened_up = False
         self._held_since = None
         self.recovery.reset()
+        self._search.end()
         self._controller.forget()
 
     def take(self, plan: Plan, now: float, speed_at: SpeedAt | None = None) -> None:
@@ -159,6 +161,7 @@ class Follower:
             self._controller.forget()
             self._held_since = None
             return Step(0.0, 0.0, "waiting", unfit)
+        self._search.end()
         self._X_OM = X_MO.inverse()
         if motion.linear_mps > 0.01:
             self._trail.add(motion.pose)
@@ -280,6 +283,21 @@ class Follower:
         )  # fmt: skip
 
     # --- recovery ---
+
+    def find_itself(self, now: float, motion: Motion, field: Field, period_s: float, lost: str) -> Step:
+        """One cycle in place of :meth:`step` while the body does not know where it is on the map; ``lost`` says so to
+        people. ``field`` is what its sensors see."""
+        self._controller.forget()
+        self._held_since = None
+        if self.goal is not None and self._search.turns(now):
+            turn = self._turn(self._turn_sign, motion, field, period_s)
+            if turn is None and self._search.barred(now):
+                self._turn_sign = -self._turn_sign
+                turn = self._turn(self._turn_sign, motion, field, period_s)
+            if turn is not None:
+                self._search.turned(abs(turn) * period_s, now)
+                return Step(0.0, turn, "recovering", "it is lost on the map: turning to find itself")
+        return Step(0.0, 0.0, "waiting", lost)
 
     def _begin_measure(self, now: float, motion: Motion, field: Field, period_s: float) -> Step:
         self._troubled_at = min(self._troubled_at, self._least)

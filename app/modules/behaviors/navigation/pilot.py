@@ -63,7 +63,8 @@ class PilotSettings:
 class Senses:
     """What one cycle is given. ``scan`` and ``image`` are new ones, each with the body's pose at its stamp (of a scan,
     also at its last ray), or None. ``motion`` is the body now; ``X_MO`` where localization says ``odom`` is, None with
-    ``problem`` saying why it must not be driven by. ``plan`` is a new one to take, ``speed_at`` what zones allow on it.
+    ``problem`` saying why it must not be driven by; ``astray``: that is all that is wrong with the poses. ``plan`` is a
+    new one to take, ``speed_at`` what zones allow on it.
     """
 
     now: float
@@ -76,6 +77,7 @@ class Senses:
     plan: Plan | None = None
     speed_at: SpeedAt | None = None
     grid: OccupancyGrid | None = None
+    astray: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -135,7 +137,8 @@ class Pilot:
         follower.go(senses.goal, senses.now)
         if senses.plan is not None:
             follower.take(senses.plan, senses.now, senses.speed_at)
-        problem = senses.problem or unfit(senses.now, self._scan_stamp, self._depth, self._settings.fresh_s)
+        blind = unfit(senses.now, self._scan_stamp, self._depth, self._settings.fresh_s)
+        problem = senses.problem or blind
         if senses.goal is not None and not problem:
             self._feel(senses)
         around = self._costmap.around(senses.motion.pose, senses.now, self._known(senses))
@@ -143,8 +146,11 @@ class Pilot:
         careful = self._settings.follower.corner_share < 1.0 and senses.goal is not None
         hidden = hidden_distance(around.cells, around.resolution_m) if careful else None
         seen = Field(around.distance, around.origin, around.resolution_m, hidden)
-        X_MO = senses.X_MO or Pose2()
-        step = follower.step(senses.now, senses.motion, X_MO, seen, period_s, unfit=problem)
+        if senses.astray and not blind:
+            step = follower.find_itself(senses.now, senses.motion, seen, period_s, senses.problem)
+        else:
+            X_MO = senses.X_MO or Pose2()
+            step = follower.step(senses.now, senses.motion, X_MO, seen, period_s, unfit=problem)
         if step.clear:
             self._costmap.clear()
             self._touch.forget()
@@ -185,7 +191,7 @@ class Pilot:
     def _known(self, senses: Senses) -> NDArray[np.float64] | None:
         """What is remembered around the body, and room beside people; m in ``odom``. The body keeps clear of it even
         where a way through is tried as a last resort: what is low there is touched before it is seen again."""
-        if senses.X_MO is None:
+        if senses.X_MO is None or senses.problem:
             return None
         known = np.empty((0, 2))
         if self.things is not None:

@@ -66,23 +66,35 @@ class PoseWatch:
 
     def problem(self, now: float) -> str:
         """Why the poses must not be driven by, in words for people; "" if they may."""
-        if self._odometry is None:
-            return _NO_ODOMETRY
-        # One that is not a number is neither old nor ahead.
-        if not now - self._odometry.stamp >= -_ODOMETRY_S:
-            return "odometry's stamps are not of the robot's clock"
-        if now - self._odometry.stamp > _ODOMETRY_S:
-            return _NO_ODOMETRY
+        if problem := self._odometry_problem(now):
+            return problem
         where = self.localization
         if where is None:
             return "it does not know where it is: nothing localizes it yet"
         match where.state:
             case "mapping" | "tracking":
-                pass
+                return self._localization_problem(where, now)
             case "searching":
                 return "it looks for itself on the map: drive it a little, or say where it is"
             case _:
                 return "it is lost: what the laser sees does not fit the map; drive it a little, or say where it is"
+
+    def astray(self, now: float) -> bool:
+        """Whether all that is wrong is the place on the map: odometry may be driven by, and localization goes on."""
+        where = self.localization
+        if where is None or where.state not in ("searching", "lost"):
+            return False
+        return not self._odometry_problem(now) and not self._localization_problem(where, now)
+
+    def _odometry_problem(self, now: float) -> str:
+        if self._odometry is None:
+            return _NO_ODOMETRY
+        # One that is not a number is neither old nor ahead.
+        if not now - self._odometry.stamp >= -_ODOMETRY_S:
+            return "odometry's stamps are not of the robot's clock"
+        return _NO_ODOMETRY if now - self._odometry.stamp > _ODOMETRY_S else ""
+
+    def _localization_problem(self, where: Localization, now: float) -> str:
         age_s = now - where.stamp
         if not age_s >= -_ODOMETRY_S:
             return "localization's stamps are not of the robot's clock"

@@ -5,10 +5,14 @@ the costmap remembers is forgotten; not before it stands further off, where the 
 from near), **open up** (what is unknown or was in the way once counts as free). After each, the way is tried again;
 what gets the body nearer to its goal than it ever was ends the round. After ``rounds`` of them it **asks** people for
 help, waits, and begins anew.
+
+Lost on its map, it has another measure: it turns on the spot (:class:`Search`), for what it sees round about tells
+where it is, and waits for people when that did not.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import Enum
 
@@ -32,7 +36,7 @@ LADDER = (Measure.WAIT, Measure.BACK_OFF, Measure.TURN, Measure.CLEAR, Measure.O
 class RecoverySettings:
     """``stuck_s`` without getting on begins a measure. Waiting takes ``wait_s``; backing off ends after ``back_m`` or
     ``back_s``, a turn after ``turn_rad`` or ``turn_s``; ``rounds`` of all measures before people are asked, who have
-    ``ask_s``.
+    ``ask_s``. ``find_rad`` is what it turns to find itself.
     """
 
     stuck_s: float = 1.5
@@ -43,6 +47,7 @@ class RecoverySettings:
     turn_s: float = 6.0
     rounds: int = 2
     ask_s: float = 15.0
+    find_rad: float = 4.0 * math.pi
 
 
 class Recovery:
@@ -106,3 +111,41 @@ class Recovery:
         self.succeeded()
         self.end()
         self.count = 0
+
+
+class Search:
+    """How a body that is lost turns to find itself: after a moment, since it may be found as it stands; then so far,
+    or each way until it is barred; where that did not help, again when people have had time to."""
+
+    def __init__(self, settings: RecoverySettings) -> None:
+        self._settings = settings
+        self._since: float | None = None
+        self._left_rad = 0.0
+        self._barred = 0
+
+    def turns(self, now: float) -> bool:
+        """Whether it turns now. The first call after :meth:`end` begins the search."""
+        if self._since is None or (self._given_up and now - self._since >= self._settings.ask_s):
+            self._since, self._left_rad, self._barred = now, self._settings.find_rad, 0
+        return not self._given_up and now - self._since >= self._settings.wait_s
+
+    def turned(self, rad: float, now: float) -> None:
+        """It turned so much."""
+        self._left_rad -= rad
+        if self._given_up:
+            self._since = now
+
+    def barred(self, now: float) -> bool:
+        """It cannot turn on as it did; returns whether it may try the other way."""
+        self._barred += 1
+        if self._given_up:
+            self._since = now
+        return not self._given_up
+
+    def end(self) -> None:
+        """The body is found, or is to go somewhere else."""
+        self._since = None
+
+    @property
+    def _given_up(self) -> bool:
+        return self._left_rad <= 0.0 or self._barred >= 2

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -56,3 +57,22 @@ def test_old_poses_may_not_and_the_words_stay() -> None:
     said = {watch(placed=NOW - age_s).problem(NOW) for age_s in (1.1, 2.0, 60.0)}
     assert said == {"it has not been localized for too long: SLAM or this computer is too slow"}
     assert watch(moved=NOW - 0.4).problem(NOW).startswith("there is no odometry")
+
+
+@pytest.mark.parametrize(
+    ("state", "moved", "placed", "astray"),
+    [
+        ("lost", NOW, NOW, True),
+        ("searching", NOW, NOW, True),
+        ("tracking", NOW, NOW, False),
+        ("lost", NOW - 1.0, NOW, False),
+        ("lost", NOW, NOW - 9.0, False),
+        ("lost", NOW, math.nan, False),
+    ],
+)
+def test_a_body_is_astray_where_its_place_on_the_map_alone_is_not_known(
+    state: str, moved: float, placed: float, astray: bool
+) -> None:
+    poses = watch(moved=moved)
+    poses.localize(replace(localization(placed), state=state))
+    assert poses.astray(NOW) is astray

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.geometry import Pose2, wrap_angle
-from app.modules.behaviors.navigation.recovery import LADDER, Measure, Recovery, RecoverySettings
+from app.modules.behaviors.navigation.recovery import LADDER, Measure, Recovery, RecoverySettings, Search
 from app.modules.behaviors.navigation.trail import Trail, back_toward
 
 SETTINGS = RecoverySettings(rounds=2)
@@ -91,3 +91,28 @@ def test_backing_off_brings_it_to_the_place_behind(distance: float, bearing: flo
         )
         least = min(least, math.dist((pose.x, pose.y), (past.x, past.y)))
     assert least < 0.1
+
+
+def test_lost_it_turns_after_a_moment_so_far_and_no_further_and_anew_when_people_had_time_to_help() -> None:
+    search = Search(RecoverySettings(wait_s=1.5, ask_s=15.0, find_rad=6.0))
+    for began in (10.0, 10.0 + 9.0 + 15.0):
+        assert not search.turns(began)
+        assert not search.turns(began + 1.4)
+        assert search.turns(began + 1.5)
+        search.turned(5.9, began + 8.9)
+        assert search.turns(began + 9.0)
+        search.turned(0.2, began + 9.0)
+        assert not search.turns(began + 9.1)
+    search.end()
+    assert not search.turns(50.0)
+    assert search.turns(51.5), "lost again, it begins anew"
+
+
+def test_barred_it_turns_the_other_way_once() -> None:
+    search = Search(RecoverySettings(wait_s=0.0, ask_s=15.0))
+    assert search.turns(0.0)
+    assert search.barred(1.0)
+    assert search.turns(1.0)
+    assert not search.barred(3.0)
+    assert not search.turns(3.0)
+    assert search.turns(18.0)
