@@ -229,23 +229,14 @@ def read_stamp() -> dict[str, object] | None:
         return None
 
 
-#: Rooms of tests in virtual time or without any, which several processes may share ...
-UNHURRIED = (
-    "tests/attention",
-    "tests/benchmarks",
-    "tests/commands",
-    "tests/docs",
-    "tests/experiments",
-    "tests/maps",
-    "tests/modules",
-    "tests/recording",
-    "tests/replay",
-    "tests/robots",
-)
-#: ... but for these, which drive programs against the clock, as all the others do.
+#: Tests that drive programs against the clock, or a browser: these have the computer to themselves.
 HURRIED = (
+    "tests/browser",
     "tests/commands/test_body.py",
     "tests/commands/test_run.py",
+    "tests/console/test_playback.py",
+    "tests/console/test_replays.py",
+    "tests/console/test_without_driving.py",
     "tests/experiments/overload",
     "tests/modules/recording",
     "tests/replay/test_playback.py",
@@ -254,6 +245,11 @@ HURRIED = (
     "tests/robots/simulated/acoustics/test_link_sound.py",
     "tests/robots/simulated/test_guard_for_real.py",
     "tests/robots/simulated/test_link.py",
+    "tests/runtime/test_clock.py",
+    "tests/runtime/test_load.py",
+    "tests/runtime/test_punctual.py",
+    "tests/runtime/test_watchdog.py",
+    "tests/test_system.py",
 )
 
 
@@ -300,15 +296,9 @@ def first_failure_of_tests(arguments: list[str]) -> int:
     if arguments:
         return run([*pytest, *arguments])
     workers = str(min(os.cpu_count() or 1, 4))
-    shared = run([*pytest, "-n", workers, "--dist", "loadfile", *UNHURRIED, *(f"--ignore={room}" for room in HURRIED)])
+    shared = run([*pytest, "-n", workers, "--dist", "loadfile", *(f"--ignore={room}" for room in HURRIED), "tests"])
     say("running the tests that run against the clock")
-    rooms = [f"tests/{path.name}" for path in sorted((ROOT / "tests").iterdir()) if has_tests(path)]
-    return run([*pytest, *HURRIED, *(room for room in rooms if room not in UNHURRIED)]) or shared
-
-
-def has_tests(path: Path) -> bool:
-    """Whether there are tests in ``path``, a file or a folder."""
-    return path.match("test_*.py") or any(path.rglob("test_*.py"))
+    return run([*pytest, *HURRIED]) or shared
 
 
 def web_tests() -> int:

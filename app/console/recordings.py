@@ -106,7 +106,7 @@ class RecorderReport:
     def _failure(self) -> str:
         """Why the module cannot record at all, in words; "" while it runs."""
         state = self._system.supervisor.states.get(self._module)
-        if state is None or state.status in ("running", "starting"):
+        if state is None or state.status == "running" or (state.status == "starting" and not state.problem):
             return ""
         return f"the Recorder is {state.status}" + (f": {state.problem}" if state.problem else "")
 

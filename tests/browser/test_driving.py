@@ -37,9 +37,7 @@ def wait_for_rest(robot: Robot, lasting_s: float = 0.0) -> list[GuardRow]:
 
     On a busy computer a held key's commands may come late: the robot stops for a moment, and goes on.
     """
-    end = time.monotonic() + 5
-    while time.monotonic() < end:
-        rows = robot.wheels()
+    for rows in robot.wheels_until(15):
         driven = [index for index, row in enumerate(rows) if moving(row)]
         if driven and driven[-1] < len(rows) - 1 and rows[-1].monotonic_s - rows[driven[-1]].monotonic_s > lasting_s:
             return rows[: driven[-1] + 2]
@@ -48,12 +46,8 @@ def wait_for_rest(robot: Robot, lasting_s: float = 0.0) -> list[GuardRow]:
 
 def wait_fast(robot: Robot) -> None:
     """Until the wheels are given some speed: on a busy computer a held key's commands may come late."""
-    end = time.monotonic() + 10
-    while time.monotonic() < end:
-        rows = robot.wheels()
-        if rows and rows[-1].linear_mps > 0.1:
-            return
-    raise AssertionError("the wheels were never fast")
+    if not any(rows and rows[-1].linear_mps > 0.1 for rows in robot.wheels_until(15)):
+        raise AssertionError("the wheels were never fast")
 
 
 def wait_odometry(robot: Robot, page: Page, there: Callable[[dict[str, float]], bool]) -> None:

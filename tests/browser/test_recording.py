@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from mcap.reader import make_reader
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, TimeoutError, expect
 
 from tests.browser.running import Robot, running_robot
 
@@ -79,13 +79,17 @@ def position(page: Page) -> float:
 
 def wait_position(page: Page, least: float, most: float) -> None:
     """Until the recording is between ``least`` and ``most`` seconds from its beginning."""
-    page.wait_for_function(
-        """([least, most]) => {
-            const { position, begin, phase } = document.querySelector("[data-testid=transport]").dataset;
-            return phase !== "seeking" && position - begin >= least && position - begin <= most;
-        }""",
-        arg=[least, most],
-    )
+    try:
+        page.wait_for_function(
+            """([least, most]) => {
+                const { position, begin, phase } = document.querySelector("[data-testid=transport]").dataset;
+                return phase !== "seeking" && position - begin >= least && position - begin <= most;
+            }""",
+            arg=[least, most],
+        )
+    except TimeoutError as error:
+        is_at = page.get_by_test_id("transport").evaluate("element => ({ ...element.dataset })")
+        raise AssertionError(f"not from {least} s to {most} s: {is_at}") from error
 
 
 def test_a_recording_is_replayed_in_a_tab_of_its_own(robot: Robot, page: Page) -> None:
@@ -135,12 +139,14 @@ def test_a_recording_is_replayed_in_a_tab_of_its_own(robot: Robot, page: Page) -
             return stamp && Math.abs(stamp - position) < 0.5;
         }"""
     )
-    shown = float(camera.get_attribute("data-stamp") or 0)
+    shown = camera.get_attribute("data-stamp") or "0"
     replay.keyboard.press("Space")
     wait_position(replay, middle + 0.4, 2 * middle)
     replay.keyboard.press("Space")
     expect(transport).to_have_attribute("data-phase", "paused")
-    assert float(camera.get_attribute("data-stamp") or 0) > shown
+    replay.wait_for_function(
+        "shown => Number(document.querySelector('[data-testid=camera]').dataset.stamp) > Number(shown)", arg=shown
+    )
     replay.wait_for_function(
         """() => {
             const { position } = document.querySelector("[data-testid=transport]").dataset;
