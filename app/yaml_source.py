@@ -45,7 +45,10 @@ for _tag, _pattern, _first in (
 
 
 def _construct_int(loader: _CoreLoader, node: yaml.ScalarNode) -> int:
-    text = str(loader.construct_scalar(node))
+    return _int(str(loader.construct_scalar(node)))
+
+
+def _int(text: str) -> int:
     return int(text, 16) if "x" in text else int(text)  # a leading 0 is decimal in YAML 1.2, octal in 1.1
 
 
@@ -114,8 +117,9 @@ def load_text(text: str, file: str) -> Document:
     """Read YAML or JSON from ``text``; ``file`` is its name in errors (for example "<standard input>")."""
     if "\t" in text and _is_json(text):
         text = text.replace("\t", " ")  # legal white space in JSON, not in YAML
-    loader = _CoreLoader(text)
+    loader: _CoreLoader | None = None
     try:
+        loader = _CoreLoader(text)
         node = loader.get_single_node()
         if node is None:
             return Document(None, file, {(): 1})
@@ -129,7 +133,8 @@ def load_text(text: str, file: str) -> Document:
     except yaml.YAMLError as failure:
         raise ConfigError(f"is not valid YAML: {str(failure).splitlines()[0]}", file) from None
     finally:
-        loader.dispose()
+        if loader is not None:
+            loader.dispose()
 
 
 def parse(path: Path | str, model: type[ModelT]) -> ModelT:
@@ -196,7 +201,7 @@ def _walk(node: yaml.Node, path: KeyPath, lines: dict[KeyPath, int], file: str, 
                 continue
             if not isinstance(key_node, yaml.ScalarNode):
                 raise ConfigError("a key must be a word or a number", file, key_node.start_mark.line + 1, dotted(path))
-            key: str | int = int(key_node.value) if key_node.tag.endswith(":int") else key_node.value
+            key: str | int = _int(key_node.value) if key_node.tag.endswith(":int") else key_node.value
             here = (*path, key)
             if key in seen:
                 raise ConfigError(

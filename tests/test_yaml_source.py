@@ -59,6 +59,11 @@ def test_merge_keys_and_anchors() -> None:
     assert document.line(("use", "p")) == 1
 
 
+def test_text_with_control_characters_is_no_yaml() -> None:
+    with pytest.raises(ConfigError, match="is not valid YAML"):
+        load_text("a: \x00 b", "f.yaml")
+
+
 def test_json_with_tabs_and_empty_text() -> None:
     assert load_text('{\n\t"a": [1, 2.5, null, false]\n}', "x.json").data == {"a": [1, 2.5, None, False]}
     assert load_text("", "x").data is None
@@ -71,6 +76,7 @@ def test_json_with_tabs_and_empty_text() -> None:
         ("a: [1, 2\nb: 3\n", 2, "not valid YAML"),
         ("a: &x [*x]\n", 1, "contains itself"),
         ("? [1, 2]\n: 3\n", 1, "a key must be"),
+        ("0x10: 1\n16: 2\n", 2, "twice"),
     ],
 )
 def test_broken_text(text: str, line: int, words: str) -> None:

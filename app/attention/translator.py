@@ -162,26 +162,13 @@ class IntentionTranslator:
         self._timeline.add("capacity", resource, text, {"before": before, "after": after, "reason": reason})
         self._touch()
 
-    def set_costs(self, strategy: str, costs: Mapping[str, float]) -> None:
-        """Correct what a strategy costs, as measured, and solve again. Raises ValueError."""
-        if not any(s.name == strategy for s in self._strategies):
-            raise ValueError(f"no strategy {strategy!r}")
-        for resource, cost in costs.items():
-            if resource not in self._capacities or not 0 <= cost <= MOST:
-                problem = f"not {cost!r} of {resource!r}"
-                raise ValueError(f"a cost must be from 0 to {MOST:,.0f} of a known resource, {problem}")
-        grained = {r: math.ceil(cost * GRAIN - 1e-6) / GRAIN for r, cost in costs.items() if cost > 0}
-        if any(s.name == strategy and s.costs != grained for s in self._strategies):
-            self._strategies = tuple(replace(s, costs=grained) if s.name == strategy else s for s in self._strategies)
-            self._touch()
-
     @property
     def is_settled(self) -> bool:
-        """Whether the current desires, budgets and costs are answered: applied, held back or failed."""
+        """Whether the current desires and budgets are answered: applied, held back or failed."""
         return self._answered == self._version
 
     async def settled(self) -> None:
-        """Wait until the current desires, budgets and costs are answered: applied, held back or failed."""
+        """Wait until the current desires and budgets are answered: applied, held back or failed."""
         while self._answered != self._version:
             await self._progress.wait()
 

@@ -25,8 +25,11 @@ def find_log(text: str) -> Path:
             "a log is named by its file or, for a recording of yours, by its bare name; this name is empty"
         )
     path = Path(text)
-    if path.exists():
-        return path
+    try:
+        if path.exists():
+            return path
+    except OSError as failure:
+        raise ConfigError(f"there is no file {text}: {failure.strerror}") from None
     library = RecordingLibrary(default_folder())
     try:
         recording = library.path(text.removesuffix(".mcap"))

@@ -7,8 +7,10 @@ import contextlib
 import logging
 import os
 import re
+import shutil
 import signal
 import sys
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -104,8 +106,9 @@ class Replays:
 class _Child:
     """One replay's process: what it says, and its end."""
 
-    def __init__(self, name: str, process: asyncio.subprocess.Process) -> None:
+    def __init__(self, name: str, process: asyncio.subprocess.Process, folder: str) -> None:
         self.name = name
+        self._folder = folder
         self.url: str | None = None
         self._process = process
         self._up: asyncio.Future[str] = asyncio.get_running_loop().create_future()
@@ -115,15 +118,20 @@ class _Child:
 
     @staticmethod
     async def spawn(name: str, command: Sequence[str], environment: dict[str, str]) -> _Child:
-        """Start it. Raises ReplayFailed."""
+        """Start it, with a folder for what it needs while it lives. Raises ReplayFailed."""
+        try:
+            folder = await asyncio.to_thread(tempfile.mkdtemp, prefix="hbba-replays-")
+        except OSError as failure:
+            raise ReplayFailed(f"there is no room for what it needs: {failure.strerror}") from None
         try:
             process = await asyncio.create_subprocess_exec(
-                *command, env=environment, stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.PIPE,
-                stderr=asyncio.subprocess.PIPE, start_new_session=True,
+                *command, env={**environment, "TMPDIR": folder}, stdin=asyncio.subprocess.DEVNULL,
+                stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.PIPE, start_new_session=True,
             )  # fmt: skip
         except OSError as failure:
+            await asyncio.to_thread(shutil.rmtree, folder, ignore_errors=True)
             raise ReplayFailed(f"its process cannot be started: {failure.strerror}") from None
-        return _Child(name, process)
+        return _Child(name, process, folder)
 
     @property
     def ended(self) -> bool:
@@ -159,6 +167,8 @@ class _Child:
         # Both are read to the end, or it would stand still once a pipe is full.
         await asyncio.gather(self._hear(self._process.stdout), self._note(self._process.stderr))
         status = await self._process.wait()
+        # One that had to be killed leaves behind what it had there.
+        await asyncio.to_thread(shutil.rmtree, self._folder, ignore_errors=True)
         log.info("the replay of %s ended with status %d", self.name, status)
 
     async def _hear(self, stdout: asyncio.StreamReader) -> None:

@@ -89,6 +89,7 @@ class MapControl:
     def __init__(self, log: logging.Logger | None = None) -> None:
         self._keeper: MapKeeper | None = None
         self._layers = Layers()
+        self._observers: list[Callable[[], None]] = []
         self._log = log or logging.getLogger(__name__)
 
     async def add(self, layer: MapLayer) -> Callable[[], None]:
@@ -97,6 +98,11 @@ class MapControl:
         if self._keeper is not None:
             await self._told(self._keeper.name, same=True)
         return leave
+
+    def on_change(self, callback: Callable[[], None]) -> None:
+        """Call ``callback()`` whenever another map was taken into use or begun, before its layers are told: what was a
+        place on the former one is none any more."""
+        self._observers.append(callback)
 
     async def resume(self, name: str, *, same: bool) -> None:
         """A keeper that is about to attach has the map ``name`` in use; ``same``: its former instance had it too, and
@@ -123,7 +129,11 @@ class MapControl:
         """Whoever keeps the map. Raises MapUnavailable where nobody does."""
         if self._keeper is None:
             raise MapUnavailable("this program makes no maps: SLAM2D does not run")
-        return _Layered(self._keeper, self._layers)
+        return _Layered(self._keeper, self._layers, self._changed)
+
+    def _changed(self) -> None:
+        for observer in tuple(self._observers):
+            observer()
 
     async def _told(self, name: str, *, same: bool) -> None:
         try:
@@ -179,9 +189,10 @@ class Layers:
 class _Layered:
     """A keeper with layers."""
 
-    def __init__(self, keeper: MapKeeper, layers: Layers) -> None:
+    def __init__(self, keeper: MapKeeper, layers: Layers, changed: Callable[[], None]) -> None:
         self._keeper = keeper
         self._layers = layers
+        self._changed = changed
 
     @property
     def name(self) -> str:
@@ -195,10 +206,12 @@ class _Layered:
 
     async def load(self, name: str, X_MB: Pose2 | None = None, extend: bool = False) -> None:
         await self._keeper.load(name, X_MB, extend)
+        self._changed()
         await self._layers.tell(name, same=False)
 
     async def begin(self) -> None:
         await self._keeper.begin()
+        self._changed()
         await self._layers.tell("", same=False)
 
     async def place(self, X_MB: Pose2) -> None:

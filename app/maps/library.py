@@ -13,6 +13,7 @@ import re
 import shutil
 import tempfile
 import threading
+import time
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,6 +29,9 @@ from app.messages import OccupancyGrid, Zone
 
 #: What a map may be called: nothing that could leave the folder.
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
+
+#: What is being kept for so long (s) is not any more.
+_ABANDONED_S = 3600.0
 
 MAP, PICTURE, ZONES, GRAPH = "map.yaml", "map.pgm", "zones.yaml", "graph.npz"
 
@@ -92,6 +96,10 @@ class MapLibrary:
                     shutil.rmtree(left, ignore_errors=True)
                 else:
                     left.rename(former)
+            for left in self.folder.glob(".new-*"):
+                # Of a program that died while it kept a map: nobody writes one for that long.
+                if time.time() - left.stat().st_mtime > _ABANDONED_S:
+                    shutil.rmtree(left, ignore_errors=True)
         found = (entry.name for entry in self.folder.iterdir() if (entry / MAP).is_file())
         return sorted(name for name in found if NAME.fullmatch(name))
 

@@ -15,7 +15,7 @@ from app.messages import Zone, read_only
 from app.yaml_source import load_yaml
 
 #: Nothing on a map is further from its origin (m).
-FURTHEST_M = 1e5
+FURTHEST_M = 1000.0
 #: A smaller one (m^2) is a slip of the hand, or a line.
 SMALLEST_M2 = 1e-3
 

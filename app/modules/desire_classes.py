@@ -5,6 +5,7 @@ from __future__ import annotations
 from pydantic import BaseModel, ConfigDict, Field
 
 from app.attention.desires import DesireClass
+from app.maps.zones import FURTHEST_M
 
 
 class FindQRCodesParameters(BaseModel):
@@ -124,8 +125,8 @@ class GoToParameters(BaseModel):
 
     model_config = ConfigDict(extra="forbid", title="Go to a place", allow_inf_nan=False)
 
-    x: float = Field(title="x", description="Where to, in metres on the map.")
-    y: float = Field(title="y", description="Where to, in metres on the map.")
+    x: float = Field(ge=-FURTHEST_M, le=FURTHEST_M, title="x", description="Where to, in metres on the map.")
+    y: float = Field(ge=-FURTHEST_M, le=FURTHEST_M, title="y", description="Where to, in metres on the map.")
     heading: float | None = Field(
         None, ge=-7, le=7, title="Heading", description="How to stand there, in rad on the map; none: any way."
     )

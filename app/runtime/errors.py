@@ -15,9 +15,5 @@ class InboxOverflow(Exception):
     """A lossless inbox was full; the message says whose, and how many messages were lost."""
 
 
-class StaleInput(Exception):
-    """An input that must be fresh is not; the message names the channel, its age and what is allowed."""
-
-
 class ModuleFailed(Exception):
     """A module cannot work as configured; the message says what to do."""

@@ -31,9 +31,10 @@ ServiceT = TypeVar("ServiceT")
 
 
 class Settings(BaseModel):
-    """Base of a module's settings, as they stand in configuration: frozen, and unknown keys are refused."""
+    """Base of a module's settings, as they stand in configuration: frozen; unknown keys and what is no finite number
+    are refused."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
 class ModuleContext:

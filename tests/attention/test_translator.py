@@ -206,7 +206,7 @@ async def test_a_renewed_life_is_no_event_and_no_new_problem() -> None:
 
 
 @in_virtual_time
-async def test_budgets_and_costs_move_filters() -> None:
+async def test_budgets_move_filters() -> None:
     s = Setting()
     async with s.running():
         s.add("FindQRCodes")
@@ -215,12 +215,9 @@ async def test_budgets_and_costs_move_filters() -> None:
         s.translator.set_capacity("cpu", 50, "the computer is hot")
         await s.translator.settled()
         assert s.selected == ("2",)
-        s.translator.set_costs("2", {"cpu": 60.0004})
+        s.translator.set_capacity("cpu", 100, "it cooled down")
         await s.translator.settled()
-        assert s.selected == ("3",)
-        s.translator.set_capacity("cpu", 60.001, "it cooled down")
-        await s.translator.settled()
-        assert s.selected == ("2",), "costs are rounded up to thousandths"
+        assert s.selected == ("1",)
         assert [e.data["reason"] for e in s.timeline.query(kinds={"capacity"})] == [
             "the computer is hot",
             "it cooled down",
@@ -228,10 +225,6 @@ async def test_budgets_and_costs_move_filters() -> None:
         for resource, value in (("gpu", 1), ("cpu", -1), ("cpu", math.nan)):
             with pytest.raises(ValueError, match=r"no resource|from 0 to"):
                 s.translator.set_capacity(resource, value, "")
-        with pytest.raises(ValueError, match="no strategy"):
-            s.translator.set_costs("77", {})
-        with pytest.raises(ValueError, match="cost"):
-            s.translator.set_costs("1", {"cpu": -1})
 
 
 @in_virtual_time

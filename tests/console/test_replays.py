@@ -6,6 +6,7 @@ import asyncio
 import os
 import signal
 import sys
+import tempfile
 from collections.abc import AsyncIterator
 from pathlib import Path
 
@@ -130,6 +131,18 @@ async def test_one_that_does_not_listen_is_ended_all_the_same(replays: Replays) 
     process = process_of(await replays.start("tour", Path("tour.mcap")))
     await replays.close()
     assert await gone(process)
+
+
+async def test_what_it_kept_in_its_folder_goes_with_it_however_it_ends(
+    replays: Replays, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    script = f"trap '' TERM; touch $TMPDIR/kept; {UP.replace('exec sleep 60', 'while :; do sleep 60; done')}"
+    replays.command = ("sh", "-c", script)
+    await replays.start("tour", Path("tour.mcap"))
+    assert [os.listdir(tmp_path / folder) for folder in os.listdir(tmp_path)] == [["kept"]]
+    await replays.close()
+    assert os.listdir(tmp_path) == []
 
 
 async def test_whatever_it_says_it_never_stands_still_for_want_of_a_listener(replays: Replays) -> None:

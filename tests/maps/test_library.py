@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import threading
+import time
 from pathlib import Path
 
 import cv2
@@ -70,6 +71,16 @@ def test_a_map_whose_replacement_was_cut_short_is_there_again(library: MapLibrar
     (library.folder / "lab").rename(library.folder / ".lab.old")
     assert library.grid("lab").cells.shape == (40, 40)
     assert library.names() == ["lab"]
+
+
+def test_what_a_program_left_that_died_while_it_kept_a_map_is_swept_up_and_no_other(library: MapLibrary) -> None:
+    library.keep("lab", room())
+    for name, age_s in ((".new-dead", 7200.0), (".new-writing", 5.0)):
+        (library.folder / name).mkdir()
+        then = time.time() - age_s
+        os.utime(library.folder / name, (then, then))
+    assert library.names() == ["lab"]
+    assert sorted(entry.name for entry in library.folder.iterdir()) == [".new-writing", "lab"]
 
 
 def test_a_map_that_is_deleted_does_not_come_back_as_it_was_before(library: MapLibrary) -> None:

@@ -199,6 +199,12 @@ def _changed_fields(writer: Writer) -> None:
     writer.add_message(channel, mcap_log.to_ns(BEGIN), b"\0\1\0\0" + bytes(48), 0)
 
 
+def _damaged_definition(writer: Writer) -> None:
+    schema = writer.register_schema("hbba_msgs/msg/GroundTruth", "ros2msg", b"float64 \xc3\xa9 = = x\n")
+    metadata = {mcap_layout.CHANNEL: "truth", mcap_layout.MESSAGE: "GroundTruth"}
+    writer.register_channel("/truth", "cdr", schema, metadata)
+
+
 def _other_type(writer: Writer) -> None:
     schema = writer.register_schema("geometry_msgs/msg/Twist", "ros2msg", b"")
     metadata = {mcap_layout.CHANNEL: "speed", mcap_layout.MESSAGE: "Odometry"}
@@ -218,6 +224,7 @@ def _other_part(writer: Writer) -> None:
         (_other_type, "/speed", "keeps that part of Odometry as nav_msgs/msg/Odometry, not geometry_msgs/msg/Twist"),
         (_other_part, "/eye/infrared", "Image has no part 'infrared'"),
         (_changed_fields, "/truth", "GroundTruth has changed since: GroundTruth no longer has mood"),
+        (_damaged_definition, "/truth", "GroundTruth has changed since: its definition cannot be read"),
     ],
 )
 def test_what_this_program_cannot_read_is_ignored_and_said(

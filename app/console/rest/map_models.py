@@ -7,9 +7,7 @@ from typing import Annotated, Literal
 from pydantic import ConfigDict, Field
 
 from app.console.rest.models import Answer, DesireModel, Request, Stamp
-
-#: Nobody marks, places or sends anything further from a map's origin than this (m).
-FURTHEST_M = 1000.0
+from app.maps.zones import FURTHEST_M
 
 Metres = Annotated[float, Field(ge=-FURTHEST_M, le=FURTHEST_M)]
 Radians = Annotated[float, Field(ge=-1000, le=1000, description="Heading on the map, left positive.")]

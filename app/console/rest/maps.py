@@ -48,6 +48,12 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
     #: Which map is in use must not change between looking and doing.
     one = asyncio.Lock()
 
+    def forget_goals() -> None:
+        withdraw_all(system.workspace)
+        way.dismiss()
+
+    system.map.on_change(forget_goals)
+
     @router.get("/maps", response_model=MapList, summary="Every map that is kept", responses=problems(409))
     async def list_maps() -> Response:
         """By name; and the one in use, which may have no name yet."""
@@ -80,8 +86,6 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
         await _existing(name)
         async with one, _keeper() as keeper:
             await keeper.load(name, None if load.pose is None else _pose(load.pose), load.extend)
-        withdraw_all(system.workspace)
-        way.dismiss()
         return Json(current())
 
     @router.patch(
@@ -136,8 +140,6 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
         withdrawn. Needs no body."""
         async with one, _keeper() as keeper:
             await keeper.begin()
-        withdraw_all(system.workspace)
-        way.dismiss()
         return Json(current())
 
     @router.put(

@@ -34,7 +34,8 @@ def arbitrate(
     winner: Contender | None = None
     for contender in contenders:
         command = commands.get(contender.port)
-        if command is None or abs(now - command.stamp) > max_age_s:
+        # So asked, a stamp that is no number is not fresh.
+        if command is None or not abs(now - command.stamp) <= max_age_s:
             continue
         if not (math.isfinite(command.linear_mps) and math.isfinite(command.angular_radps)):
             continue

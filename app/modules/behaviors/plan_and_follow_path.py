@@ -267,13 +267,11 @@ class PlanAndFollowPath(Module):
         told = await self.compute(self._pilot.cycle, senses, self.settings.period_s)
         if self._given is not goal:
             # Another desire came while this was decided: what was decided is not for it.
-            told_goal = None
-        else:
-            told_goal = goal
-        self._publish(now, told, told_goal, answer)
+            goal = None
+        self._publish(now, told, goal, answer)
         if goal is not None and not problem and told.step.state != "arrived":
             self._plan_if_wanted(now, goal, told)
-        if senses.image is not None and goal is not None:
+        if senses.image is not None and senses.goal is not None:
             await self.compute(self._pilot.remember, senses)
 
     async def _look_on(self, now: float) -> None:

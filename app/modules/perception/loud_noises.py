@@ -70,12 +70,6 @@ _LONG_AGO = 1 << 30
 _SILENCE = 1e-9
 
 
-def whole_energies(samples: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Mean square (K,), full scale 1, of each frame of ``samples`` (K * 512,), whatever its frequencies."""
-    framed = samples.reshape(-1, FRAME)
-    return np.asarray(np.einsum("ij,ij->i", framed, framed) / (FRAME * _FULL_SCALE**2), np.float64)
-
-
 def decibels(energy: float) -> float:
     """``energy`` (mean square, full scale 1) in dB of full scale; -120 at the least."""
     return 10.0 * float(np.log10(max(energy, 1e-12)))

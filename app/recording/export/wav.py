@@ -19,6 +19,8 @@ from app.recording.log import LogError, LoggedChannel
 GAP_S = 0.02
 #: A source that was not heard for so long has gone; one of its number is another.
 GONE_S = 10.0
+#: Of samples: the format's own lengths are of 32 bits, and count some bytes of header.
+MOST_BYTES = 2**32 - 1024
 
 
 class AudioMessage(Protocol):
@@ -126,7 +128,8 @@ class _Sound:
         return self._wave is not None
 
     def write(self, stamp: float, samples: NDArray[np.int16], rate: int) -> None:
-        """Add a piece (N, C). Raises LogError for another rate or number of channels than before."""
+        """Add a piece (N, C). Raises LogError for another rate or number of channels than before, and for more than
+        the format holds."""
         channels = samples.shape[1]
         if self._wave is None:
             self._wave = wave.open(self._stream, "wb")  # noqa: SIM115  # closed by `close`, header and all
@@ -140,9 +143,15 @@ class _Sound:
                 f"{rate} Hz at {stamp - self._first:.3f} s; cut the log there"
             )
         missing = round((stamp - self._first) * rate) - self._frames
-        if missing > GAP_S * rate:
-            self._wave.writeframesraw(bytes(2 * channels * missing))
-            self._frames, self._silence = self._frames + missing, self._silence + missing
+        missing = missing if missing > GAP_S * rate else 0
+        if 2 * channels * (self._frames + missing + len(samples)) > MOST_BYTES:
+            raise LogError(
+                f"{self._title} is longer than the 4 GB that a WAV file holds: export a part of it, with --from and "
+                f"--to no more than {MOST_BYTES // (2 * channels * rate) // 60} minutes apart"
+            )
+        for begin in range(0, missing, rate):
+            self._wave.writeframesraw(bytes(2 * channels * min(rate, missing - begin)))
+        self._frames, self._silence = self._frames + missing, self._silence + missing
         self._wave.writeframesraw(np.ascontiguousarray(samples, "<i2").tobytes())
         self._frames += len(samples)
 

@@ -201,7 +201,10 @@ def _first_fields(topic: StoredTopic, cls: type[Any]) -> int | None:
     """How many fields of ``cls`` a topic holds from before the others were added; None if it is not that alone."""
     if topic.type != f"{PACKAGE}/msg/{cls.__name__}":
         return None
-    then = get_types_from_msg(topic.definition, topic.type)
+    try:
+        then = get_types_from_msg(topic.definition, topic.type)
+    except TypesysError:
+        return None
     today = typestore.store().fielddefs
     if any(list(fields) != list(today[name][1]) for name, (_, fields) in then.items()
            if name.startswith(f"{PACKAGE}/") and name != topic.type):  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import httpx
@@ -11,6 +12,7 @@ import pytest
 from app.attention.desires import Source
 from app.console.live.hub import Hub
 from app.console.rest import map_models, models
+from app.maps.control import Files, MapUnavailable
 from app.system import System
 from tests.console.places import Keeper, path, status
 from tests.console.program import Body
@@ -153,6 +155,33 @@ async def test_a_goal_on_one_map_is_none_on_another(client: httpx.AsyncClient, s
     await client.put("/goal", json={"x": 1, "y": 1})
     is_problem(await client.post("/maps/nowhere/load"), 404, "no-such-map")
     assert goals(system) == [("rest", 1)], "the map is the same"
+
+
+async def test_goals_end_before_anything_that_is_kept_with_another_map_is_read(
+    client: httpx.AsyncClient, system: System
+) -> None:
+    class Unreadable:
+        """What is kept with each map, and cannot be read."""
+
+        goals: Sequence[object] | None = None
+
+        async def files(self) -> Files:
+            return {}
+
+        async def load(self, name: str) -> None:
+            self.goals = goals(system)
+            raise MapUnavailable("its things cannot be read")
+
+        async def forget(self) -> None:
+            pass
+
+    system.map.attach(Keeper(system.maps))
+    await client.put("/maps/lab")
+    layer = Unreadable()
+    await system.map.add(layer)
+    await client.put("/goal", json={"x": 1, "y": 1})
+    is_problem(await client.post("/maps/lab/load"), 409, "map-unavailable")
+    assert layer.goals == goals(system) == []
 
 
 async def test_a_program_that_goes_nowhere_says_so(

@@ -35,7 +35,8 @@ def test_equal_priorities_go_to_the_first_listed() -> None:
 def test_what_is_not_finite_or_from_the_future_never_drives() -> None:
     commands = {"teleop": Twist(10.0, math.nan, 0.0), "follow": Twist(10.0, 0.1, 0.0)}
     assert arbitrate(10.0, commands, (TELEOP, FOLLOW), 0.25) == ("PlanAndFollowPath", commands["follow"])
-    assert arbitrate(10.0, {"teleop": Twist(1e9, 0.1, 0.0)}, (TELEOP,), 0.25) is None
+    for stamp in (1e9, math.nan, math.inf):
+        assert arbitrate(10.0, {"teleop": Twist(stamp, 0.1, 0.0)}, (TELEOP,), 0.25) is None
 
 
 @given(TWISTS)

@@ -182,6 +182,15 @@ def test_a_change_of_rate_is_said(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+def test_more_than_the_format_holds_is_said_before_it_is_written(tmp_path: Path) -> None:
+    log, _ = sounds(pieces=3)
+    later = BEGIN + 24 * 3600.0
+    log.content.append(Logged(later, "microphone", Sound(later, np.zeros((10, 2), np.int16), 16_000)))
+    with pytest.raises(LogError, match=r"4 GB .* no more than 1118 minutes apart"):
+        export(log, Wish("wav", tmp_path))
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_eight_channels_of_the_microphones_come_back_sample_for_sample(tmp_path: Path) -> None:
     rng = np.random.default_rng(4)
     whole = rng.integers(-32768, 32767, (20 * 512, 8)).astype(np.int16)

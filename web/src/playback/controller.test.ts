@@ -62,10 +62,14 @@ test("what is asked while it still seeks waits for it, and goes by what is true 
   expect(asked.playback.mock.calls).toEqual([[{ position: 100 }], [{ playing: true }]]);
 });
 
-test("a step back looks at a moment, which does not run away again", () => {
+test("a step back looks at a moment, which does not run away again, and two go twice as far", async () => {
   const { control, asked } = replay();
   control.act("back");
-  expect(asked.playback).toHaveBeenCalledWith({ playing: false, position: 129.9 });
+  control.act("back");
+  await settled();
+  await settled();
+  expect(asked.playback.mock.calls[0]).toEqual([{ playing: false }]);
+  expect(asked.playback.mock.calls.at(-1)).toEqual([{ position: 129.8 }]);
 });
 
 test("an answer is taken before the next report comes", async () => {

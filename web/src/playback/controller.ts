@@ -39,8 +39,8 @@ export class PlaybackController {
     const to = target(action, this.wanted.peek() ?? playback.position, playback);
     if (to !== null) {
       // A step back is to look at a moment: it must not run away again.
-      if (action === "back" && playback.playing) this.ask(() => this.rest.playback({ playing: false, position: to }));
-      else this.seek(to);
+      if (action === "back" && playback.playing) this.ask(() => this.rest.playback({ playing: false }));
+      this.seek(to);
     } else if (action === "step") this.ask(() => this.rest.stepPlayback());
     else this.ask(() => this.toggle());
   }

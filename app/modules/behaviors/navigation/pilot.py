@@ -62,9 +62,9 @@ class PilotSettings:
 @dataclass(frozen=True, slots=True, eq=False)
 class Senses:
     """What one cycle is given. ``scan`` and ``image`` are new ones, each with the body's pose at its stamp (of a scan,
-    also at its last ray), or None. ``motion`` is the body now; ``X_MO`` where localization says ``odom`` is, None with
-    ``problem`` saying why it must not be driven by; ``astray``: that is all that is wrong with the poses. ``plan`` is a
-    new one to take, ``speed_at`` what zones allow on it.
+    also at its last ray), or None. ``motion`` is the body now; ``X_MO`` where localization says ``odom`` is, None
+    before it says so. ``problem`` says why neither must be believed; ``astray``: ``X_MO`` alone. ``plan`` is a new one
+    to take, ``speed_at`` what zones allow on it.
     """
 
     now: float

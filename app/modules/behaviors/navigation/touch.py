@@ -17,12 +17,12 @@ from app.modules.behaviors.navigation.motion import Body, Motion
 
 @dataclass(frozen=True, slots=True)
 class TouchSettings:
-    """Commanded to at least ``commanded_mps`` and going at most ``standing_mps`` for ``stalled_s`` is running into
-    something ``ahead_m`` before the body's edge; it is believed for ``keep_s``."""
+    """Going at most ``standing_mps`` for ``stalled_s`` and falling behind by ``behind_m`` what is commanded forward is
+    running into something ``ahead_m`` before the body's edge; it is believed for ``keep_s``."""
 
-    commanded_mps: float = 0.05
+    behind_m: float = 0.04
     standing_mps: float = 0.02
-    stalled_s: float = 1.0
+    stalled_s: float = 0.6
     ahead_m: float = 0.06
     keep_s: float = 40.0
 
@@ -38,15 +38,21 @@ class Touch:
         self._front = front * (1.0 + self._settings.ahead_m / lengths)
         self._felt: list[tuple[float, NDArray[np.float64]]] = []
         self._since: float | None = None
+        self._before = 0.0
+        self._behind_m = 0.0
 
     def feel(self, now: float, commanded_mps: float, motion: Motion) -> bool:
         """Take what was commanded last and how the body moves; whether it just ran into something."""
         s = self._settings
-        if commanded_mps < s.commanded_mps or abs(motion.linear_mps) > s.standing_mps:
+        if commanded_mps <= 0.0 or abs(motion.linear_mps) > s.standing_mps:
             self._since = None
             return False
-        self._since = now if self._since is None else self._since
-        if now - self._since < s.stalled_s:
+        if self._since is None:
+            self._since, self._before, self._behind_m = now, now, 0.0
+        # Not how much at once: against something, commands begin anew from standing again and again.
+        self._behind_m += (commanded_mps - abs(motion.linear_mps)) * (now - self._before)
+        self._before = now
+        if now - self._since < s.stalled_s or self._behind_m < s.behind_m:
             return False
         self._since = None
         c, d = np.cos(motion.pose.theta), np.sin(motion.pose.theta)

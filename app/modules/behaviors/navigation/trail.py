@@ -10,6 +10,8 @@ from app.geometry import Pose2, wrap_angle
 #: Between two remembered places.
 _STEP_M = 0.04
 _STEP_RAD = 0.15
+#: From further off than that the body did not come by the trail: somebody drove or carried it, or odometry began anew.
+_BROKEN_M = 0.5
 
 
 class Trail:
@@ -20,25 +22,28 @@ class Trail:
 
     def add(self, pose: Pose2) -> None:
         """Remember where the body is, unless it is where it was."""
+        self._break_off(pose)
         if self._poses and not _apart(self._poses[-1], pose, _STEP_M, _STEP_RAD):
             return
         self._poses.append(pose)
 
-    def forget(self) -> None:
-        """Somebody may have moved the body, or the ground was left for long."""
-        self._poses.clear()
-
     def back_from(self, pose: Pose2, aim_m: float = 0.3) -> Pose2 | None:
-        """Where backing off steers for: the trail's pose about ``aim_m`` behind ``pose``; None at its end.
+        """Where backing off steers for: the trail's pose about ``aim_m`` behind ``pose``; None at its end, and where
+        the body did not come by it.
 
         What lies nearer than that is given up, so that the way back is not driven twice.
         """
+        self._break_off(pose)
         while self._poses and math.dist((self._poses[-1].x, self._poses[-1].y), (pose.x, pose.y)) < 0.5 * aim_m:
             self._poses.pop()
         for past in reversed(self._poses):
             if math.dist((past.x, past.y), (pose.x, pose.y)) >= aim_m:
                 return past
         return self._poses[0] if self._poses else None
+
+    def _break_off(self, pose: Pose2) -> None:
+        if self._poses and math.dist((self._poses[-1].x, self._poses[-1].y), (pose.x, pose.y)) > _BROKEN_M:
+            self._poses.clear()
 
 
 def back_toward(pose: Pose2, past: Pose2, speed_mps: float, turn_radps: float) -> tuple[float, float]:

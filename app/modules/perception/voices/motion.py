@@ -57,6 +57,11 @@ class Motion:
             self.velocity_variance - gain_velocity * self.covariance,
         )
 
+    def going_on_as(self, old: Motion) -> Motion:
+        """Here, as ``old`` (near by) went: what was lost for a while is seen again, too briefly to say how it moves."""
+        velocity = carried(old.velocity, old.direction, self.direction)
+        return Motion(self.direction, velocity, self.position_variance, 0.0, old.velocity_variance)
+
     def rotated(self, rotation: NDArray[np.float64]) -> Motion:
         """In axes turned by ``rotation`` (3, 3), R_new_old."""
         return replace(self, direction=rotation @ self.direction, velocity=rotation @ self.velocity)

@@ -36,8 +36,10 @@ class TrackerSettings:
     sounds: it keeps its number, for when it is heard again. One
     that falls silent as another begins within ``replaced_deg`` ends once that one was heard for ``replaced_s``.
     ``jerk_degps``: how much a source's angular velocity may change in one second (standard deviation, random walk);
-    ``rest_s``: how soon a silent one is supposed to have stopped. ``error_deg``: of a peak of good power. ``lag_s``:
-    how old what a peak says is on average.
+    ``rest_s``: how soon a silent one is supposed to have stopped. ``error_deg``: of a peak of good power, of a source
+    that is as loud as it was of late; in its pauses the room and others pull its peak away for long, and never at
+    random, so the error is the greater, the softer it is than its own level. ``steady_error_deg`` and, for each rad/s,
+    ``steady_doubt``: the same of the long mean. ``lag_s``: how old what a peak says is on average.
     """
 
     tracks: int = 4
@@ -59,7 +61,7 @@ class TrackerSettings:
     active_power: float = 0.03
     active_s: float = 0.15
     jerk_degps: float = 8.0
-    jerk_share: float = 1.5
+    jerk_share: float = 1.0
     rest_s: float = 3.0
     heard_power: float = 0.015
     unfound_s: float = 0.3
@@ -83,13 +85,13 @@ class TrackerSettings:
     proof_power: float = 0.04
     proof_steps: int = 2
     sure_power: float = 0.06
-    error_deg: float = 3.0
+    error_deg: float = 6.0
     lag_s: float = 0.05
-    steady_error_deg: float = 3.0
+    steady_error_deg: float = 6.0
     steady_lag_s: float = 0.4
     pull: float = 1.2
     crowd_doubt: float = 3.0
-    steady_doubt: float = 1.0
+    steady_doubt: float = 2.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -333,10 +335,11 @@ class Tracker:
             and angle_deg(other.motion.direction, source.motion.direction) < settings.apart_deg
             for other in self._sources
         )
+        softer = max(source.level, recent) / recent
         if sure and recent >= settings.keep_power:
             # What is weak is pulled toward what is strong, in this mean of all sources together.
             doubt = max(0.5, 0.06 / recent) * max(1.0, settings.pull * float(peaks.recent.max()) / recent)
-            error = math.radians(settings.error_deg) * doubt * (settings.crowd_doubt if crowded else 1.0)
+            error = math.radians(settings.error_deg) * softer * doubt * (settings.crowd_doubt if crowded else 1.0)
             source.motion = source.motion.corrected(peaks.directions[k], error**2)
         steady = peaks.steady[k]
         if sure and peaks.powers[k] >= settings.keep_power and not math.isnan(steady[0]) and not crowded:
@@ -346,7 +349,7 @@ class Tracker:
             now, _ = along(steady, source.motion.velocity, since)
             if angle_deg(now, source.motion.direction) < settings.gate_deg:
                 error = math.radians(settings.steady_error_deg) + settings.steady_doubt * speed
-                source.motion = source.motion.corrected(now, error**2)
+                source.motion = source.motion.corrected(now, (softer * error) ** 2)
 
     def _sure(self, source: _Source) -> bool:
         """Whether what is heard of it now is itself, not what the room and others leave there when it is silent."""
@@ -392,7 +395,8 @@ class Tracker:
             tracks = [other for other in self._sources if other.id]
             lost = self._lost(source, tracks, time_s)
             if lost is not None:
-                lost.motion, lost.power, lost.evidence = source.motion, source.power, lost.evidence + source.evidence
+                lost.motion = source.motion.going_on_as(lost.motion)
+                lost.power, lost.evidence = source.power, lost.evidence + source.evidence
                 lost.last_sure, lost.level, lost.unfound_s = source.last_sure, source.level, 0.0
                 lost.last_seen, lost.last_active = source.last_seen, source.last_active
                 self._sources.remove(source)

@@ -36,12 +36,6 @@ def low_pass(rate: int) -> Samples:
     return np.asarray(response / response.sum(), dtype=np.float32)
 
 
-def split_power(samples: Samples, rate: int) -> NDArray[np.float64]:
-    """Mean squares of the low and high bands of ``samples`` (N,): (2,)."""
-    low = np.convolve(samples, low_pass(rate))[: samples.size]
-    return np.array([np.mean(low**2), np.mean((samples - low) ** 2)])
-
-
 def fast_length(length: int) -> int:
     """A length that FFTs like, not shorter."""
     return min((1 << (length - 1).bit_length()), 3 << (max(length - 1, 3) // 3).bit_length())

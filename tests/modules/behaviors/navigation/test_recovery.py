@@ -70,8 +70,18 @@ def test_the_way_back_is_the_way_it_came_and_ends() -> None:
         assert past.x >= 1.6, "no further than what it remembers"
         steps += 1
     assert trail.back_from(pose, 0.3) is None
-    trail.forget()
-    assert trail.back_from(Pose2()) is None
+
+
+@pytest.mark.parametrize("seen_there", [False, True])
+def test_ground_that_the_body_was_brought_away_from_is_no_way_back(*, seen_there: bool) -> None:
+    trail = Trail()
+    for k in range(40):
+        trail.add(Pose2(0.05 * k, 0.0, 0.0))
+    carried = Pose2(2.0, 8.0, 0.0)
+    if seen_there:
+        trail.add(carried)
+    assert trail.back_from(carried, 0.3) in (None, carried)
+    assert trail.back_from(Pose2(1.95, 0.0, 0.0), 0.3) is None, "nor if it comes by there again"
 
 
 @given(st.floats(0.2, 1.0), st.floats(-0.8, 0.8), st.floats(-3, 3))

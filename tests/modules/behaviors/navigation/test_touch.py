@@ -39,6 +39,18 @@ def test_standing_though_commanded_is_running_into_something_ahead() -> None:
     assert touch.laid_over(free(), 60.0).distance.min() == 8.0, "it is believed for a while"
 
 
+def test_commands_that_begin_anew_from_standing_against_something_are_felt() -> None:
+    touch = Touch(BODY)
+    commanded = [0.05, 0.09, 0.04, 0.08, 0.12, 0.04, 0.08, 0.04, 0.08, 0.04]
+    felt = [touch.feel(0.1 * k, mps, Motion(POSE, 0.002, 0.0)) for k, mps in enumerate(commanded)]
+    assert felt.count(True) == 1
+
+
+def test_a_body_that_creeps_as_it_is_commanded_touches_nothing() -> None:
+    touch = Touch(BODY)
+    assert not any(touch.feel(0.1 * k, 0.015, Motion(POSE, 0.015, 0.0)) for k in range(200))
+
+
 @pytest.mark.parametrize("motion", [Motion(POSE, 0.1, 0.0), Motion(POSE, 0.03, 0.5)])
 def test_what_moves_touches_nothing(motion: Motion) -> None:
     touch = Touch(BODY)
