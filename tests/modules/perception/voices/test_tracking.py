@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from app.modules.perception.voices.localization import NO_PEAKS, Peaks
-from app.modules.perception.voices.tracking import Tracker
+from app.modules.perception.voices.tracking import Track, Tracker
 
 STEP_S = 2048 / 48_000
 
@@ -128,6 +128,39 @@ def test_a_walker_who_paused_has_one_track_where_he_goes_on() -> None:
         tracks = tracker.update(now, peaks)
     assert [track.id for track in tracks] == [1]
     assert angle(tracks[0].direction, unit(12 * now)) < 3
+
+
+def pace(track: Track) -> float:
+    """To the left, degrees a second."""
+    return float(np.degrees(np.cross([0, 0, 1], track.direction) @ track.velocity))
+
+
+def test_what_a_walkers_pause_leaves_beside_another_does_not_turn_him_round() -> None:
+    tracker = Tracker()
+    steady = np.array([[np.nan] * 3, unit(120)])
+    for k in range(65):
+        now = k * STEP_S
+        pauses = k >= 50
+        # An echo of whoever walks the other way goes as he does, a third as loud as the walker was.
+        azimuth = 12 * 50 * STEP_S - 4 * (k - 50) * STEP_S if pauses else 12 * now
+        powers, recents = np.array([0.12 if pauses else 0.3, 0.3]), np.array([0.12 if pauses else 0.35, 0.3])
+        directions = np.array([unit(azimuth), unit(120)])
+        tracks = tracker.update(now, Peaks(directions, powers, recents, np.full(2, 0.2), steady))
+    assert [track.id for track in tracks] == [1, 2]
+    assert pace(tracks[0]) > 2
+    assert angle(tracks[0].direction, unit(12 * now)) < 7
+
+
+def test_a_walker_lost_and_heard_again_goes_on_as_he_went() -> None:
+    tracker = Tracker()
+    for k in range(78):
+        now = k * STEP_S
+        # Farther on than where he was expected, too far to be told at once for the same.
+        peaks = NO_PEAKS if 50 <= k < 75 else seen(12 * now + 25 * (k >= 75))
+        tracks = tracker.update(now, peaks)
+    assert [track.id for track in tracks] == [1]
+    assert angle(tracks[0].direction, unit(12 * now + 25)) < 4
+    assert pace(tracks[0]) > 6
 
 
 def test_what_is_only_remembered_and_no_longer_heard_dies() -> None:
