@@ -150,7 +150,8 @@ def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase) -> None:
             actuator.set_to_velocity(kv=_DRIVE_GAIN)
             joint.armature = _WHEEL_ARMATURE
             wheel = joint.parent
-            wheel.pos = [wheel.pos[0], y, wheel.pos[2]]
+            # On the floor with the casters, however large: or these would carry the body, and the wheels spin.
+            wheel.pos = [wheel.pos[0], y, wheel.pos[2] + radius - robot.base.wheel_radius_m]
             for geom in wheel.geoms:
                 if geom.contype:
                     geom.size = [radius, geom.size[1], 0]

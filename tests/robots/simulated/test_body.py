@@ -122,3 +122,18 @@ def test_it_cannot_drive_through_a_wall(robot: RobotConfig, hall: WorldConfig) -
     simulation = build_simulation(robot.model_copy(update={"start": start}), hall, PERFECT)
     run(simulation, Velocity(0.4, 0.0), 3.0, GuardState(), robot.limits.guard())
     assert simulation.true_pose().x < 19.9 - 0.25
+
+
+@pytest.mark.parametrize("share", [-2, 2])
+def test_wheels_of_another_size_carry_it_all_the_same(robot: RobotConfig, hall: WorldConfig, share: int) -> None:
+    """It turns as its wheels roll, and not as casters slide that hold them off the floor."""
+    radius = robot.base.wheel_radius_m * (1 + share * robot.base.radius_error)
+    start = StartPose(x=5, y=10, heading_deg=0)
+    base = TrueBase(radius, radius, robot.base.track_m)
+    simulation = build_simulation(robot.model_copy(update={"start": start}), hall, base)
+    before = simulation.true_pose()
+    run(simulation, Velocity(0.4, 0.3), 3.0, GuardState(), robot.limits.guard())
+    after = before.inverse() @ simulation.true_pose()
+    angles = dict(zip(simulation.joints, simulation.joint_positions(), strict=True))
+    rolled = angles[robot.base.right_wheel_joint] - angles[robot.base.left_wheel_joint]
+    assert after.theta == pytest.approx(rolled * radius / robot.base.track_m, abs=0.03)
