@@ -26,74 +26,12 @@ def solve_cpsat(instance: Instance, deadline: float, hint: tuple[int, ...] = ())
     """
     if instance.impossible:
         raise Infeasible
-    model = cp_model.CpModel()
-    count = len(instance.cls)
-    # Linear expressions; 0 where a strategy can neither be chosen nor serve.
-    chosen: list[Any] = [0] * count
-    serving: list[Any] = [0] * count
-    fulfilled: dict[int, Any] = {}
-    literals: list[cp_model.IntVar] = []
-    hints: list[tuple[cp_model.IntVar, int]] = []
-    for k, group in enumerate(instance.members):
-        wanted = instance.desired.get(k)
-        if all(len(instance.conflicts[s]) == len(group) - 1 for s in group):
-            ways = []
-            for s in group:
-                parts = []
-                if wanted is not None and instance.utility[s] >= wanted:
-                    serving[s] = model.new_bool_var("")
-                    parts.append(serving[s])
-                if wanted is None or k in instance.needed:
-                    parts.append(model.new_bool_var(""))
-                chosen[s] = sum(parts)
-                ways += parts
-                hints += [(part, int(s in hint and part is parts[0])) for part in parts]
-            model.add_at_most_one(ways)
-            literals += ways
-            if wanted is not None:
-                fulfilled[k] = sum(serving[s] for s in group)
-        else:
-            for s in group:
-                chosen[s] = model.new_bool_var("")
-                literals.append(chosen[s])
-                hints.append((chosen[s], int(s in hint)))
-                for other in instance.conflicts[s]:
-                    if other < s:
-                        model.add_at_most_one([chosen[s], chosen[other]])
-            if wanted is not None:
-                fulfilled[k] = model.new_bool_var("")
-                for s in group:
-                    serving[s] = model.new_bool_var("")
-                    model.add_implication(serving[s], chosen[s])
-                    model.add_implication(serving[s], fulfilled[k])
-    for k, group in enumerate(instance.members):
-        wanted = instance.desired.get(k)
-        if wanted is not None or k in instance.needed:
-            cover: Any = sum(instance.utility[s] * chosen[s] for s in group) - sum(
-                needs[k] * chosen[s] for s, needs in enumerate(instance.requires) if k in needs
-            )
-            model.add(cover >= (wanted * fulfilled[k] if wanted is not None else 0))
-        if k in instance.security:
-            model.add(fulfilled[k] == 1)
-    for j, capacity in enumerate(instance.capacities):
-        model.add(sum(instance.costs[s][j] * chosen[s] for s in range(count)) <= capacity)
-    for variable, value in hints:
-        model.add_hint(variable, value)
-
-    solver = cp_model.CpSolver()
-    solver.parameters.num_workers = 1
-    solver.parameters.linearization_level = 2
-    solver.parameters.random_seed = 0
-    # Or the process is left without its handler of Ctrl-C: CP-SAT takes the signal, and gives it back to the system.
-    solver.parameters.catch_sigint_signal = False
+    selection = _Selection(instance, hint)
+    model, solver = selection.model, _solver()
     best: tuple[int, ...] | None = None
     bound = instance.criteria[0].high
     for number, (stage, reach, shift) in enumerate(_stages(instance)):
-        objective: Any = (
-            sum(gain * fulfilled[k] for k, gain in stage.fulfil.items())
-            + sum(gain * serving[s] for s, gain in enumerate(stage.serve) if gain)
-            - sum(cost * chosen[s] for s, cost in enumerate(stage.pay) if cost)
-        )
+        objective = selection.objective(stage)
         left = deadline - time.perf_counter()
         if left <= 0:
             return None if best is None else Answer(best, bound, False)
@@ -104,7 +42,9 @@ def solve_cpsat(instance: Instance, deadline: float, hint: tuple[int, ...] = ())
             raise Infeasible
         if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
             return None if best is None else Answer(best, bound, False)
-        best = tuple(s for s in range(count) if not isinstance(chosen[s], int) and solver.value(chosen[s]))
+        best = tuple(
+            s for s, variable in enumerate(selection.chosen) if not isinstance(variable, int) and solver.value(variable)
+        )
         # Counted in whole numbers: the solver's own figure is a double.
         value = int(solver.value(objective))
         if number == 0:
@@ -115,10 +55,102 @@ def solve_cpsat(instance: Instance, deadline: float, hint: tuple[int, ...] = ())
             return Answer(best, bound, False)
         model.add(objective == value)
         model.clear_hints()  # type: ignore[no-untyped-call]
-        for variable in literals:
+        for variable in selection.literals:
             model.add_hint(variable, solver.value(variable))
     assert best is not None
     return Answer(best, bound, True)
+
+
+def _solver() -> cp_model.CpSolver:
+    solver = cp_model.CpSolver()
+    solver.parameters.num_workers = 1
+    solver.parameters.linearization_level = 2
+    solver.parameters.random_seed = 0
+    # Or the process is left without its handler of Ctrl-C: CP-SAT takes the signal, and gives it back to the system.
+    solver.parameters.catch_sigint_signal = False
+    return solver
+
+
+class _Selection:
+    """The problem's constraints in ``model``. By strategy s, ``chosen`` and ``serving`` are linear expressions, 0 where
+    it can neither be chosen nor serve; ``fulfilled`` by class k; ``literals`` are what is decided."""
+
+    def __init__(self, instance: Instance, hint: tuple[int, ...]) -> None:
+        self.model = cp_model.CpModel()
+        self.chosen: list[Any] = [0] * len(instance.cls)
+        self.serving: list[Any] = [0] * len(instance.cls)
+        self.fulfilled: dict[int, Any] = {}
+        self.literals: list[cp_model.IntVar] = []
+        self._instance = instance
+        self._hinted = hint
+        self._hints: list[tuple[cp_model.IntVar, int]] = []
+        for k, group in enumerate(instance.members):
+            if all(len(instance.conflicts[s]) == len(group) - 1 for s in group):
+                self._at_most_one(k, group)
+            else:
+                self._several(k, group)
+        self._cover()
+        for j, capacity in enumerate(instance.capacities):
+            self.model.add(sum(costs[j] * a for costs, a in zip(instance.costs, self.chosen, strict=True)) <= capacity)
+        for variable, value in self._hints:
+            self.model.add_hint(variable, value)
+
+    def objective(self, stage: Criterion) -> Any:
+        """``stage`` as a linear expression."""
+        return (
+            sum(gain * self.fulfilled[k] for k, gain in stage.fulfil.items())
+            + sum(gain * self.serving[s] for s, gain in enumerate(stage.serve) if gain)
+            - sum(cost * self.chosen[s] for s, cost in enumerate(stage.pay) if cost)
+        )
+
+    def _at_most_one(self, k: int, group: tuple[int, ...]) -> None:
+        """A class whose strategies all exclude each other: each is chosen to serve, or only for what needs it."""
+        instance, wanted = self._instance, self._instance.desired.get(k)
+        ways: list[cp_model.IntVar] = []
+        for s in group:
+            parts = []
+            if wanted is not None and instance.utility[s] >= wanted:
+                self.serving[s] = self.model.new_bool_var("")
+                parts.append(self.serving[s])
+            if wanted is None or k in instance.needed:
+                parts.append(self.model.new_bool_var(""))
+            self.chosen[s] = sum(parts)
+            ways += parts
+            self._hints += [(part, int(s in self._hinted and part is parts[0])) for part in parts]
+        self.model.add_at_most_one(ways)
+        self.literals += ways
+        if wanted is not None:
+            self.fulfilled[k] = sum(self.serving[s] for s in group)
+
+    def _several(self, k: int, group: tuple[int, ...]) -> None:
+        """A class of which several may be chosen: one serves where it is chosen and all of them together suffice."""
+        for s in group:
+            self.chosen[s] = self.model.new_bool_var("")
+            self.literals.append(self.chosen[s])
+            self._hints.append((self.chosen[s], int(s in self._hinted)))
+            for other in self._instance.conflicts[s]:
+                if other < s:
+                    self.model.add_at_most_one([self.chosen[s], self.chosen[other]])
+        if k in self._instance.desired:
+            self.fulfilled[k] = self.model.new_bool_var("")
+            for s in group:
+                self.serving[s] = self.model.new_bool_var("")
+                self.model.add_implication(self.serving[s], self.chosen[s])
+                self.model.add_implication(self.serving[s], self.fulfilled[k])
+
+    def _cover(self) -> None:
+        """What a class produces, less what others require of it, reaches what is desired of it where that counts as
+        fulfilled, and is never less than nothing."""
+        instance = self._instance
+        for k, group in enumerate(instance.members):
+            wanted = instance.desired.get(k)
+            if wanted is not None or k in instance.needed:
+                cover: Any = sum(instance.utility[s] * self.chosen[s] for s in group) - sum(
+                    needs[k] * self.chosen[s] for s, needs in enumerate(instance.requires) if k in needs
+                )
+                self.model.add(cover >= (wanted * self.fulfilled[k] if wanted is not None else 0))
+            if k in instance.security:
+                self.model.add(self.fulfilled[k] == 1)
 
 
 def _stages(instance: Instance) -> list[tuple[Criterion, int, int]]:

@@ -19,10 +19,13 @@ By 3 to 5 no set of strategies that serves nothing survives: without it a select
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
+from typing import Literal
 
 from app.attention.problem import InvalidProblem, Problem, thousandths, thrift_resource
-from app.attention.strategies import exclusive
+from app.attention.strategies import Strategy, exclusive
 
 
 class Infeasible(Exception):
@@ -122,13 +125,6 @@ def build_instance(problem: Problem, *, relaxed: frozenset[str] = frozenset()) -
     members: list[list[int]] = [[] for _ in names]
     for s_index, k in enumerate(cls):
         members[k].append(s_index)
-    conflicts: list[set[int]] = [set() for _ in strategies]
-    for group in members:
-        for position, one in enumerate(group):
-            for other in group[position + 1 :]:
-                if exclusive(strategies[one], strategies[other]):
-                    conflicts[one].add(other)
-                    conflicts[other].add(one)
     # A resource that all kept strategies together cannot use up never binds.
     binding = [r for r, limit in limits.items() if sum(costs.get(r, 0) for costs in cost_of) > limit]
     utility = tuple(thousandths(s.utility, f"{s.name}: utility") for s in strategies)
@@ -144,38 +140,16 @@ def build_instance(problem: Problem, *, relaxed: frozenset[str] = frozenset()) -
     security = frozenset(number[c] for c, d in desires.items() if d.security and c in number and c not in relaxed)
     intensity = {k: thousandths(desires[names[k]].intensity, f"intensity of {names[k]}") for k in desired}
 
-    weight_i = thousandths(problem.weights.intensity, "the weight of intensity")
-    weight_v = thousandths(problem.weights.utility, "the weight of utility")
-    weight_c = thousandths(problem.weights.spare, "the weight of spare capacity")
     thrift = thrift_resource(problem)
-    thrift_cost = tuple(costs.get(thrift, 0) if thrift else 0 for costs in cost_of)
-    count = len(strategies)
-    zeros = (0,) * count
-    worth = tuple(intensity.get(cls[s], 0) * utility[s] for s in range(count))
-    fresh = tuple(int(s.name not in problem.previous) for s in strategies)
-    criteria = (
-        _criterion(
-            {k: weight_i * i for k, i in intensity.items()},
-            tuple(weight_v * utility[s] if cls[s] in desired else 0 for s in range(count)),
-            tuple(weight_c * c for c in thrift_cost),
-        ),
-        _criterion({}, worth, zeros),
-        _criterion({}, zeros, fresh),
-        _criterion({}, zeros, thrift_cost),
-        _criterion({}, zeros, (1,) * count),
-        _criterion({}, zeros, tuple(-(1 << (count - 1 - s)) for s in range(count))),
+    criteria = _criteria(
+        problem,
+        intensity,
+        cls,
+        utility,
+        tuple(int(s.name not in problem.previous) for s in strategies),
+        tuple(costs.get(thrift, 0) if thrift else 0 for costs in cost_of),
     )
-    fulfil = dict.fromkeys(desired, 0)
-    serve, pay = [0] * count, [0] * count
-    unit, shift, low = 1, 0, 0
-    for criterion in reversed(criteria):
-        for k, gain in criterion.fulfil.items():
-            fulfil[k] += unit * gain
-        serve = [total + unit * gain for total, gain in zip(serve, criterion.serve, strict=True)]
-        pay = [total + unit * cost for total, cost in zip(pay, criterion.pay, strict=True)]
-        omega_unit, shift = unit, low
-        low += unit * criterion.low
-        unit *= criterion.high + criterion.low + 1
+    fulfil, serve, pay, omega_unit, omega_shift = _combined(criteria, frozenset(desired))
     return Instance(
         problem=problem,
         classes=tuple(names),
@@ -186,19 +160,82 @@ def build_instance(problem: Problem, *, relaxed: frozenset[str] = frozenset()) -
         costs=tuple(tuple(costs.get(r, 0) for r in binding) for costs in cost_of),
         capacities=tuple(limits[r] for r in binding),
         members=tuple(tuple(group) for group in members),
-        conflicts=tuple(frozenset(group) for group in conflicts),
+        conflicts=_conflicts(strategies, members),
         desired=desired,
         needed=frozenset(k for needs in requires for k in needs),
         security=security,
         impossible=any(not members[k] for k in security),
         criteria=criteria,
         fulfil=fulfil,
-        serve=tuple(serve),
-        pay=tuple(pay),
+        serve=serve,
+        pay=pay,
         omega_unit=omega_unit,
-        omega_shift=shift,
-        omega_offset=weight_c * (limits[thrift] if thrift else 0),
+        omega_shift=omega_shift,
+        omega_offset=_weight(problem, "spare") * (limits[thrift] if thrift else 0),
     )
+
+
+def _conflicts(strategies: Sequence[Strategy], members: Sequence[Sequence[int]]) -> tuple[frozenset[int], ...]:
+    """By strategy s, those that it cannot be chosen with."""
+    conflicts: list[set[int]] = [set() for _ in strategies]
+    for group in members:
+        for one, other in combinations(group, 2):
+            if exclusive(strategies[one], strategies[other]):
+                conflicts[one].add(other)
+                conflicts[other].add(one)
+    return tuple(frozenset(group) for group in conflicts)
+
+
+def _weight(problem: Problem, of: Literal["intensity", "utility", "spare"]) -> int:
+    title = "spare capacity" if of == "spare" else of
+    return thousandths(getattr(problem.weights, of), f"the weight of {title}")
+
+
+def _criteria(
+    problem: Problem,
+    intensity: dict[int, int],
+    cls: tuple[int, ...],
+    utility: tuple[int, ...],
+    fresh: tuple[int, ...],
+    thrift_cost: tuple[int, ...],
+) -> tuple[Criterion, ...]:
+    """The six of the module's docstring. ``intensity`` {k: i} of the classes desired; by strategy s, ``cls`` is its k,
+    ``fresh`` 1 where it was not selected before, ``thrift_cost`` what it takes of the thrift resource."""
+    of_intensity, of_utility, of_spare = (_weight(problem, of) for of in ("intensity", "utility", "spare"))
+    count = len(utility)
+    zeros = (0,) * count
+    omega = _criterion(
+        {k: of_intensity * i for k, i in intensity.items()},
+        tuple(of_utility * v if k in intensity else 0 for k, v in zip(cls, utility, strict=True)),
+        tuple(of_spare * c for c in thrift_cost),
+    )
+    return (
+        omega,
+        _criterion({}, tuple(intensity.get(k, 0) * v for k, v in zip(cls, utility, strict=True)), zeros),
+        _criterion({}, zeros, fresh),
+        _criterion({}, zeros, thrift_cost),
+        _criterion({}, zeros, (1,) * count),
+        _criterion({}, zeros, tuple(-(1 << (count - 1 - s)) for s in range(count))),
+    )
+
+
+def _combined(
+    criteria: tuple[Criterion, ...], desired: frozenset[int]
+) -> tuple[dict[int, int], tuple[int, ...], tuple[int, ...], int, int]:
+    """``fulfil``, ``serve`` and ``pay`` of all in mixed radix; of the first, its unit and its shift (the least of what
+    is below it)."""
+    fulfil = dict.fromkeys(desired, 0)
+    serve = pay = (0,) * len(criteria[0].serve)
+    unit, top, low, shift = 1, 1, 0, 0
+    for criterion in reversed(criteria):
+        for k, gain in criterion.fulfil.items():
+            fulfil[k] += unit * gain
+        serve = tuple(total + unit * gain for total, gain in zip(serve, criterion.serve, strict=True))
+        pay = tuple(total + unit * cost for total, cost in zip(pay, criterion.pay, strict=True))
+        top, shift = unit, low
+        low += unit * criterion.low
+        unit *= criterion.high + criterion.low + 1
+    return fulfil, serve, pay, top, shift
 
 
 def _useful(problem: Problem, inhibited: set[str]) -> list[int]:
