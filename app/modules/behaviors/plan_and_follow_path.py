@@ -7,6 +7,7 @@
     │                    in   localization  Localization, with each scan that SLAM takes           │
     │                    in   map           OccupancyGrid of the map, when it changes              │
     │                    in   zones         Zones of the map, when one changes                     │
+    │                    in   base          Exploitation, 10 Hz: what its command became; or none  │
     │                    out  twist         Twist, each period while there is a goal               │
     │                    out  path          PlannedPath (map), when another way is taken           │
     │                    out  status        NavigationStatus, when it changes, or every 0.5 s      │
@@ -38,6 +39,7 @@ from app.geometry import Pose2
 from app.maps.control import MapControl
 from app.maps.library import MapLibrary
 from app.messages import (
+    Exploitation,
     Image,
     LaserScan,
     Localization,
@@ -121,6 +123,7 @@ class PlanAndFollowPath(Module):
         self.localization = self.input("localization", Localization)
         self.map = self.input("map", OccupancyGrid)
         self.zones = self.input("zones", Zones)
+        self.base = self.input("base", Exploitation, always_open=True)
         self.twist = self.output("twist", Twist)
         self.path = self.output("path", PlannedPath)
         self.status = self.output("status", NavigationStatus)
@@ -131,12 +134,14 @@ class PlanAndFollowPath(Module):
         self.on(self.localization, self._localize)
         self.on(self.map, self._take_map)
         self.on(self.zones, self._take_zones)
+        self.on(self.base, self._notice)
         self.every(self.settings.period_s, self._cycle)
         self._poses = PoseWatch()
         self._scan: LaserScan | None = None
         self._image: Image | None = None
         self._grid: OccupancyGrid | None = None
         self._zones = Zones(0.0, ())
+        self._given_mps: float | None = None
         self._goal: Goal | None = None
         self._controller = self.settings.controller
         self._steering_with = self._controller
@@ -230,6 +235,9 @@ class PlanAndFollowPath(Module):
         self._zones = zones
         self._wanted_plan = self._wanted_plan or "zones changed"
 
+    async def _notice(self, exploitation: Exploitation) -> None:
+        self._given_mps = exploitation.twist.linear_mps if exploitation.behavior == self.name else 0.0
+
     # --- a cycle ---
 
     @property
@@ -259,7 +267,7 @@ class PlanAndFollowPath(Module):
             now, motion, self._poses.X_MO, problem, goal, self._scan_with_poses(), self._image_with_pose(),
             answer.plan if answer is not None and answer.changed else None,
             None if answer is None else _speeds(answer, self._pilot.body.limits[1] * (goal.speed if goal else 1.0)),
-            self._grid, self._poses.astray(now) and self._grid is not None,
+            self._grid, self._poses.astray(now) and self._grid is not None, self._given_mps,
         )  # fmt: skip
         if self._controller != self._steering_with:
             self._steering_with = self._controller

@@ -64,7 +64,8 @@ class Senses:
     """What one cycle is given. ``scan`` and ``image`` are new ones, each with the body's pose at its stamp (of a scan,
     also at its last ray), or None. ``motion`` is the body now; ``X_MO`` where localization says ``odom`` is, None
     before it says so. ``problem`` says why neither must be believed; ``astray``: ``X_MO`` alone. ``plan`` is a new one
-    to take, ``speed_at`` what zones allow on it.
+    to take, ``speed_at`` what zones allow on it. ``given_mps`` is what the base was given forward for the last cycle's
+    command, which others may have stopped; None where nobody tells: the command itself.
     """
 
     now: float
@@ -78,6 +79,7 @@ class Senses:
     speed_at: SpeedAt | None = None
     grid: OccupancyGrid | None = None
     astray: bool = False
+    given_mps: float | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -184,7 +186,8 @@ class Pilot:
             self._depth = watch_depth(self._depth, senses.image[0], self._scan)
 
     def _feel(self, senses: Senses) -> None:
-        felt = self._touch.feel(senses.now, self._sent[0], senses.motion)
+        given_mps = self._sent[0] if senses.given_mps is None else senses.given_mps
+        felt = self._touch.feel(senses.now, given_mps, senses.motion)
         if felt and self.things is not None and senses.X_MO is not None:
             self.things.felt(senses.X_MO.transform(self._touch.newest), senses.now)
 

@@ -42,7 +42,7 @@ class Touch:
         self._behind_m = 0.0
 
     def feel(self, now: float, commanded_mps: float, motion: Motion) -> bool:
-        """Take what was commanded last and how the body moves; whether it just ran into something."""
+        """Take what the base was given last and how the body moves; whether it just ran into something."""
         s = self._settings
         if commanded_mps <= 0.0 or abs(motion.linear_mps) > s.standing_mps:
             self._since = None

@@ -168,3 +168,21 @@ def test_whoever_plans_is_told_what_is_kept_with_another_map_though_it_changed_a
         assert told.things == pytest.approx(np.array([[x, 2.0]]), abs=0.05)
     here.things.forget()
     assert not len(here.cycle(Senses(0.1, Motion(Pose2(), 0.0, 0.0), Pose2(), "", None), 0.1).things)
+
+
+@pytest.mark.parametrize(("given_mps", "felt"), [(None, True), (0.2, True), (0.0, False)])
+def test_a_body_that_others_keep_standing_feels_nothing(given_mps: float | None, *, felt: bool) -> None:
+    """The collision monitor stops it before what the laser sees: no unseen thing is there to be remembered."""
+    here = seeing_no_depth()
+    assert here.things is not None
+    goal = Goal(Pose2(3.0, 0.0, math.nan))
+    poses = np.stack((np.linspace(0.0, 3.0, 60), np.zeros(60), np.zeros(60)), axis=1)
+    plan: Plan | None = Plan("way", "", poses, goal.pose, 3.0)
+    standing = Motion(Pose2(), 0.0, 0.0)
+    for k in range(15):
+        scan = (World(()).scan(0.1 * k, Pose2()), Pose2(), Pose2())
+        here.cycle(
+            Senses(0.1 * k, standing, Pose2(), "", goal, scan, None, plan, None, EMPTY, given_mps=given_mps), 0.1
+        )
+        plan = None
+    assert (len(here.things.points) > 0) is felt
