@@ -24,7 +24,8 @@ from numpy.typing import NDArray
 from app.geometry import Pose2
 from app.messages import LaserScan
 
-#: Points so far (m) from the crossing say how the wall runs there; fewer than ``FEWEST_POINTS`` say nothing.
+#: Points so far (m) from the crossing say how the wall runs there, or where they are sparse a few on each side; fewer
+#: than ``FEWEST_POINTS`` say nothing.
 AROUND_M = 0.2
 FEWEST_POINTS = 5
 #: The wall goes on so far (m) on both sides, as it must for a page to hang there.
@@ -152,7 +153,9 @@ def _around(
         return None
     centre = 0.5 * (seen[pair] + seen[pair + 1])
     distance = np.linalg.norm(seen - centre, axis=1)
-    near = distance <= AROUND_M
+    # A wall seen steeply from afar has its points further apart.
+    spacing = 2.0 * float(distance[pair])
+    near = distance <= max(AROUND_M, 0.5 * (FEWEST_POINTS + 1) * spacing)
     begin, end = pair, pair + 2
     while begin > 0 and joined[begin - 1] and near[begin - 1]:
         begin -= 1

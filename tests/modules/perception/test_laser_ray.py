@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -53,6 +53,7 @@ def meet(scan: LaserScan, direction: tuple[float, float, float], X_OB: Pose2 = H
     return wall_on_ray(points, (x, y), SPACING, X_OB.to_pose3().transform(CAMERA), ray, 0.005)
 
 
+@example(3.0, 23.0, -43.0, 0.0, 0.0, 0.0, 0.0)
 @given(
     st.floats(0.6, 3.0),
     st.floats(-65, 65),
