@@ -197,7 +197,9 @@ def why(page: Page) -> None:
 
 
 def shoot(page: Page, name: str) -> None:
-    """Save the page as ``docs/images/<name>.jpg``."""
+    """Save the page as ``docs/images/<name>.jpg``, where that may be with pictures that are not old."""
+    with contextlib.suppress(TimeoutError):
+        page.locator("[data-testid=camera]:not(.old)").wait_for(timeout=20_000)
     picture = FOLDER / f"{name}.png"
     page.screenshot(path=picture)
     # A tenth of the size of a PNG, for a repository that keeps every version.
