@@ -18,7 +18,7 @@ RESOURCES = {"cpu": Resource("cpu", 100, "% of one core")}
 
 def test_degraded_says_what_it_would_take() -> None:
     p = problem([desire("GoTo", 8), desire("LocateFaces", 8)], TABLE_4_4, CPU)
-    reasons = explain(p, solve(p), time_limit_s=5, resources=RESOURCES)
+    reasons = explain(p, solve(p), time_limit_s=60, resources=RESOURCES)
     assert reasons["GoTo"].text == "fulfilled at its best (8) by 13"
     faces = reasons["LocateFaces"]
     assert (faces.state, faces.utility, faces.wanted, faces.best) == ("degraded", 4, 1, 8)
@@ -31,7 +31,7 @@ def test_degraded_says_what_it_would_take() -> None:
 
 def test_unfulfilled_for_want_of_a_resource() -> None:
     p = problem([desire("LocateVoices", 2), desire("LocateFaces", 8, 8)], TABLE_4_4, CPU)
-    reason = explain(p, solve(p), time_limit_s=5, resources=RESOURCES)["LocateVoices"]
+    reason = explain(p, solve(p), time_limit_s=60, resources=RESOURCES)["LocateVoices"]
     assert reason.state == "unfulfilled"
     assert reason.text == (
         "unfulfilled: what it needs does not fit beside what is worth more; "
@@ -41,7 +41,7 @@ def test_unfulfilled_for_want_of_a_resource() -> None:
 
 def test_inhibited_and_what_depends_on_it() -> None:
     p = problem([desire("SLAM", 3, 0), desire("GoTo", 8)], TABLE_4_4, CPU)
-    reasons = explain(p, solve(p), time_limit_s=5)
+    reasons = explain(p, solve(p), time_limit_s=60)
     assert reasons["SLAM"].text == "inhibited by a desire of intensity 3"
     assert reasons["GoTo"].text == (
         "unfulfilled: it depends on SLAM, which is inhibited; would be fulfilled without SLAM"
@@ -55,7 +55,7 @@ def test_what_no_resource_can_help() -> None:
     )
     p = problem([desire("LocateFaces", 1, 8), desire("Dance", 1, security=True), desire("GoTo", 1)], table, {})
     selection = solve(p)
-    reasons = explain(p, selection, time_limit_s=5)
+    reasons = explain(p, selection, time_limit_s=60)
     assert reasons["LocateFaces"].text == "unfulfilled: it asks for utility 8, its strategies produce at most 4"
     assert reasons["Dance"].text == "unfulfilled: no strategy serves this class, though its security is asked for"
     assert reasons["GoTo"].text == "unfulfilled: it depends on SLAM, which no strategy serves"
@@ -110,4 +110,4 @@ def test_every_alternative_is_true(p: Problem) -> None:
 def test_a_search_given_up_offers_nothing_it_has_not_checked() -> None:
     p = problem([desire("GoTo", 8), desire("LocateFaces", 8)], TABLE_4_4, CPU)
     selection = solve(p)
-    assert explain(p, selection, time_limit_s=5, give_up=lambda: True) == explain(p, selection, time_limit_s=0)
+    assert explain(p, selection, time_limit_s=60, give_up=lambda: True) == explain(p, selection, time_limit_s=0)

@@ -66,7 +66,7 @@ def intention(selection: Selection, *classes: str) -> Intention:
         chosen,
         divisors_of(chosen, TABLE.filters),
         parameters_of(chosen, p.desires),
-        explain(p, selection, time_limit_s=1),
+        explain(p, selection, time_limit_s=60),
         p.desires,
         p.capacities,
     )
