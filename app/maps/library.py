@@ -8,6 +8,7 @@ once its YAML file is called ``map.yaml``.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import shutil
@@ -98,8 +99,9 @@ class MapLibrary:
                     left.rename(former)
             for left in self.folder.glob(".new-*"):
                 # Of a program that died while it kept a map: nobody writes one for that long.
-                if time.time() - left.stat().st_mtime > _ABANDONED_S:
-                    shutil.rmtree(left, ignore_errors=True)
+                with contextlib.suppress(FileNotFoundError):  # it was given up, or has become a map, just now
+                    if time.time() - left.stat().st_mtime > _ABANDONED_S:
+                        shutil.rmtree(left, ignore_errors=True)
         found = (entry.name for entry in self.folder.iterdir() if (entry / MAP).is_file())
         return sorted(name for name in found if NAME.fullmatch(name))
 

@@ -79,13 +79,6 @@ class Robot:
         """Everything the wheels were given so far."""
         return read_guard_log(self.guard_log)
 
-    def wheels_until(self, within_s: float) -> Iterator[list[GuardRow]]:
-        """The same time and again for ``within_s`` (of this computer), with a rest that leaves it to the robot."""
-        end = time.monotonic() + within_s
-        while time.monotonic() < end:
-            yield self.wheels()
-            time.sleep(0.02)
-
     def true_place(self, text: str) -> tuple[float, float, float]:
         """Where the poster that says ``text`` hangs, in ``odom`` as it would be without drift."""
         x, y, z = self.posters[text]
