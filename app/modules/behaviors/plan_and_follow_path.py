@@ -68,6 +68,7 @@ from app.modules.behaviors.navigation.wayfinder import Answer, Request, Wayfinde
 from app.modules.body import robot_link
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
+from app.runtime.punctual import go_first
 
 #: Between two costmaps published, s.
 _COSTMAP_S = 0.2
@@ -162,6 +163,7 @@ class PlanAndFollowPath(Module):
         """Load what is compiled, and learn what the body is. Raises ModuleFailed for one that does not drive."""
         description = robot_link(self).description
         await self.compute(load_kernels)
+        await self.compute(go_first)
         s = self.settings
         settings = PilotSettings(
             costmap=CostmapSettings(
