@@ -12,6 +12,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from app.robots.simulated.guard_log import GuardRow
+from tests.browser.hands import hold, wait_driving
 from tests.browser.running import Robot
 
 #: What the guard's ramp adds to the moment of the stop: 0.4 m/s at 0.4 m/s2, as an ordinary command brakes.
@@ -25,11 +26,6 @@ CALM = True
 def moving(row: GuardRow) -> bool:
     """Whether the wheels are given any velocity."""
     return row.linear_mps != 0 or row.angular_radps != 0
-
-
-def wait_driving(page: Page) -> None:
-    """Until the guard says that the robot drives."""
-    page.locator("[data-testid=guard-state][data-state=driving]").wait_for()
 
 
 def wheels_until(robot: Robot, page: Page, within_s: float) -> Iterator[list[GuardRow]]:
@@ -83,8 +79,7 @@ def test_held_key_drives_and_release_stops(robot: Robot, page: Page) -> None:
     def forward(odometry: dict[str, float]) -> float:
         return math.hypot(odometry["x"] - before["x"], odometry["y"] - before["y"])
 
-    page.keyboard.down("KeyW")
-    wait_driving(page)
+    hold(page, "KeyW")
     wait_odometry(robot, page, lambda odometry: forward(odometry) > 0.3)
     page.keyboard.up("KeyW")
     wait_for_rest(robot, page)
@@ -95,8 +90,7 @@ def test_held_key_drives_and_release_stops(robot: Robot, page: Page) -> None:
 
 def test_turning_left_is_to_the_left(robot: Robot, page: Page) -> None:
     """A turns the heading counter-clockwise and moves nowhere."""
-    page.keyboard.down("KeyA")
-    wait_driving(page)
+    hold(page, "KeyA")
     wait_odometry(robot, page, lambda odometry: odometry["theta"] > 0.3)
     page.keyboard.up("KeyA")
     wait_for_rest(robot, page)
@@ -107,8 +101,7 @@ def test_turning_left_is_to_the_left(robot: Robot, page: Page) -> None:
 @pytest.mark.parametrize("how", ["blur", "pagehide", "visibilitychange"])
 def test_whatever_takes_the_page_away_stops(robot: Robot, page: Page, how: str) -> None:
     """A key is still down, but nobody is looking: stop; and do not start again when people come back."""
-    page.keyboard.down("KeyW")
-    wait_driving(page)
+    hold(page, "KeyW")
     lost = time.monotonic()
     if how == "visibilitychange":
         page.evaluate(
@@ -126,8 +119,7 @@ def test_whatever_takes_the_page_away_stops(robot: Robot, page: Page, how: str) 
 
 def test_a_closed_tab_stops(robot: Robot, page: Page) -> None:
     """Closing the tab while a key is down commands zero within 100 ms of the page's end."""
-    page.keyboard.down("KeyW")
-    wait_driving(page)
+    hold(page, "KeyW")
     page.wait_for_timeout(1_200)
     page.close(run_before_unload=False)
     closed = time.monotonic()
@@ -138,8 +130,7 @@ def test_a_closed_tab_stops(robot: Robot, page: Page) -> None:
 
 def test_a_frozen_page_stops(robot: Robot, page: Page) -> None:
     """A page that hangs says nothing: the robot brakes by itself within 300 ms."""
-    page.keyboard.down("KeyW")
-    wait_driving(page)
+    hold(page, "KeyW")
     page.wait_for_timeout(1_200)
     page.evaluate(
         "setTimeout(() => {"
@@ -152,8 +143,7 @@ def test_a_frozen_page_stops(robot: Robot, page: Page) -> None:
 
 def test_a_frozen_runtime_stops(robot: Robot, page: Page) -> None:
     """The whole program is stopped by a signal: the guard, in its own process, brakes within 250 ms."""
-    page.keyboard.down("KeyW")
-    wait_driving(page)
+    hold(page, "KeyW")
     wait_fast(robot, page)
     frozen = time.monotonic()
     robot.process.send_signal(signal.SIGSTOP)
@@ -168,8 +158,7 @@ def test_a_frozen_runtime_stops(robot: Robot, page: Page) -> None:
 
 def test_emergency_stop_latches(robot: Robot, page: Page) -> None:
     """The button stops at once, keys do nothing until it is released on purpose, and then only pressed anew."""
-    page.keyboard.down("KeyW")
-    wait_driving(page)
+    hold(page, "KeyW")
     page.get_by_test_id("estop").click()
     page.locator("[data-testid=guard-state][data-state=e_stopped]").wait_for()
     page.keyboard.up("KeyW")
@@ -182,16 +171,14 @@ def test_emergency_stop_latches(robot: Robot, page: Page) -> None:
     page.get_by_test_id("estop-release-confirm").click()
     page.locator("[data-testid=guard-state][data-state=idle]").wait_for()
     assert not moving(robot.wheels()[-1])
-    page.keyboard.down("KeyW")
-    wait_driving(page)
+    hold(page, "KeyW")
     page.keyboard.up("KeyW")
 
 
 def test_two_pages_share_one_wheel(robot: Robot, open_page: Callable[[], Page]) -> None:
     """The second page watches and is told who drives; it takes the wheel only by asking, and the first is stopped."""
     first, second = open_page(), open_page()
-    first.keyboard.down("KeyW")
-    wait_driving(first)
+    hold(first, "KeyW")
     wait_driving(second)
     first.keyboard.up("KeyW")
     stopped = wait_for_rest(robot, first)
@@ -201,8 +188,7 @@ def test_two_pages_share_one_wheel(robot: Robot, open_page: Callable[[], Page]) 
     assert not any(map(moving, robot.wheels()[len(stopped) :]))
     second.get_by_test_id("take-control").first.click()
     second.get_by_test_id("release-control").first.wait_for()
-    second.keyboard.down("KeyW")
-    wait_driving(second)
+    hold(second, "KeyW")
     second.keyboard.up("KeyW")
 
 
@@ -212,8 +198,7 @@ def test_escape_closes_the_help_of_a_standing_robot_and_stops_a_moving_one(robot
     page.keyboard.press("Escape")
     page.get_by_test_id("help-sheet").wait_for(state="detached")
     assert robot.get("/robot")["guard"]["e_stopped"] is False
-    page.keyboard.down("KeyW")
-    wait_driving(page)
+    hold(page, "KeyW")
     page.get_by_test_id("help").click()
     page.keyboard.press("Escape")
     page.locator("[data-testid=guard-state][data-state=e_stopped]").wait_for()

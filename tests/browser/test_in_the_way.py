@@ -7,6 +7,7 @@ import time
 
 from playwright.sync_api import Page, expect
 
+from tests.browser.hands import hold
 from tests.browser.running import Robot
 
 CALM = True
@@ -15,7 +16,7 @@ CRAWL_MPS = 0.1
 
 def test_a_wall_stops_the_robot_and_the_override_crawls(robot: Robot, page: Page) -> None:
     page.locator("[data-testid=speed-full]").click()
-    page.keyboard.down("KeyA")
+    hold(page, "KeyA")
     end = time.monotonic() + 20
     while robot.odometry()["theta"] < 1.2 and time.monotonic() < end:
         page.wait_for_timeout(50)

@@ -25,6 +25,7 @@ from app.geometry import Pose2
 from app.maps.library import MapLibrary
 from app.paths import config_dir
 from app.robots.config import load_robot_config
+from tests.browser.hands import hold
 from tests.browser.running import LOOPS_DEBUG, Robot, running_program
 from tests.browser.witness import true_pose
 
@@ -138,7 +139,7 @@ def test_a_kept_map_is_loaded_the_robot_finds_itself_and_goes_to_another_room(
     expect(where).to_have_attribute("data-state", "searching")
 
     # What it sees from one place alone it does not believe: it is turned on the spot.
-    page.keyboard.down("KeyA")
+    hold(page, "KeyA")
     expect(where).to_have_attribute("data-state", "tracking", timeout=30_000)
     driver = page.get_by_test_id("driver")
     expect(driver).to_have_text("You")
@@ -158,7 +159,8 @@ def test_a_kept_map_is_loaded_the_robot_finds_itself_and_goes_to_another_room(
     # A zone to keep out of, aside of the way: dragged as a rectangle from this corner.
     corner = X_MW @ Pose2(15.5, 4.0, math.radians(45))
     page.get_by_test_id("map-tool-keep_out").click()
-    drag_on_map(page, corner)
+    with page.expect_response(lambda answer: answer.url.endswith("/map/zones") and answer.request.method == "PUT"):
+        drag_on_map(page, corner)
     page.locator("[data-testid=zone][data-kind=keep_out]").wait_for()
     (zone,) = robot.get("/map/zones")["zones"]
     assert min(math.dist(each, (corner.x, corner.y)) for each in zone["polygon"]) < 0.05
