@@ -5,7 +5,7 @@ from __future__ import annotations
 from html import escape
 from typing import Any
 
-from fastapi import FastAPI
+from fastapi import FastAPI, Request
 from fastapi.openapi.utils import get_openapi
 from fastapi.responses import HTMLResponse, Response
 
@@ -48,12 +48,12 @@ def describe(app: FastAPI, prefix: str) -> None:
     app.openapi = document  # type: ignore[method-assign]
 
     @app.get(f"{prefix}/openapi.json", include_in_schema=False)
-    async def openapi() -> Response:
-        return Json(document())
+    async def openapi(request: Request) -> Response:
+        return Json(request.app.openapi())
 
     @app.get(f"{prefix}/docs", include_in_schema=False)
-    async def docs() -> Response:
-        return HTMLResponse(_page(document()))
+    async def docs(request: Request) -> Response:
+        return HTMLResponse(_page(request.app.openapi()))
 
 
 def _document(app: FastAPI) -> dict[str, Any]:
