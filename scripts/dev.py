@@ -14,6 +14,7 @@ import shutil
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 if sys.version_info < (3, 11):
@@ -280,8 +281,10 @@ def test(arguments: list[str]) -> int:
     set_up({"test"})
     install_debian_packages()
     set_up_s = time.monotonic() - began
-    linted = lint()
-    web = web_tests()
+    with ThreadPoolExecutor(1) as beside:
+        page_tested = beside.submit(web_tests)
+        linted = lint()
+        web = page_tested.result()
     say(f"running pytest (set-up took {set_up_s:.0f} s)")
     tested = first_failure_of_tests(arguments)
     for what, status in (("lint", linted), ("the page's tests", web)):
