@@ -11,87 +11,7 @@ from scipy.optimize import linear_sum_assignment
 
 from app.modules.perception.voices.localization import Peaks
 from app.modules.perception.voices.motion import Motion, Vector, along, angle_deg, angular_speed
-
-
-@dataclass(frozen=True, slots=True)
-class TrackerSettings:
-    """When tracks are born, how they move and when they die.
-
-    ``tracks``: most at a time. A peak of ``birth_power``, and of ``birth_share`` of the strongest one, makes a track
-    once it has been there for ``patience_s``, and sooner by the cube of how much it is above both. A track lives on
-    peaks of ``keep_power`` and ``keep_share`` within ``gate_deg`` of where it must be, and without any the longer the
-    better it was heard before, at most ``silence_s``. A floor's and a ceiling's echoes come from above and below their
-    source: a peak within ``echo_azimuth_deg`` of a stronger one, but higher or lower by ``echo_elevation_deg`` and more
-    and below ``echo_share`` of it, is none of either. A peak that is a copy of a stronger one makes no track from the
-    second of ``echo`` on, and one the later from the first on. A track sounds (is active) while peaks' recent powers
-    are at least ``active_power``, and for ``active_s`` longer. ``apart_deg``: nearer to a track none other is born.
-    What is heard of a track counts as itself if it is ``sure_level`` of its own level and ``sure_share`` of the
-    strongest, both held over pauses (``hold_s``), and if the search finds it, too, within ``unfound_s``: the rest is
-    the room's and the others' and moves nothing. An echo only ever follows: again and again, within ``trial_s`` of its
-    birth and then within ``trust_s`` of sound, a track must be ``proof_share`` of the strongest or, for ``proof_steps``
-    steps, louder than ``proof_loud`` of each other's level; until it is, it is not told of. The share it needs is the
-    larger, the more it is a copy of others (``proof_echo``, mean over ``echo_s``). Nor is one
-    told of that is silent for longer than ``told_s`` and ``told_heard`` times as long as it was heard, or than
-    ``told_moving_s`` if it moved by more than ``moving_degps``, or than ``hidden_s`` within ``hidden_deg`` of one that
-    sounds: it keeps its number, for when it is heard again. One
-    that falls silent as another begins within ``replaced_deg`` ends once that one was heard for ``replaced_s``.
-    ``jerk_degps``: how much a source's angular velocity may change in one second (standard deviation, random walk);
-    ``rest_s``: how soon a silent one is supposed to have stopped. ``error_deg``: of a peak of good power, of a source
-    that is as loud as it was of late; in its pauses the room and others pull its peak away for long, and never at
-    random, so the error is the greater, the softer it is than its own level. ``steady_error_deg`` and, for each rad/s,
-    ``steady_doubt``: the same of the long mean. ``lag_s``: how old what a peak says is on average.
-    """
-
-    tracks: int = 4
-    birth_power: float = 0.025
-    patience_s: float = 0.3
-    mercy_s: float = 0.6
-    most_evidence: float = 10.0
-    birth_share: float = 0.23
-    keep_power: float = 0.02
-    keep_share: float = 0.12
-    echo_azimuth_deg: float = 15.0
-    echo_elevation_deg: float = 20.0
-    echo_share: float = 0.5
-    echo: tuple[float, float] = (0.38, 0.58)
-    gate_deg: float = 10.0
-    apart_deg: float = 15.0
-    silence_s: float = 2.5
-    walking_degps: float = 8.0
-    active_power: float = 0.03
-    active_s: float = 0.15
-    jerk_degps: float = 8.0
-    jerk_share: float = 1.0
-    rest_s: float = 3.0
-    heard_power: float = 0.015
-    unfound_s: float = 0.3
-    hold_s: float = 1.5
-    sure_level: float = 0.3
-    sure_share: float = 0.18
-    hidden_s: float = 0.5
-    hidden_deg: float = 30.0
-    replaced_s: float = 0.2
-    replaced_deg: float = 35.0
-    trust_s: float = 2.5
-    echo_s: float = 0.5
-    told_s: float = 0.2
-    told_heard: float = 0.8
-    told_moving_s: float = 1.5
-    moving_degps: float = 5.0
-    trial_s: float = 0.85
-    proof_share: tuple[float, ...] = (0.25, 0.38, 0.6)
-    proof_echo: tuple[float, ...] = (0.15, 0.35, 0.5)
-    proof_loud: float = 0.7
-    proof_power: float = 0.04
-    proof_steps: int = 2
-    sure_power: float = 0.06
-    error_deg: float = 6.0
-    lag_s: float = 0.05
-    steady_error_deg: float = 6.0
-    steady_lag_s: float = 0.4
-    pull: float = 1.2
-    crowd_doubt: float = 3.0
-    steady_doubt: float = 2.0
+from app.modules.perception.voices.telling import Source, TrackerSettings, prove, told
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,47 +32,16 @@ class Track:
     last_seen: float
 
 
-@dataclass(slots=True, eq=False)
-class _Source:
-    """A track, or what may become one (``id`` 0); ``evidence`` 1 and more makes it one.
-
-    ``recent`` and ``share``: power of the last moments, and of the last half second in those of the strongest, which is
-    held over pauses; as of now, 0 if it is not heard. ``level``: the greatest ``recent``, fading; ``pace`` (rad/s): the
-    greatest speed, fading. ``louder``: for how many steps it was louder than each other track. ``heard_s``: for how
-    long it was heard since its birth; ``unproven_s``: since it last sounded of itself; ``proven``: it ever did.
-    ``unfound_s``: for how long the search has not found what is heard; ``last_sure``: when it was last surely itself.
-    ``echo``: how much it is a copy of others, on average.
-    """
-
-    motion: Motion
-    power: float
-    evidence: float
-    born: float
-    last_seen: float
-    last_active: float
-    id: int = 0
-    recent: float = 0.0
-    share: float = 0.0
-    louder: int = 0
-    heard_s: float = 0.0
-    unfound_s: float = 0.0
-    last_sure: float = 0.0
-    level: float = 0.0
-    pace: float = 0.0
-    unproven_s: float = 0.0
-    echo: float = 0.35
-    proven: bool = False
-
-
 class Tracker:
     """Follows sources; knows no time but the one it is given."""
 
-    def __init__(self, settings: TrackerSettings = TrackerSettings()) -> None:
-        self.settings = settings
-        self._sources: list[_Source] = []
+    def __init__(self, settings: TrackerSettings | None = None) -> None:
+        self.settings = settings or TrackerSettings()
+        self._sources: list[Source] = []
         self._next = 1
         self._time: float | None = None
         self._strongest = 0.0
+        self._loudest = 0.0
 
     def rotate(self, rotation: NDArray[np.float64]) -> None:
         """Turn all that is known by ``rotation`` (3, 3), R_new_old: the axes themselves have turned."""
@@ -171,6 +60,7 @@ class Tracker:
         self._time = time_s
         fading = math.exp(-passed / settings.hold_s)
         self._strongest = max(self._strongest * fading, float(peaks.powers.max(initial=0.0)))
+        self._loudest = max(self._loudest * fading, float(peaks.recent.max(initial=0.0)))
         for source in self._sources:
             heard = time_s - source.last_active < settings.active_s
             jerk = math.radians(settings.jerk_degps) + settings.jerk_share * angular_speed(source.motion.velocity)
@@ -197,46 +87,11 @@ class Tracker:
             self._sources.append(self._begin(time_s, peaks, k, passed))
         self._bury(time_s)
         self._bear(time_s)
-        self._prove()
+        prove(self._sources, self._loudest, settings)
         self._replace(time_s)
-        return tuple(self._track(source, time_s) for source in self._sources if self._told(source, time_s))
-
-    def _told(self, source: _Source, time_s: float) -> bool:
-        settings = self.settings
-        if source.proven:
-            trusted = source.unproven_s < settings.trust_s
-        else:
-            trusted = time_s - source.born < settings.trial_s
-        moving = math.degrees(source.pace) > settings.moving_degps
-        longest = settings.told_moving_s if moving else settings.silence_s
-        longest = min(longest, settings.told_s + settings.told_heard * source.heard_s)
-        silent = time_s - source.last_sure
-        return bool(source.id) and trusted and silent <= longest and not self._hidden(source, silent, time_s)
-
-    def _hidden(self, source: _Source, silent: float, time_s: float) -> bool:
-        """Whether it is silent beside another that sounds: what is left where two passed one another."""
-        settings = self.settings
-        return silent > settings.hidden_s and any(
-            other.id
-            and other is not source
-            and other.proven
-            and time_s - other.last_sure < settings.active_s
-            and angle_deg(other.motion.direction, source.motion.direction) < settings.hidden_deg
-            for other in self._sources
+        return tuple(
+            self._track(source, time_s) for source in self._sources if told(source, self._sources, time_s, settings)
         )
-
-    def _prove(self) -> None:
-        settings = self.settings
-        tracks = [source for source in self._sources if source.id]
-        for source in tracks:
-            if source.recent < settings.proof_power:
-                continue
-            source.louder += all(
-                source.recent > settings.proof_loud * other.level for other in tracks if other is not source
-            )
-            share = float(np.interp(source.echo, settings.proof_echo, settings.proof_share))
-            if source.share >= share or source.louder >= settings.proof_steps:
-                source.proven, source.unproven_s, source.louder = True, 0.0, 0
 
     def _replace(self, time_s: float) -> None:
         """Let go of tracks that fell silent as another began near by: the same talker, or what was between two."""
@@ -283,7 +138,7 @@ class Tracker:
 
         return [k for k in loud if not any(echoes(k, other) for other in loud)]
 
-    def _assign(self, sources: list[_Source], free: list[int], peaks: Peaks, passed: float, time_s: float) -> list[int]:
+    def _assign(self, sources: list[Source], free: list[int], peaks: Peaks, passed: float, time_s: float) -> list[int]:
         """Give each of ``sources`` at most one of the peaks ``free``, the nearest in all; the peaks left over."""
         settings = self.settings
         if not sources or not free:
@@ -313,12 +168,13 @@ class Tracker:
                     source.last_sure = time_s
                     source.heard_s += passed
                     source.unproven_s += passed
+                    source.faint_s += passed
                     source.pace = max(source.pace, angular_speed(source.motion.velocity))
                 if source.recent >= settings.active_power:
                     source.last_active = time_s
         return [k for k in free if k not in taken]
 
-    def _sight(self, source: _Source, peaks: Peaks, k: int, passed: float) -> None:
+    def _sight(self, source: Source, peaks: Peaks, k: int, passed: float) -> None:
         settings = self.settings
         recent = float(peaks.recent[k])
         if recent < settings.heard_power:
@@ -351,7 +207,7 @@ class Tracker:
                 error = math.radians(settings.steady_error_deg) + settings.steady_doubt * speed
                 source.motion = source.motion.corrected(now, (softer * error) ** 2)
 
-    def _sure(self, source: _Source) -> bool:
+    def _sure(self, source: Source) -> bool:
         """Whether what is heard of it now is itself, not what the room and others leave there when it is silent."""
         settings = self.settings
         own = source.recent >= max(settings.heard_power, settings.sure_level * source.level)
@@ -368,15 +224,15 @@ class Tracker:
         gain = own * strength**3 - 1
         return gain * passed / (settings.patience_s if gain > 0 else settings.mercy_s)
 
-    def _begin(self, time_s: float, peaks: Peaks, k: int, passed: float) -> _Source:
+    def _begin(self, time_s: float, peaks: Peaks, k: int, passed: float) -> Source:
         direction, power = peaks.directions[k], float(peaks.powers[k])
         motion = Motion(direction, np.zeros(3), math.radians(5.0) ** 2, 0.0, math.radians(10.0) ** 2)
-        return _Source(
+        return Source(
             motion, power, max(0.0, self._evidence(peaks, k, passed)), time_s, time_s, time_s, last_sure=time_s
         )
 
     def _bury(self, time_s: float) -> None:
-        def lives(source: _Source) -> bool:
+        def lives(source: Source) -> bool:
             if not source.id:
                 source.evidence = max(0.0, source.evidence)
                 return time_s - source.last_seen <= 0.2
@@ -395,6 +251,10 @@ class Tracker:
             tracks = [other for other in self._sources if other.id]
             lost = self._lost(source, tracks, time_s)
             if lost is not None:
+                if not told(lost, self._sources, time_s, self.settings):
+                    # It may as well be an echo near where he fell silent: no credit of his.
+                    lost.try_anew(time_s)
+                    lost.echo = source.echo
                 lost.motion = source.motion.going_on_as(lost.motion)
                 lost.power, lost.evidence = source.power, lost.evidence + source.evidence
                 lost.last_sure, lost.level, lost.unfound_s = source.last_sure, source.level, 0.0
@@ -411,11 +271,11 @@ class Tracker:
                 self._sources.remove(quiet)
             source.id = self._next
             source.born = time_s
-            source.heard_s = 0.0
+            source.try_anew(time_s)
             self._next += 1
             self._sources.sort(key=lambda source: (not source.id, source.id))
 
-    def _lost(self, source: _Source, tracks: list[_Source], time_s: float) -> _Source | None:
+    def _lost(self, source: Source, tracks: list[Source], time_s: float) -> Source | None:
         """The track that walked on unheard and is heard again as ``source``, if there is one."""
         found, nearest = None, math.inf
         for track in tracks:
@@ -426,7 +286,7 @@ class Tracker:
                 found, nearest = track, angle
         return found
 
-    def _track(self, source: _Source, time_s: float) -> Track:
+    def _track(self, source: Source, time_s: float) -> Track:
         active = time_s - source.last_active <= self.settings.active_s
         direction, velocity = source.motion.ahead(self.settings.lag_s if active else 0.0)
         return Track(source.id, direction, velocity, source.power, active, source.born, source.last_seen)

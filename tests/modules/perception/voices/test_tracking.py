@@ -98,6 +98,42 @@ def test_what_a_room_leaves_in_a_talkers_pauses_is_not_told_of_for_long() -> Non
     assert told * STEP_S < 1
 
 
+def with_third(azimuth: float, powers: tuple[float, float], recents: tuple[float, float]) -> Peaks:
+    """A strong peak at 120 degrees and another at ``azimuth``."""
+    directions = np.array([unit(120), unit(azimuth)])
+    return Peaks(directions, np.array(powers), np.array(recents), np.array([0.0, 0.2]), directions)
+
+
+def test_what_never_has_a_loud_moment_is_not_told_of_for_long() -> None:
+    tracker = Tracker()
+    told = 0
+    for k in range(150):
+        # The search finds it half as strong as the talker, as a wall in a live room; it never sounds louder by itself.
+        tracks = tracker.update(k * STEP_S, with_second((0.3, 0.16), (0.3 if k % 10 else 0.15, 0.1)))
+        told += sum(track.direction @ unit(150) > 0.9 for track in tracks)
+    assert [track.id for track in tracks] == [1]
+    assert told * STEP_S < 1
+
+
+def test_what_takes_a_silent_tracks_number_does_not_take_its_credit() -> None:
+    tracker = Tracker()
+    told = 0
+    for k in range(110):
+        now = k * STEP_S
+        if k < 40:
+            peaks = seen(12 * now, 120) if k >= 26 else seen(120)
+        elif 66 <= k < 72:
+            # He is silent and no longer told of when a wall sounds aside of him for a moment.
+            peaks = with_third(12 * 66 * STEP_S + 18, (0.3, 0.15), (0.3, 0.1))
+        else:
+            peaks = seen(120)
+        tracks = tracker.update(now, peaks)
+        if k == 65:
+            assert [track.id for track in tracks] == [1]
+        told += k > 65 and any(track.id == 2 for track in tracks)
+    assert told * STEP_S < 0.8
+
+
 def test_proof_is_earned_again_and_again() -> None:
     tracker = Tracker()
     for k in range(25):
