@@ -1,0 +1,50 @@
+"""Whom to tell of: proof by moments of one's own, trial, and trust that runs out."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from app.modules.perception.voices.motion import Motion
+from app.modules.perception.voices.telling import Source, TrackerSettings, prove, told
+
+SETTINGS = TrackerSettings()
+
+
+def source(recent: float, share: float, number: int = 1) -> Source:
+    motion = Motion(np.array([1.0, 0.0, 0.0]), np.zeros(3), 0.01, 0.0, 0.01)
+    return Source(
+        motion, 0.2, 5.0, 0.0, 0.0, 0.0, id=number, recent=recent, share=share, level=recent, heard_s=5.0, last_sure=9.0
+    )
+
+
+@pytest.mark.parametrize(("recent", "share", "proven"), [(0.2, 0.5, True), (0.09, 0.5, False), (0.2, 0.1, False)])
+def test_proof_takes_a_share_and_a_loud_moment(recent: float, share: float, proven: bool) -> None:
+    weak, strong = source(recent, share), source(0.4, 1.0, number=2)
+    prove([weak, strong], 0.4, SETTINGS)
+    assert weak.proven is proven
+    assert strong.proven
+    assert told(weak, [weak, strong], 9.0, SETTINGS) is proven
+
+
+def test_a_loud_moment_is_remembered_as_long_as_proof_is() -> None:
+    talker = source(0.1, 0.5)
+    talker.faint_s = SETTINGS.trust_s - 0.1
+    prove([talker], 0.4, SETTINGS)
+    assert told(talker, [talker], 9.0, SETTINGS)
+    talker.faint_s = SETTINGS.trust_s
+    assert not told(talker, [talker], 9.0, SETTINGS)
+
+
+def test_who_is_tried_anew_is_told_of_for_the_trial_and_no_longer() -> None:
+    talker = source(0.3, 1.0)
+    prove([talker], 0.3, SETTINGS)
+    talker.try_anew(9.0)
+    assert not talker.proven
+    assert math.isinf(talker.faint_s)
+    talker.last_sure = 9.0 + 0.9 * SETTINGS.trial_s
+    assert told(talker, [talker], talker.last_sure, SETTINGS)
+    talker.last_sure = 9.0 + 1.1 * SETTINGS.trial_s
+    assert not told(talker, [talker], talker.last_sure, SETTINGS)
