@@ -52,7 +52,8 @@ class FollowerSettings:
     """``look_ahead_s`` of driving at full speed is the way given to the controller. ``aim`` is the share of a tolerance
     that is driven to before the body stops. ``spare_m`` is kept between body and obstacles when a turn or a measure is
     checked. Beside what it cannot see, as behind a corner, it drives at ``corner_share`` of its speed (1: it does not
-    care), and at all of it from ``corner_m`` on."""
+    care), and at all of it from ``corner_m`` on. Where something that may go keeps the goal itself, it stands beside it
+    for ``beside_s`` before that place is good enough."""
 
     look_ahead_s: float = 3.0
     least_ahead_m: float = 2.5
@@ -62,6 +63,7 @@ class FollowerSettings:
     corner_m: float = 1.0
     back_mps: float = 0.15
     turn_radps: float = 0.8
+    beside_s: float = 10.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +110,7 @@ class Follower:
         self._held_since: float | None = None
         self._held_at = math.inf
         self._at_place = False
+        self._beside_since: float | None = None
         self._arrived = False
         self._begin = Motion(Pose2(), 0.0, 0.0)
         self._X_OM = Pose2()
@@ -129,7 +132,7 @@ class Follower:
         self.remaining_m, self.progress_stamp = None, None if goal is None else now
         self._least, self._troubled_at, self._detours = math.inf, math.inf, 0
         self._at_place = self._arrived = self.opened_up = False
-        self._held_since = None
+        self._held_since = self._beside_since = None
         self.recovery.reset()
         self._search.end()
         self._controller.forget()
@@ -242,6 +245,9 @@ class Follower:
         error = 0.0 if math.isnan(heading) else wrap_angle(heading - X_MB.theta)
         standing = abs(motion.linear_mps) < STANDING[0] and abs(motion.angular_radps) < STANDING[1]
         if abs(error) <= self.settings.aim * self.goal.tolerance_rad:
+            if standing and self._stands_beside(now):
+                assert self.plan is not None
+                return Step(0.0, 0.0, "waiting", f"{self.plan.reason}; stands beside it till that goes")
             if standing:
                 self._arrived = True
                 self.remaining_m, self.progress_stamp = 0.0, now
@@ -256,6 +262,14 @@ class Follower:
                 return self._begin_measure(now, motion, field, period_s)
             return Step(0.0, 0.0, "following", "there is no room to turn to the heading asked for")
         return Step(0.0, turn, "following", "turning to the heading asked for")
+
+    def _stands_beside(self, now: float) -> bool:
+        """Whether the goal itself may yet get free: not for ever, and not anew for each who passes."""
+        if self.plan is None or not self.plan.may_clear:
+            return False
+        if self._beside_since is None:
+            self._beside_since = now
+        return now - self._beside_since < self.settings.beside_s
 
     def _arrival(self) -> str:
         return self.plan.reason if self.plan is not None and self.plan.code == "near" else ""
