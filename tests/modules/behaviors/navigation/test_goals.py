@@ -152,9 +152,9 @@ def test_what_is_not_on_the_map_may_go_from_the_goal() -> None:
     goal = Pose2(8.0, 4.3, math.nan)
     found = plan(with_obstacles(costs, np.array([[8.0, 4.3]])), CORRIDOR, goal)
     assert (found.code, found.may_clear) == ("near", True)
-    assert found.reason.startswith(
-        "the goal is too near to something that is not on the map: goes to the nearest place"
-    )
+    assert found.reason.startswith("the goal is too near to something that is not on the map: goes up to it, ")
+    assert found.target is not None
+    assert (found.target.x > goal.x) == (CORRIDOR.x > goal.x), "on the side it comes from"
     assert not plan(costs, CORRIDOR, Pose2(9.6, 6.9, 1.0)).may_clear, "a table stays"
     crowd = np.stack(np.meshgrid(np.arange(6.5, 9.5, 0.1), np.arange(3.0, 5.6, 0.1)), axis=-1).reshape(-1, 2)
     found = plan(with_obstacles(costs, crowd), CORRIDOR, goal)
