@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from playwright.sync_api import Page, TimeoutError
+from playwright.sync_api import Locator, Page, TimeoutError
 
 #: A person who sees nothing move for so long lets go and presses again (ms).
 _PATIENCE_MS = 5_000
@@ -29,3 +29,18 @@ def hold(page: Page, key: str) -> None:
         else:
             return
     raise AssertionError(f"held {key} {_TRIES} times for {_PATIENCE_MS / 1e3:.0f} s, and the robot never drove")
+
+
+def hold_until(page: Page, key: str, there: Locator, patience_ms: float = 25_000, tries: int = 3) -> None:
+    """Hold ``key`` until ``there`` is to be seen; what the page let go on the way is pressed anew."""
+    for number in range(tries):
+        hold(page, key)
+        try:
+            there.wait_for(timeout=patience_ms)
+        except TimeoutError:
+            if number == tries - 1:
+                raise
+        else:
+            return
+        finally:
+            page.keyboard.up(key)

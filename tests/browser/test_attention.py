@@ -8,7 +8,7 @@ from typing import Any
 
 from playwright.sync_api import Page, WebSocket
 
-from tests.browser.hands import hold
+from tests.browser.hands import hold_until
 from tests.browser.running import Robot
 from tests.console.view.viser_frames import viser_messages
 
@@ -96,10 +96,8 @@ def test_a_poster_driven_up_to_is_found_where_it_hangs(robot: Robot, open_page: 
     # The robot starts facing one of the posters, a few metres off.
     text = min(robot.posters, key=lambda text: abs(robot.true_place(text)[1]))
     page.get_by_test_id("tab-found").click()
-    hold(page, "KeyW")
     row = page.locator(f"[data-testid=landmark][data-text='{text}']")
-    row.wait_for(timeout=40_000)
-    page.keyboard.up("KeyW")
+    hold_until(page, "KeyW", row)
     seen = [float(row.get_attribute(f"data-{axis}") or "nan") for axis in "xyz"]
     assert math.dist(seen, robot.true_place(text)) < REACH_M
     places = [m["position"] for m in drawn if m["type"] == "SetPositionMessage" and m["name"] == "/odom/landmark_0"]
