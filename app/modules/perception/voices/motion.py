@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,10 +61,6 @@ class Motion:
         """Here, as ``old`` (near by) went: what was lost for a while is seen again, too briefly to say how it moves."""
         velocity = carried(old.velocity, old.direction, self.direction)
         return Motion(self.direction, velocity, self.position_variance, 0.0, old.velocity_variance)
-
-    def rotated(self, rotation: NDArray[np.float64]) -> Motion:
-        """In axes turned by ``rotation`` (3, 3), R_new_old."""
-        return replace(self, direction=rotation @ self.direction, velocity=rotation @ self.velocity)
 
 
 def along(direction: Vector, velocity: Vector, seconds: float) -> tuple[Vector, Vector]:

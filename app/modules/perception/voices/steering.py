@@ -81,8 +81,3 @@ def tangents(directions: NDArray[np.float64]) -> NDArray[np.float64]:
     b = x * y * a
     pairs = np.stack([1 + sign * x * x * a, sign * b, -sign * x, b, sign + y * y * a, -y], axis=1)
     return np.asarray(pairs.reshape(-1, 2, 3))
-
-
-def angle_between(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Angles (rad) between unit vectors, over the last axis; exact for small ones too."""
-    return np.asarray(2 * np.arctan2(np.linalg.norm(a - b, axis=-1), np.linalg.norm(a + b, axis=-1)))

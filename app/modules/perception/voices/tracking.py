@@ -43,11 +43,6 @@ class Tracker:
         self._strongest = 0.0
         self._loudest = 0.0
 
-    def rotate(self, rotation: NDArray[np.float64]) -> None:
-        """Turn all that is known by ``rotation`` (3, 3), R_new_old: the axes themselves have turned."""
-        for source in self._sources:
-            source.motion = source.motion.rotated(rotation)
-
     @property
     def expected(self) -> NDArray[np.float64]:
         """Where every track is supposed to be when peaks come next (E, 3), for :meth:`Localizer.process`."""

@@ -5,8 +5,7 @@ to the free field that the same source would make at the sphere's middle, so the
 waves are long, and to 2 for a microphone that faces the source where they are short.
 
 Sources: R. O. Duda and W. L. Martens, "Range dependence of the response of a spherical head model", JASA 104, 1998
-(equations 1 to 4); plane waves: J. W. Strutt, "On the acoustic shadow of a sphere", 1904; the cylinder: P. M. Morse and
-K. U. Ingard, "Theoretical Acoustics", 1968, section 8.1.
+(equations 1 to 4); plane waves: J. W. Strutt, "On the acoustic shadow of a sphere", 1904.
 """
 
 from __future__ import annotations
@@ -76,33 +75,6 @@ def _first_hankels(x: NDArray[np.float64]) -> tuple[NDArray[np.complex128], NDAr
     """Spherical Hankel functions of the second kind and orders 0 and 1."""
     wave = np.exp(-1j * x) / x
     return 1j * wave, wave * (1j / x - 1)
-
-
-def cylinder_response(
-    radius_m: float, azimuths: ArrayLike, elevation: float, heights_m: ArrayLike, frequencies_hz: ArrayLike
-) -> NDArray[np.complex128]:
-    """Pressure of a plane wave on an endless rigid upright cylinder, relative to the free field at its origin.
-
-    ``azimuths`` (microphones,) rad between microphone and source about the axis, ``heights_m`` (microphones,) above the
-    origin, ``elevation`` (rad) of the source. (microphones, frequencies) complex128.
-    """
-    from scipy import special  # slow to import, and no robot has this shape
-
-    phi = np.atleast_1d(np.asarray(azimuths, dtype=np.float64))
-    z = np.atleast_1d(np.asarray(heights_m, dtype=np.float64))
-    k = 2 * math.pi * np.atleast_1d(np.asarray(frequencies_hz, dtype=np.float64)) / SPEED_OF_SOUND_MPS
-    k = np.maximum(k, 1e-3 / radius_m)
-    ka = k * radius_m * max(math.cos(elevation), 1e-3)
-    order = math.ceil(float(ka.max()) + 4 * float(ka.max()) ** (1 / 3) + 12)
-    total = np.zeros((phi.size, k.size), dtype=np.complex128)
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        for m in range(order + 1):
-            # J_m - (J'_m / H'_m) H_m on the surface is -2i / (pi ka H'_m)
-            term = (1j**m) * (-2j) / (math.pi * ka * special.h2vp(m, ka))
-            term = np.where(np.isfinite(term), term, 0.0)
-            total += (1 if m == 0 else 2) * np.cos(m * phi)[:, None] * term
-    phased: NDArray[np.complex128] = total * np.exp(1j * np.outer(z, k) * math.sin(elevation))
-    return phased
 
 
 @dataclass(frozen=True, slots=True, eq=False)

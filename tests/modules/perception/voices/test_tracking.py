@@ -26,11 +26,6 @@ def seen(*azimuths: float, power: float = 0.2, recent: float = 0.2, echo: float 
     return Peaks(directions, np.full(count, power), np.full(count, recent), echoes, directions)
 
 
-def about_z(degrees: float) -> NDArray[np.float64]:
-    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
-    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-
-
 def angle(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
     return float(np.degrees(np.arccos(np.clip(a @ b, -1, 1))))
 
@@ -274,17 +269,3 @@ def test_a_silent_room_gives_none(powers: list[float]) -> None:
         directions = np.array([unit(azimuth) for azimuth in azimuths])
         peaks = Peaks(directions, np.array(powers), np.array(powers) / 2, np.zeros(len(powers)), directions)
         assert not tracker.update(k * STEP_S, peaks)
-
-
-@settings(max_examples=15, deadline=None)
-@given(st.floats(-180, 180), st.floats(-2, 2))
-def test_a_turning_robot_keeps_the_source_where_it_is(azimuth: float, turn_deg: float) -> None:
-    turning, still = Tracker(), Tracker()
-    for k in range(40):
-        turning.rotate(about_z(-turn_deg))
-        ours = turning.update(k * STEP_S, seen(azimuth - turn_deg * k))
-        theirs = still.update(k * STEP_S, seen(azimuth))
-        assert [track.id for track in ours] == [track.id for track in theirs]
-        for track, other in zip(ours, theirs, strict=True):
-            assert angle(about_z(turn_deg * k) @ track.direction, other.direction) < 1e-4
-    assert len(ours) == 1
