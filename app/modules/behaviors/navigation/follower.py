@@ -33,6 +33,8 @@ _GETTING_ON_M = 0.1
 _OUT_OF_TROUBLE_M = 0.3
 #: A plan may lengthen the way that remains so often without counting as a step back.
 _DETOURS = 12
+#: Another place beside who stands on the goal is looked for so long, s.
+_MAKING_ROOM_S = 2.0
 #: Plans from which a way may come yet, by themselves.
 _MAY_PASS = frozenset({"in_the_way", "start_stuck", "start_outside"})
 
@@ -53,7 +55,7 @@ class FollowerSettings:
     that is driven to before the body stops. ``spare_m`` is kept between body and obstacles when a turn or a measure is
     checked. Beside what it cannot see, as behind a corner, it drives at ``corner_share`` of its speed (1: it does not
     care), and at all of it from ``corner_m`` on. Where something that may go keeps the goal itself, it stands beside it
-    for ``beside_s`` before that place is good enough."""
+    for ``beside_s``, then makes room to whom it may have been in the way, and waits as long again."""
 
     look_ahead_s: float = 3.0
     least_ahead_m: float = 2.5
@@ -103,6 +105,8 @@ class Follower:
         self.progress_stamp: float | None = None
         #: Plans should take what is unknown, and what was in the way once, for free.
         self.opened_up = False
+        #: Where it has waited for who stands on the goal (on the map): plans should lead elsewhere beside him.
+        self.waited_at: Pose2 | None = None
         self._track: Track | None = None
         self._least = math.inf
         self._troubled_at = math.inf
@@ -133,6 +137,7 @@ class Follower:
         self._least, self._troubled_at, self._detours = math.inf, math.inf, 0
         self._at_place = self._arrived = self.opened_up = False
         self._held_since = self._beside_since = None
+        self.waited_at = None
         self.recovery.reset()
         self._search.end()
         self._controller.forget()
@@ -245,9 +250,8 @@ class Follower:
         error = 0.0 if math.isnan(heading) else wrap_angle(heading - X_MB.theta)
         standing = abs(motion.linear_mps) < STANDING[0] and abs(motion.angular_radps) < STANDING[1]
         if abs(error) <= self.settings.aim * self.goal.tolerance_rad:
-            if standing and self._stands_beside(now):
-                assert self.plan is not None
-                return Step(0.0, 0.0, "waiting", f"{self.plan.reason}; stands beside it till that goes")
+            if standing and self._stands_beside(now, X_MB):
+                return self._beside(now)
             if standing:
                 self._arrived = True
                 self.remaining_m, self.progress_stamp = 0.0, now
@@ -263,13 +267,23 @@ class Follower:
             return Step(0.0, 0.0, "following", "there is no room to turn to the heading asked for")
         return Step(0.0, turn, "following", "turning to the heading asked for")
 
-    def _stands_beside(self, now: float) -> bool:
+    def _stands_beside(self, now: float, X_MB: Pose2) -> bool:
         """Whether the goal itself may yet get free: not for ever, and not anew for each who passes."""
         if self.plan is None or not self.plan.may_clear:
             return False
         if self._beside_since is None:
             self._beside_since = now
+        if self.waited_at is None and now - self._beside_since >= self.settings.beside_s:
+            self.waited_at, self._beside_since = X_MB, now
         return now - self._beside_since < self.settings.beside_s
+
+    def _beside(self, now: float) -> Step:
+        assert self.plan is not None
+        assert self._beside_since is not None
+        words = f"{self.plan.reason}; stands beside it till that goes"
+        # Not for long: there may be no other place.
+        makes_room = self.waited_at is not None and now - self._beside_since < _MAKING_ROOM_S
+        return Step(0.0, 0.0, "waiting", words, replan="making room" if makes_room else "")
 
     def _arrival(self) -> str:
         return self.plan.reason if self.plan is not None and self.plan.code == "near" else ""

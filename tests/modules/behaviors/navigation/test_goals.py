@@ -155,6 +155,9 @@ def test_what_is_not_on_the_map_may_go_from_the_goal() -> None:
     assert found.reason.startswith("the goal is too near to something that is not on the map: goes up to it, ")
     assert found.target is not None
     assert (found.target.x > goal.x) == (CORRIDOR.x > goal.x), "on the side it comes from"
+    aside = plan(with_obstacles(costs, np.array([[8.0, 4.3]])), found.target, goal, waited_at=found.target)
+    assert aside.target is not None
+    assert math.dist((aside.target.x, aside.target.y), (found.target.x, found.target.y)) >= 0.8
     assert not plan(costs, CORRIDOR, Pose2(9.6, 6.9, 1.0)).may_clear, "a table stays"
     crowd = np.stack(np.meshgrid(np.arange(6.5, 9.5, 0.1), np.arange(3.0, 5.6, 0.1)), axis=-1).reshape(-1, 2)
     found = plan(with_obstacles(costs, crowd), CORRIDOR, goal)
