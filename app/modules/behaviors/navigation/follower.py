@@ -55,7 +55,7 @@ class FollowerSettings:
     that is driven to before the body stops. ``spare_m`` is kept between body and obstacles when a turn or a measure is
     checked. Beside what it cannot see, as behind a corner, it drives at ``corner_share`` of its speed (1: it does not
     care), and at all of it from ``corner_m`` on. Where something that may go keeps the goal itself, it stands beside it
-    for ``beside_s``, then makes room to whom it may have been in the way, and waits as long again."""
+    for ``beside_s``, then makes room, for it may be in the way, and waits there, at ``places_beside`` in all."""
 
     look_ahead_s: float = 3.0
     least_ahead_m: float = 2.5
@@ -66,6 +66,7 @@ class FollowerSettings:
     back_mps: float = 0.15
     turn_radps: float = 0.8
     beside_s: float = 10.0
+    places_beside: int = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +115,8 @@ class Follower:
         self._held_since: float | None = None
         self._held_at = math.inf
         self._at_place = False
-        self._beside_since: float | None = None
+        self._stood_beside_s = 0.0
+        self._made_room = 0
         self._arrived = False
         self._begin = Motion(Pose2(), 0.0, 0.0)
         self._X_OM = Pose2()
@@ -136,8 +138,8 @@ class Follower:
         self.remaining_m, self.progress_stamp = None, None if goal is None else now
         self._least, self._troubled_at, self._detours = math.inf, math.inf, 0
         self._at_place = self._arrived = self.opened_up = False
-        self._held_since = self._beside_since = None
-        self.waited_at = None
+        self._held_since = None
+        self.waited_at, self._made_room, self._stood_beside_s = None, 0, 0.0
         self.recovery.reset()
         self._search.end()
         self._controller.forget()
@@ -250,8 +252,8 @@ class Follower:
         error = 0.0 if math.isnan(heading) else wrap_angle(heading - X_MB.theta)
         standing = abs(motion.linear_mps) < STANDING[0] and abs(motion.angular_radps) < STANDING[1]
         if abs(error) <= self.settings.aim * self.goal.tolerance_rad:
-            if standing and self._stands_beside(now, X_MB):
-                return self._beside(now)
+            if standing and self._stands_beside(X_MB, period_s):
+                return self._beside()
             if standing:
                 self._arrived = True
                 self.remaining_m, self.progress_stamp = 0.0, now
@@ -267,22 +269,22 @@ class Follower:
             return Step(0.0, 0.0, "following", "there is no room to turn to the heading asked for")
         return Step(0.0, turn, "following", "turning to the heading asked for")
 
-    def _stands_beside(self, now: float, X_MB: Pose2) -> bool:
+    def _stands_beside(self, X_MB: Pose2, period_s: float) -> bool:
         """Whether the goal itself may yet get free: not for ever, and not anew for each who passes."""
         if self.plan is None or not self.plan.may_clear:
             return False
-        if self._beside_since is None:
-            self._beside_since = now
-        if self.waited_at is None and now - self._beside_since >= self.settings.beside_s:
-            self.waited_at, self._beside_since = X_MB, now
-        return now - self._beside_since < self.settings.beside_s
+        self._stood_beside_s += period_s
+        self._held_since = None
+        if self._stood_beside_s >= self.settings.beside_s and self._made_room < self.settings.places_beside - 1:
+            self.waited_at, self._stood_beside_s = X_MB, 0.0
+            self._made_room += 1
+        return self._stood_beside_s < self.settings.beside_s
 
-    def _beside(self, now: float) -> Step:
+    def _beside(self) -> Step:
         assert self.plan is not None
-        assert self._beside_since is not None
         words = f"{self.plan.reason}; stands beside it till that goes"
         # Not for long: there may be no other place.
-        makes_room = self.waited_at is not None and now - self._beside_since < _MAKING_ROOM_S
+        makes_room = self.waited_at is not None and self._stood_beside_s < _MAKING_ROOM_S
         return Step(0.0, 0.0, "waiting", words, replan="making room" if makes_room else "")
 
     def _arrival(self) -> str:
