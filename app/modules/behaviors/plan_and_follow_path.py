@@ -371,7 +371,7 @@ class PlanAndFollowPath(Module):
             return
         request = Request(
             grid, self._zones.zones, localization.X_MO, X_MB, goal.pose, told.around, told.opened_up, self._plan, why,
-            told.things, told.waited_at,
+            told.things,
         )  # fmt: skip
         self._planned_at, self._planned_from, self._planned_for = now, localization, goal
         self._wanted_plan = ""

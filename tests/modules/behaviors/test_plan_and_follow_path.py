@@ -24,7 +24,6 @@ from app.messages import (
     Zones,
     read_only,
 )
-from app.modules.behaviors.navigation.follower import FollowerSettings
 from app.runtime.clock import in_virtual_time
 
 from ..fakes import Bench, drain
@@ -186,36 +185,6 @@ async def test_it_does_not_drive_without_a_pose_a_scan_or_a_map_and_says_so() ->
             assert drive.status.state == "waiting"
             assert said in drive.status.reason
             assert world.driven_m == 0.0
-
-
-@in_virtual_time
-async def test_where_somebody_stands_on_the_goal_it_waits_beside_him_for_a_while() -> None:
-    legs = box(3.4, 0.9, 3.6, 1.1)
-    world = DrivenWorld([*HOUSE, *legs], Pose2(1.0, 1.0, 0.0))
-    async with Drive(world, x=3.5, y=1.0) as drive:
-        assert await drive.until("waiting", 15)
-        assert "stands beside it till that goes" in drive.status.reason
-        assert math.hypot(world.pose.x - 3.5, world.pose.y - 1.0) > 0.3
-        world.segments = list(HOUSE)
-        assert await drive.until("arrived", 15)
-        assert math.hypot(world.pose.x - 3.5, world.pose.y - 1.0) <= 0.25
-        assert drive.status.recoveries == 0
-
-
-@in_virtual_time
-async def test_who_stays_on_the_goal_is_not_waited_for_for_ever() -> None:
-    world = DrivenWorld([*HOUSE, *box(3.4, 0.9, 3.6, 1.1)], Pose2(1.0, 1.0, 0.0))
-    async with Drive(world, x=3.5, y=1.0) as drive:
-        assert await drive.until("waiting", 15)
-        since, first = drive.bench.clock.now(), world.pose
-        assert await drive.until("arrived", 60)
-        assert drive.bench.clock.now() - since > 3 * FollowerSettings().beside_s - 0.5
-        assert "goes up to it" in drive.status.reason
-        stood = [status.target for status in drive.statuses if "stands beside" in status.reason]
-        away = [math.dist((first.x, first.y), (place.x, place.y)) for place in stood if place is not None]
-        assert max(away) > 0.6, "it made room"
-        assert drive.status.recoveries == 0
-        assert world.nearest_m > 0.02
 
 
 @in_virtual_time

@@ -33,8 +33,6 @@ _GETTING_ON_M = 0.1
 _OUT_OF_TROUBLE_M = 0.3
 #: A plan may lengthen the way that remains so often without counting as a step back.
 _DETOURS = 12
-#: Another place beside who stands on the goal is looked for so long, s.
-_MAKING_ROOM_S = 2.0
 #: Plans from which a way may come yet, by themselves.
 _MAY_PASS = frozenset({"in_the_way", "start_stuck", "start_outside"})
 
@@ -54,8 +52,7 @@ class FollowerSettings:
     """``look_ahead_s`` of driving at full speed is the way given to the controller. ``aim`` is the share of a tolerance
     that is driven to before the body stops. ``spare_m`` is kept between body and obstacles when a turn or a measure is
     checked. Beside what it cannot see, as behind a corner, it drives at ``corner_share`` of its speed (1: it does not
-    care), and at all of it from ``corner_m`` on. Where something that may go keeps the goal itself, it stands beside it
-    for ``beside_s``, then makes room, for it may be in the way, and waits there, at ``places_beside`` in all."""
+    care), and at all of it from ``corner_m`` on."""
 
     look_ahead_s: float = 3.0
     least_ahead_m: float = 2.5
@@ -65,8 +62,6 @@ class FollowerSettings:
     corner_m: float = 1.0
     back_mps: float = 0.15
     turn_radps: float = 0.8
-    beside_s: float = 10.0
-    places_beside: int = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,8 +101,6 @@ class Follower:
         self.progress_stamp: float | None = None
         #: Plans should take what is unknown, and what was in the way once, for free.
         self.opened_up = False
-        #: Where it has waited for who stands on the goal (on the map): plans should lead elsewhere beside him.
-        self.waited_at: Pose2 | None = None
         self._track: Track | None = None
         self._least = math.inf
         self._troubled_at = math.inf
@@ -115,8 +108,6 @@ class Follower:
         self._held_since: float | None = None
         self._held_at = math.inf
         self._at_place = False
-        self._stood_beside_s = 0.0
-        self._made_room = 0
         self._arrived = False
         self._begin = Motion(Pose2(), 0.0, 0.0)
         self._X_OM = Pose2()
@@ -139,7 +130,6 @@ class Follower:
         self._least, self._troubled_at, self._detours = math.inf, math.inf, 0
         self._at_place = self._arrived = self.opened_up = False
         self._held_since = None
-        self.waited_at, self._made_room, self._stood_beside_s = None, 0, 0.0
         self.recovery.reset()
         self._search.end()
         self._controller.forget()
@@ -252,8 +242,6 @@ class Follower:
         error = 0.0 if math.isnan(heading) else wrap_angle(heading - X_MB.theta)
         standing = abs(motion.linear_mps) < STANDING[0] and abs(motion.angular_radps) < STANDING[1]
         if abs(error) <= self.settings.aim * self.goal.tolerance_rad:
-            if standing and self._stands_beside(X_MB, period_s):
-                return self._beside()
             if standing:
                 self._arrived = True
                 self.remaining_m, self.progress_stamp = 0.0, now
@@ -268,24 +256,6 @@ class Follower:
                 return self._begin_measure(now, motion, field, period_s)
             return Step(0.0, 0.0, "following", "there is no room to turn to the heading asked for")
         return Step(0.0, turn, "following", "turning to the heading asked for")
-
-    def _stands_beside(self, X_MB: Pose2, period_s: float) -> bool:
-        """Whether the goal itself may yet get free: not for ever, and not anew for each who passes."""
-        if self.plan is None or not self.plan.may_clear:
-            return False
-        self._stood_beside_s += period_s
-        self._held_since = None
-        if self._stood_beside_s >= self.settings.beside_s and self._made_room < self.settings.places_beside - 1:
-            self.waited_at, self._stood_beside_s = X_MB, 0.0
-            self._made_room += 1
-        return self._stood_beside_s < self.settings.beside_s
-
-    def _beside(self) -> Step:
-        assert self.plan is not None
-        words = f"{self.plan.reason}; stands beside it till that goes"
-        # Not for long: there may be no other place.
-        makes_room = self.waited_at is not None and self._stood_beside_s < _MAKING_ROOM_S
-        return Step(0.0, 0.0, "waiting", words, replan="making room" if makes_room else "")
 
     def _arrival(self) -> str:
         return self.plan.reason if self.plan is not None and self.plan.code == "near" else ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,11 +22,6 @@ from app.modules.behaviors.navigation.inflation import (
 from app.modules.behaviors.navigation.planner import Reached, explore
 from app.modules.behaviors.navigation.smoothing import length_of, smooth, with_headings
 from app.modules.behaviors.navigation.zones import keep_out
-
-#: A place beside what stands on the goal may be farther from it by this share of the way that it saves.
-_SAVED = 0.25
-#: Who makes room goes so far aside, m.
-_ASIDE_M = 0.8
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,11 +43,10 @@ class Plan:
     ``code``: ``way`` (to the goal itself), ``near`` (to ``target``, the nearest place that can be reached), or without
     a way: ``outside`` (the goal is off the map), ``obstacle`` (it cannot be stood on, nor any place near it),
     ``walled_off``, ``keep_out`` (zones are in the way), ``unknown`` (only unknown space leads there, which is blocked),
-    ``in_the_way`` (something that the map does not know stands in the only way or all around the goal; it may go),
-    ``start_stuck`` (the robot itself cannot get free), ``start_outside``. ``reason`` says it to people, "" where there
-    is nothing to say. ``poses`` (N, 3) float64 x, y, heading on the map, about ``spacing_m`` apart, (0, 3) without a
-    way. ``target`` is where the way ends, its heading NaN if none was asked for. ``length_m`` of the way.
-    ``may_clear``: what the map does not know stands on the goal, and may go.
+    ``in_the_way`` (something that the map does not know stands in the only way; it may go), ``start_stuck`` (the robot
+    itself cannot get free), ``start_outside``. ``reason`` says it to people, "" where there is nothing to say.
+    ``poses`` (N, 3) float64 x, y, heading on the map, about ``spacing_m`` apart, (0, 3) without a way. ``target`` is
+    where the way ends, its heading NaN if none was asked for. ``length_m`` of the way.
     """
 
     code: str
@@ -60,18 +54,10 @@ class Plan:
     poses: NDArray[np.float64]
     target: Pose2 | None
     length_m: float
-    may_clear: bool = False
 
 
-def plan(
-    field: CostField,
-    start: Pose2,
-    goal: Pose2,
-    settings: PlanSettings | None = None,
-    waited_at: Pose2 | None = None,
-) -> Plan:
-    """The cheapest way from ``start`` to ``goal`` (heading NaN: any), both on the map, over ``field``. ``waited_at``:
-    where the robot has waited for the goal to get free, and may itself have been in the way."""
+def plan(field: CostField, start: Pose2, goal: Pose2, settings: PlanSettings | None = None) -> Plan:
+    """The cheapest way from ``start`` to ``goal`` (heading NaN: any), both on the map, over ``field``."""
     settings = settings or PlanSettings()
     frame = field.frame
     start_cell, goal_cell = frame.cell(start.x, start.y), frame.cell(goal.x, goal.y)
@@ -94,21 +80,14 @@ def plan(
         return _way(reached, "way", said, out, start, goal, goal_cell, settings)
     if fits:
         return _why_not(field, start_cell, goal_cell)
-    may_clear = _may_clear(int(field.layers[goal_cell]))
-    if may_clear:
-        target = _beside(reached, goal, goal_cell, settings.near_m, waited_at)
-    else:
-        target = _nearest(reached, goal, goal_cell, settings.near_m)
+    target = _nearest(reached, goal, goal_cell, settings.near_m)
     why = _what_is_at(field, goal, goal_cell, "the goal")
     if target is None:
-        code = "in_the_way" if may_clear else "obstacle"
-        return _none(code, f"{why}, and no place within {settings.near_m:g} m of it can be reached")
+        return _none("obstacle", f"{why}, and no place within {settings.near_m:g} m of it can be reached")
     cell, place = target
     away = math.hypot(place.x - goal.x, place.y - goal.y)
-    where = "up to it" if may_clear else "to the nearest place that can be reached"
-    told = f"{why}: goes {where}, {away:.2f} m from it"
-    way = _way(reached, "near", "; ".join(filter(None, (told, said))), out, start, place, cell, settings)
-    return replace(way, may_clear=may_clear)
+    told = f"{why}: goes to the nearest place that can be reached, {away:.2f} m from it"
+    return _way(reached, "near", "; ".join(filter(None, (told, said))), out, start, place, cell, settings)
 
 
 def _way(
@@ -182,52 +161,20 @@ def _nearest(
     reached: Reached, goal: Pose2, goal_cell: tuple[int, int], near_m: float
 ) -> tuple[tuple[int, int], Pose2] | None:
     """The cell near the goal that was reached and where the body fits; of several as near as a cell, the freer."""
-    field = reached.field
-    cells, away = _around(field, goal, goal_cell, near_m)
-    score = away + 0.2 * field.frame.resolution_m * field.cost[cells[:, 0], cells[:, 1]]
-    return _first_fit(reached, cells, score, goal)
-
-
-def _beside(
-    reached: Reached, goal: Pose2, goal_cell: tuple[int, int], near_m: float, waited_at: Pose2 | None
-) -> tuple[tuple[int, int], Pose2] | None:
-    """The cell on this side of who stands on the goal, farther by less than the way that it saves: nobody is walked
-    round, and only one side of him is seen. Where the robot ``waited_at`` one, another is taken if there is one."""
-    cells, away = _around(reached.field, goal, goal_cell, near_m)
-    score = away + _SAVED * reached.lengths_m(cells)
-    if waited_at is not None:
-        places = _middles(reached.field, cells)
-        aside = np.hypot(places[:, 0] - waited_at.x, places[:, 1] - waited_at.y) >= _ASIDE_M
-        found = _first_fit(reached, cells[aside], score[aside], goal)
-        if found is not None:
-            return found
-    return _first_fit(reached, cells, score, goal)
-
-
-def _around(
-    field: CostField, goal: Pose2, goal_cell: tuple[int, int], near_m: float
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Cells (N, 2) within ``near_m`` of the goal that are not lethal, and how far they are from it (m)."""
-    reach = math.ceil(near_m / field.frame.resolution_m)
-    row, column = goal_cell
+    field, frame = reached.field, reached.field.frame
+    reach = math.ceil(near_m / frame.resolution_m)
+    (row, column), cost = goal_cell, field.cost
     top, left = max(row - reach, 0), max(column - reach, 0)
-    rows, columns = np.nonzero(np.isfinite(field.cost[top : row + reach + 1, left : column + reach + 1]))
+    rows, columns = np.nonzero(np.isfinite(cost[top : row + reach + 1, left : column + reach + 1]))
     cells = np.stack((rows + top, columns + left), axis=-1)
     places = _middles(field, cells)
     away = np.hypot(places[:, 0] - goal.x, places[:, 1] - goal.y)
-    near = away <= near_m
-    return cells[near], away[near]
-
-
-def _first_fit(
-    reached: Reached, cells: NDArray[np.int64], score: NDArray[np.float64], goal: Pose2
-) -> tuple[tuple[int, int], Pose2] | None:
-    """Of the ``cells`` that were reached and where the body fits, that of the least ``score``."""
-    places = _middles(reached.field, cells)
-    for k in np.argsort(score, kind="stable").tolist():
+    score = away + 0.2 * frame.resolution_m * cost[cells[:, 0], cells[:, 1]]
+    order = np.argsort(np.where(away <= near_m, score, np.inf), kind="stable")[: int((away <= near_m).sum())]
+    for k in order.tolist():
         cell = (int(cells[k, 0]), int(cells[k, 1]))
         place = Pose2(float(places[k, 0]), float(places[k, 1]), goal.theta)
-        if reached.has(cell) and _fits(reached.field, place):
+        if reached.has(cell) and _fits(field, place):
             return cell, place
     return None
 
@@ -251,10 +198,6 @@ def _way_out(
     reach = (settings.leave_zone_m if bits & AT_KEEP_OUT else settings.free_start_m) / field.frame.resolution_m
     cells, count = escape(field.layers, field.cost, *start, reach, OCCUPIED)
     return cells[:count]
-
-
-def _may_clear(layer: int) -> bool:
-    return bool(layer & AT_TEMPORARY) and not layer & (AT_OCCUPIED | AT_KEEP_OUT)
 
 
 def _what_is_at(field: CostField, pose: Pose2, cell: tuple[int, int], who: str = "it") -> str:

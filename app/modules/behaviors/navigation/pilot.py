@@ -95,7 +95,6 @@ class Told:
     opened_up: bool
     around: Surroundings | None
     things: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
-    waited_at: Pose2 | None = None
 
 
 class Pilot:
@@ -160,7 +159,7 @@ class Pilot:
         step = self._within_reach(step, senses.motion, period_s)
         return Told(
             step, follower.target, follower.remaining_m, follower.progress_stamp, follower.recovery.count,
-            follower.opened_up, around, self._all_things(), follower.waited_at,
+            follower.opened_up, around, self._all_things(),
         )  # fmt: skip
 
     def remember(self, senses: Senses) -> None:

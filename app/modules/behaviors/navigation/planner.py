@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from app.modules.behaviors.navigation.inflation import CostField
 
 _UNREACHED = np.iinfo(np.int32).max
-#: What ``search`` asks for a step of two cells in the open.
-_OPEN_STEP = 32
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,14 +36,6 @@ class Reached:
         bit = ((cell[0] + self.odd[0]) % 2) * 2 + (cell[1] + self.odd[1]) % 2
         block = self.block(cell)
         return bool(self.cost[block] != _UNREACHED and int(self.blocks.flat[block]) & (1 << bit))
-
-    def lengths_m(self, cells: NDArray[np.int64]) -> NDArray[np.float64]:
-        """What the ways to cells (N, 2) cost, in metres in the open; inf where none was found. Final only if all that
-        can be reached was."""
-        shift = (cells + np.array(self.odd)) // 2 + 1
-        cost = self.cost[shift[:, 0] * self.blocks.shape[1] + shift[:, 1]]
-        lengths = cost * (2.0 * self.field.frame.resolution_m / _OPEN_STEP)
-        return np.where(cost != _UNREACHED, lengths, np.inf)
 
     def way(self, cell: tuple[int, int]) -> NDArray[np.int64]:
         """Cells (N, 2) row, column from ``start`` to ``cell``, which was reached; each touches the one before."""

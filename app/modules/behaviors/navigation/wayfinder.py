@@ -32,7 +32,7 @@ class Request:
     """What a way is wanted for. ``goal`` on the map, heading NaN for any; ``around`` what stands near the body now,
     None to go by the map alone; ``opened_up``: what is unknown costs nothing, and what was in the way is forgotten;
     ``kept`` is the plan in force to this goal, ``why`` another is needed anyhow ("": only if it is better). ``things``
-    (N, 2): what the map does not have and is remembered to stand there, m on the map. ``waited_at`` as in ``plan``."""
+    (N, 2): what the map does not have and is remembered to stand there, m on the map."""
 
     grid: OccupancyGrid
     zones: tuple[Zone, ...]
@@ -44,7 +44,6 @@ class Request:
     kept: Plan | None = None
     why: str = ""
     things: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
-    waited_at: Pose2 | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,7 +96,7 @@ class Wayfinder:
             check = check_path(live, kept.poses, request.X_MB)
             why = why or why_replan(check)
             rest_cost = _cost_along(live, kept.poses[check.nearest :])
-        found = plan(live, request.X_MB, request.goal, self._plans, request.waited_at)
+        found = plan(live, request.X_MB, request.goal, self._plans)
         if not why and kept is not None and kept.code == "near" and found.code == "way":
             why = "the goal itself can be reached now"
         worse = _cost_along(live, found.poses) > min((1.0 - self._better) * rest_cost, rest_cost - _WORTH_M)

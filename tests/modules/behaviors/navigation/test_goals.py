@@ -147,26 +147,6 @@ def test_something_in_the_only_way() -> None:
     assert plan(with_obstacles(costs, door), CORRIDOR, MIDDLE).code == "way"
 
 
-def test_what_is_not_on_the_map_may_go_from_the_goal() -> None:
-    costs = field()
-    goal = Pose2(8.0, 4.3, math.nan)
-    found = plan(with_obstacles(costs, np.array([[8.0, 4.3]])), CORRIDOR, goal)
-    assert (found.code, found.may_clear) == ("near", True)
-    assert found.reason.startswith("the goal is too near to something that is not on the map: goes up to it, ")
-    assert found.target is not None
-    assert (found.target.x > goal.x) == (CORRIDOR.x > goal.x), "on the side it comes from"
-    aside = plan(with_obstacles(costs, np.array([[8.0, 4.3]])), found.target, goal, waited_at=found.target)
-    assert aside.target is not None
-    assert math.dist((aside.target.x, aside.target.y), (found.target.x, found.target.y)) >= 0.8
-    assert not plan(costs, CORRIDOR, Pose2(9.6, 6.9, 1.0)).may_clear, "a table stays"
-    crowd = np.stack(np.meshgrid(np.arange(6.5, 9.5, 0.1), np.arange(3.0, 5.6, 0.1)), axis=-1).reshape(-1, 2)
-    found = plan(with_obstacles(costs, crowd), CORRIDOR, goal)
-    assert found.code == "in_the_way"
-    assert found.reason == (
-        "the goal is too near to something that is not on the map, and no place within 1 m of it can be reached"
-    )
-
-
 def test_something_in_the_way_is_gone_around_where_that_can_be_done() -> None:
     costs = field()
     person = np.array([[6.5, 4.3], [6.5, 4.45], [6.6, 4.35]])
