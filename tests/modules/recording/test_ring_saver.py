@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from app.messages import EventRecord, Odometry
+from app.modules.recording import ring_saver
 from app.recording.control import RecorderUnavailable
 from app.recording.library import RecordingLibrary
 from app.recording.log import LogError
@@ -185,22 +186,28 @@ async def test_a_recording_that_takes_the_rings_place_throws_nothing_away(
 async def test_a_saving_under_way_is_not_robbed_by_the_recording_that_follows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    begun, go_on, save = threading.Event(), threading.Event(), Hold.save
+    begun, go_on, found_ended, save = threading.Event(), threading.Event(), threading.Event(), Hold.save
 
     def slow(*args: Any) -> Path:
         begun.set()
         assert go_on.wait(20)
         return save(*args)
 
+    def looking(folder: Path) -> list[Path]:
+        found = leftovers(folder)
+        if found:
+            found_ended.set()
+        return found
+
     monkeypatch.setattr(Hold, "save", slow)
+    monkeypatch.setattr(ring_saver, "leftovers", looking)
     async with Robot(tmp_path) as robot:
         await turning(robot)
         saving = asyncio.create_task(robot.control.save_ring(name="seen"))
         assert await asyncio.to_thread(begun.wait, 20)
         robot.desire(name="over")
-        async with asyncio.timeout(20):
-            while not await asyncio.to_thread(leftovers, robot.library.ring_folder):
-                await robot.statuses.receive()
+        # The Recorder's own look: another beside it would hold the ring's lock for a moment, and be taken for a rescue.
+        assert await asyncio.to_thread(found_ended.wait, 20)
         # The ring has ended, and time goes by in which it could be taken away.
         ended = robot.clock.now()
         await robot.until(lambda status: status.stamp > ended + 0.3)
