@@ -47,6 +47,7 @@ def describe(app: FastAPI, prefix: str) -> None:
     # mypy takes a method for something that cannot be replaced.
     app.openapi = document  # type: ignore[method-assign]
 
+    # FastAPI remembers endpoints for as long as the process lives: one that held the application would keep it.
     @app.get(f"{prefix}/openapi.json", include_in_schema=False)
     async def openapi(request: Request) -> Response:
         return Json(request.app.openapi())
