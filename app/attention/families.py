@@ -5,10 +5,11 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from app.attention.desires import GRAIN, SCALE
 
@@ -43,6 +44,15 @@ class CostByPhi(_Model):
         return math.ceil((self.base + self.slope / phi) * GRAIN - 1e-6) / GRAIN
 
 
+_NAMES = r"^[^{}]*\{phi\}[^{}]*$"
+
+
+def _named_by_phi(names: str) -> str:
+    if re.match(_NAMES, names) is None:
+        raise ValueError("should have {phi} in it once, in place of which each strategy's φ is written")
+    return names
+
+
 class CalibratedByPhi(_Model):
     """What calibration of this computer says, and the line that holds where it was not calibrated."""
 
@@ -52,7 +62,9 @@ class CalibratedByPhi(_Model):
 class StrategyFamily(_Model):
     """Strategies of one class at several φ, as the file writes them."""
 
-    names: str = Field(pattern=r"^[^{}]*\{phi\}[^{}]*$", description="Their names; {phi} stands for φ.")
+    names: Annotated[str, AfterValidator(_named_by_phi)] = Field(
+        json_schema_extra={"pattern": _NAMES}, description="Their names; {phi} stands for φ."
+    )
     cls: str = Field(alias="class", min_length=1, description="The desire class they serve.")
     phis: list[Annotated[int, Field(ge=1)]] = Field(min_length=1, description="Each φ that there is a strategy of.")
     utility: UtilityByPhi = Field(description="Produced utility: {at_1: v, per_doubling: less}.")

@@ -60,8 +60,8 @@ class _Choice:
 def solve_search(instance: Instance, deadline: float, *, most_labels: int = _MOST_LABELS) -> Answer | None:
     """The lexicographic optimum of ``instance``, or the best found until ``deadline`` (of ``time.perf_counter``).
 
-    None if the structure is not for this search (a class with very many independent strategies), or nothing was found
-    in time. Raises Infeasible if the security desires cannot all be met.
+    None if the structure is not for this search (a class with very many independent strategies), or where even the
+    narrow search that heeds no deadline found nothing. Raises Infeasible if the security desires cannot all be met.
     """
     if instance.impossible:
         raise Infeasible
@@ -75,7 +75,10 @@ def solve_search(instance: Instance, deadline: float, *, most_labels: int = _MOS
         combinations_ *= len(group)
     known: tuple[int, _Node | None] | None = None
     multipliers = [0] * len(choice.capacities)
-    if combinations_ > _SMALL and choice.capacities:
+    if combinations_ <= _SMALL:
+        # Over in milliseconds; but on a computer that stands still meanwhile even that can be too long.
+        deadline = float("inf")
+    elif choice.capacities:
         multipliers = _multipliers(choice, instance.omega_unit)
         choice, multipliers = _ordered(choice, multipliers)
         # Short, and never cut off: there is always something to keep when the time is over.

@@ -20,7 +20,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 from app.attention.calibration import RESOURCE, Calibration
 from app.attention.desires import GRAIN, SCALE
 from app.attention.families import StrategyFamily
-from app.yaml_source import Document, KeyPath, load_yaml, suggestion
+from app.yaml_source import Document, KeyPath, dotted, load_yaml, suggestion, validation_message
 
 CLOSED = math.inf
 """φ of a closed filter."""
@@ -296,11 +296,9 @@ def _entries(document: Document, file: StrategyFile) -> Iterator[tuple[KeyPath, 
             try:
                 yield ("families", index), StrategyEntry.model_validate(member)
             except ValidationError as mistake:
-                first = mistake.errors()[0]
-                where = ".".join(str(key) for key in first["loc"])
-                raise document.error(
-                    f"strategy {member['name']!r}: {where}: {first['msg']}, not {first['input']!r}", ("families", index)
-                ) from None
+                first = mistake.errors(include_url=False)[0]
+                what = f"{dotted(first['loc'])}: {validation_message(StrategyEntry, first)}"
+                raise document.error(f"strategy {member['name']!r}: {what}", ("families", index)) from None
 
 
 def _costs(document: Document, at: KeyPath, item: StrategyEntry, calibration: Calibration | None) -> dict[str, float]:

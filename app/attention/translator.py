@@ -20,7 +20,7 @@ from app.attention.intention import Intention, divisors_of, parameters_of
 from app.attention.ports import Clock, FilterBank, ParameterSink, Solver
 from app.attention.problem import Problem, Reason, Selection, Weights, assess, produced
 from app.attention.reasons import explain
-from app.attention.solver import CachedSolver, solve
+from app.attention.solver import CachedSolver, SolverFailed, solve
 from app.attention.strategies import CLOSED, MOST, StrategyTable
 from app.attention.timeline import Timeline
 from app.attention.workspace import IntentionWorkspace, WorkspaceChange
@@ -32,6 +32,10 @@ EXPLAIN_S: Final = 0.05
 
 _PATIENCE: Final = 3
 """So many results in a row may come too late before one that still holds under the newest desires is applied."""
+
+_RETRY_S: Final = 1.0
+_RETRY_MOST_S: Final = 30.0
+"""A solver that failed is asked again after so long, then after twice as long, and so on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +118,8 @@ class IntentionTranslator:
         self._timer = asyncio.Event()
         self._late = 0
         self._hold_until: float | None = None
+        self._retry_at: float | None = None
+        self._retry_s = _RETRY_S
         self._failing = False
         self._counts = dict.fromkeys(("solved", "recalled", "discarded", "failures", "held", "applied"), 0)
         self._changed.set()
@@ -219,8 +225,10 @@ class IntentionTranslator:
                 await self._explain(problem, self._current.selection, version)
 
     async def _solved(self, problem: Problem) -> Selection | None:
-        """The solver's answer; None after a failure, which is reported and leaves the last intention in force."""
+        """The solver's answer; None after a failure, which is reported, leaves the last intention in force, and has
+        the solver asked again after a while."""
         self._counts["solved"] += 1
+        self._retry_at = None
         try:
             known = self._solver.recall(problem)
             if known is not None:
@@ -233,6 +241,7 @@ class IntentionTranslator:
         if selection is None:
             self._failed("it gave no answer")
             return None
+        self._retry_s = _RETRY_S
         if self._failing:
             self._failing = False
             self._timeline.add("solver", "solver", "the solver answers again")
@@ -240,6 +249,11 @@ class IntentionTranslator:
 
     def _failed(self, why: str) -> None:
         self._counts["failures"] += 1
+        # A moment to switch that has come would have it asked at every turn of the loop: it comes anew.
+        self._hold_until = None
+        self._retry_at = self._clock.now() + self._retry_s
+        self._retry_s = min(2 * self._retry_s, _RETRY_MOST_S)
+        self._timer.set()
         text = f"the solver failed ({why}); the last intention stays"
         if not self._failing:
             _log.error("%s", text)
@@ -264,7 +278,12 @@ class IntentionTranslator:
             return best
         # Solved among what is on already, the answer is all of it only if it still holds and nothing of it is useless.
         among = replace(problem, strategies=tuple(s for s in problem.strategies if s.name in before))
-        stay: Selection = await self._offload(solve, among)
+        try:
+            stay: Selection = await self._offload(solve, among)
+        except SolverFailed:
+            # Whether what is on still serves is not known in time: nothing to hold on to.
+            self._hold_until = None
+            return best
         loses = any(produced(problem, best.strategies, cls) < produced(problem, before, cls) for cls in stay.fulfilled)
         if set(stay.strategies) != set(before) or stay.relaxed != best.relaxed or not loses:
             self._hold_until = None
@@ -351,10 +370,10 @@ class IntentionTranslator:
         )
 
     async def _keep_time(self) -> None:
-        """Let desires expire, and look again at a switch held back once it has lasted."""
+        """Let desires expire, look again at a switch held back once it has lasted, ask anew a solver that failed."""
         while True:
             self._timer.clear()
-            wakes = [self._workspace.next_expiry]
+            wakes = [self._workspace.next_expiry, self._retry_at]
             if self._hysteresis.dwell_s:
                 wakes.append(self._hold_until)
             due = min((stamp for stamp in wakes if stamp is not None), default=None)
@@ -370,7 +389,8 @@ class IntentionTranslator:
                 woken.cancel()
             if not self._timer.is_set():
                 self._workspace.expire()
-                if self._hold_until is not None and self._clock.now() >= self._hold_until:
+                now = self._clock.now()
+                if any(stamp is not None and now >= stamp for stamp in (self._hold_until, self._retry_at)):
                     # Its moment has come, and stays in the past until the answer is there: asking again at every turn
                     # of the loop would only make each answer outdated.
                     answered = self._progress

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from pydantic import BaseModel, ConfigDict, Field
+from typing import Annotated
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from app.attention.desires import DesireClass
 from app.maps.zones import FURTHEST_M
+from app.recording.library import LONGEST_NAME, NAME_PATTERN, name_or_nothing
 
 
 class FindQRCodesParameters(BaseModel):
@@ -103,10 +106,9 @@ class RecordParameters(BaseModel):
 
     model_config = ConfigDict(extra="forbid", title="Record")
 
-    name: str = Field(
+    name: Annotated[str, AfterValidator(name_or_nothing)] = Field(
         "",
-        max_length=100,
-        pattern=r"^([A-Za-z0-9][A-Za-z0-9._-]*)?$",
+        json_schema_extra={"pattern": NAME_PATTERN, "maxLength": LONGEST_NAME},
         title="Name",
         description="What the recording is called; empty: the date and time at which it begins.",
     )

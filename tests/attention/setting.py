@@ -13,7 +13,7 @@ from pydantic import BaseModel
 from app.attention.desires import DesireClass, DesireClasses, Source
 from app.attention.problem import Problem, Selection
 from app.attention.solver import CachedSolver
-from app.attention.strategies import Resource, StrategyTable
+from app.attention.strategies import Resource, Strategy, StrategyTable
 from app.attention.timeline import Timeline
 from app.attention.translator import IntentionTranslator
 from app.attention.workspace import IntentionWorkspace
@@ -22,6 +22,14 @@ from tests.attention.thesis import TABLE_4_4
 
 ME = Source("operator", "console")
 TABLE = StrategyTable(TABLE_4_4, {"cpu": Resource("cpu", 100, "% of one core")})
+#: Two classes that want the same wheels.
+RIVALS = StrategyTable(
+    tuple(
+        Strategy(name, cls, 4, filters={f"{name}.x": 1}, costs={"wheels": 1})
+        for name, cls in (("goto", "GoTo"), ("teleop", "Teleoperation"))
+    ),
+    {"wheels": Resource("wheels", 1)},
+)
 
 
 class Goal(BaseModel):

@@ -71,11 +71,15 @@ def test_what_was_measured_on_this_computer_comes_first(tmp_path: Path) -> None:
         (
             "per_doubling: 1",
             "per_doubling: 2",
-            "strategy 'slam-40': utility: Input should be greater than 0, not -2.6",
+            "strategy 'slam-40': utility: should be greater than 0, not -2.6",
         ),
         ("phis: [1, 4, 40]", "phis: [1, 0]", "greater than or equal to 1"),
         ("phis: [1, 4, 40]", "phis: [4, 4]", "'slam-4' is already declared"),
-        ("names: slam-{phi}", "names: slam", "names"),
+        (
+            "names: slam-{phi}",
+            "names: slam",
+            "names: should have {phi} in it once, in place of which each strategy's φ is written, not 'slam'",
+        ),
         ("class: SLAM", "class: SLAN", "unknown class 'SLAN'"),
         ("slope: 5}", "slope: -5}", "greater than or equal to 0"),
     ],

@@ -198,6 +198,7 @@ def problems(draw: st.DrawFn, *, security: bool = True, most: int = 8) -> Proble
     return Problem(desires, tuple(strategies), capacities, previous)
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(problems(security=False, most=12))
 def test_equals_exhaustive_search(p: Problem) -> None:
@@ -211,6 +212,7 @@ def test_equals_exhaustive_search(p: Problem) -> None:
     assert selection.proven
 
 
+@pytest.mark.slow
 @settings(max_examples=200, deadline=None)
 @given(problems())
 def test_both_searches_agree(p: Problem) -> None:
@@ -364,6 +366,15 @@ def test_no_time_keeps_the_best_found_and_its_bound() -> None:
     assert best.proven
     found = build_instance(p).omega_of(rough.bound)
     assert found >= best.omega
+
+
+def test_a_small_problem_is_solved_though_the_computer_stands_still() -> None:
+    """Half a second can pass between two lines of a program: it must not cost what takes a millisecond."""
+    p = problem(
+        [desire("A", 8)], (Strategy("a", "A", 1, costs={"cpu": 70}), Strategy("b", "A", 2, costs={"cpu": 40})), CPU
+    )
+    selection = solve(p, time_limit_s=-1)
+    assert (selection.strategies, selection.proven) == (("b",), True)
 
 
 def test_cache_answers_equal_problems() -> None:

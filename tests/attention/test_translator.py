@@ -11,10 +11,10 @@ import pytest
 
 from app.attention.intention import Intention, divisors_of
 from app.attention.solver import solve
-from app.attention.strategies import Resource, Strategy, StrategyTable
+from app.attention.strategies import Strategy, StrategyTable
 from app.attention.translator import Hysteresis
 from app.runtime.clock import in_virtual_time
-from tests.attention.setting import CLASSES, TABLE, HeldSolver, Setting
+from tests.attention.setting import CLASSES, RIVALS, TABLE, HeldSolver, Setting
 
 
 @in_virtual_time
@@ -272,14 +272,6 @@ async def test_refresh_sets_every_controlled_filter_again() -> None:
 
 
 # --- Hysteresis -----------------------------------------------------------------------------------------------------
-
-RIVALS = StrategyTable(
-    tuple(
-        Strategy(name, cls, 4, filters={f"{name}.x": 1}, costs={"wheels": 1})
-        for name, cls in (("goto", "GoTo"), ("teleop", "Teleoperation"))
-    ),
-    {"wheels": Resource("wheels", 1)},
-)
 
 
 async def rivalry(hysteresis: Hysteresis | None, swings: int = 20, each_s: float = 1.0) -> tuple[int, Setting]:

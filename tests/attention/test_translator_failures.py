@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import pytest
 
 from app.attention.intention import Intention
 from app.attention.problem import Problem, Selection
-from app.attention.solver import CachedSolver, SolverFailed
+from app.attention.solver import CachedSolver, SolverFailed, solve
 from app.attention.timeline import Timeline
-from app.attention.translator import IntentionTranslator
+from app.attention.translator import Hysteresis, IntentionTranslator
 from app.attention.workspace import IntentionWorkspace
 from app.runtime.clock import VirtualClock, in_virtual_time, run_virtual
-from tests.attention.setting import CLASSES, TABLE, Bank, HeldSolver, Setting, Sink
+from tests.attention.setting import CLASSES, RIVALS, TABLE, Bank, HeldSolver, Setting, Sink
 
 
 class FailingSolver(CachedSolver):
@@ -59,6 +59,64 @@ async def test_a_solver_failure_keeps_the_last_intention() -> None:
         await s.translator.settled()
         assert s.selected == ("9", "10", "11", "12")
         assert [e.text for e in s.timeline.query(kinds={"solver"})][-1] == "the solver answers again"
+
+
+@in_virtual_time
+async def test_a_solver_that_failed_is_asked_again_ever_more_seldom() -> None:
+    """What is desired is not left unheard until somebody desires something else."""
+    solver = FailingSolver()
+    s = Setting(solver=solver)
+    async with s.running():
+        await s.translator.settled()
+        solver.failure = SolverFailed("no time")
+        s.add("DetectNoises")
+        await s.translator.settled()
+        assert s.selected == ()
+        solver.failure = None
+        await s.clock.sleep(0.9)
+        assert s.selected == ()
+        await s.clock.sleep(0.2)
+        assert s.selected == ("9",)
+        assert s.translator.statistics().failures == 1
+
+        solver.failure = SolverFailed("no time")
+        s.add("SLAM")
+        await s.clock.sleep(100)
+        assert s.translator.statistics().failures == 1 + 8, "at 0, 1, 3, 7, 15, 31, 61 and 91 s"
+        solver.failure = None
+        await s.clock.sleep(30)
+        assert s.selected == ("9", "11")
+
+
+@in_virtual_time
+async def test_a_switch_is_not_held_back_where_that_cannot_be_judged_in_time() -> None:
+    async def judged_too_late(function: Callable[..., Any], *arguments: Any) -> Any:
+        if function is solve:
+            raise SolverFailed("no time")
+        return function(*arguments)
+
+    s = Setting(offload=judged_too_late, hysteresis=Hysteresis(dwell_s=5.0))
+    async with s.running():
+        s.add("DetectNoises")
+        await s.translator.settled()
+        s.add("SLAM")
+        await s.translator.settled()
+        assert s.selected == ("9", "11")
+
+
+@in_virtual_time
+async def test_a_switch_whose_moment_comes_while_the_solver_fails_is_not_asked_for_at_every_turn() -> None:
+    solver = FailingSolver()
+    s = Setting(RIVALS, solver=solver, hysteresis=Hysteresis(dwell_s=2.0))
+    async with s.running():
+        s.add("GoTo", 4)
+        await s.translator.settled()
+        s.add("Teleoperation", 5)
+        await s.translator.settled()
+        assert s.selected == ("goto",), "held back"
+        solver.failure = SolverFailed("no time")
+        await s.clock.sleep(10)
+        assert s.translator.statistics().failures == 4, "at 2, 3, 5 and 9 s"
 
 
 @in_virtual_time
