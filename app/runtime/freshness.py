@@ -27,6 +27,8 @@ FreshnessState = Literal["live", "waiting", "stale", "closed"]
 #: How long (s) the first message may take once a channel is opened or its module has first started: a camera's driver,
 #: or a process of its own behind the body, starts no sooner.
 GRACE_S = 5.0
+#: A channel that is stale for less (s) is not worth a line in the log: a computer is busy for a moment.
+HICCUP_S = 0.9
 RATE_WINDOW_S = 2.0
 RATE_SAMPLES = 20
 
@@ -138,8 +140,8 @@ def commanded_divisors(graph: Graph) -> dict[str, float]:
 
 
 class FreshnessWatch:
-    """Follows every channel of a graph. :meth:`sample`, once a second or a few times, says each change of state once;
-    :meth:`read` may be called whenever somebody wants to know.
+    """Follows every channel of a graph. :meth:`sample`, once a second or a few times, tells observers each change of
+    state, and the log what stays stale; :meth:`read` may be called whenever somebody wants to know.
     """
 
     def __init__(self, graph: Graph, states: Mapping[str, ModuleState]) -> None:
@@ -148,6 +150,8 @@ class FreshnessWatch:
         self._rates = {name: RateMeter() for name in graph.channels}
         #: By channel its divisor, since when, and when the channel was opened.
         self._since: dict[str, tuple[float, float, float]] = {}
+        self._stale_since: dict[str, float] = {}
+        self._logged: set[str] = set()
         self._sources = sources(graph)
         self._observers: list[Callable[[str, Freshness], None]] = []
         self.latest: dict[str, Freshness] = {}
@@ -160,6 +164,8 @@ class FreshnessWatch:
         """Begin anew: nothing measured, no state known, every channel's first message due from now on."""
         self._rates = {name: RateMeter() for name in self._rates}
         self._since.clear()
+        self._stale_since.clear()
+        self._logged.clear()
         self.latest = {}
 
     def sample(self, now: float) -> dict[str, Freshness]:
@@ -167,7 +173,9 @@ class FreshnessWatch:
         before, self.latest = self.latest, self.read(now)
         for name, freshness in self.latest.items():
             if name not in before or before[name].state != freshness.state:
-                self._tell(name, before.get(name), freshness)
+                for observer in self._observers:
+                    observer(name, freshness)
+            self._log(name, freshness, now)
         return self.latest
 
     def read(self, now: float) -> dict[str, Freshness]:
@@ -196,13 +204,17 @@ class FreshnessWatch:
         rate_hz = self._rates[name].sample(now, channel.published)
         return Freshness(freshness.state, freshness.age_s, freshness.limit_s, freshness.commanded_hz, rate_hz)
 
-    def _tell(self, name: str, before: Freshness | None, after: Freshness) -> None:
-        if after.state == "stale":
+    def _log(self, name: str, freshness: Freshness, now: float) -> None:
+        if freshness.state != "stale":
+            self._stale_since.pop(name, None)
+            if name in self._logged:
+                self._logged.remove(name)
+                log.info("channel %s is %s again", name, freshness.state)
+        elif name not in self._logged and now - self._stale_since.setdefault(name, now) >= HICCUP_S:
+            self._logged.add(name)
             producer = self._graph.producers.get(name, "whoever feeds it")
-            age = "nothing came yet" if after.age_s is None else f"its newest message is {after.age_s:.2f} s old"
-            allowed = "" if after.limit_s is None else f", {after.limit_s:.2f} s allowed"
+            age = (
+                "nothing came yet" if freshness.age_s is None else f"its newest message is {freshness.age_s:.2f} s old"
+            )
+            allowed = "" if freshness.limit_s is None else f", {freshness.limit_s:.2f} s allowed"
             log.warning("channel %s is stale: %s%s; look at %s", name, age, allowed, producer)
-        elif before is not None and before.state == "stale":
-            log.info("channel %s is %s again", name, after.state)
-        for observer in self._observers:
-            observer(name, after)

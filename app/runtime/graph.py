@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from app.runtime.activity import Activity
 from app.runtime.channel import Channel
@@ -16,6 +16,7 @@ from app.runtime.clock import Clock
 from app.runtime.errors import ModuleFailed
 from app.runtime.filter import CLOSED, RateFilter, check_divisor
 from app.runtime.module import Module, ModuleContext, Settings
+from app.yaml_source import likeliest, validation_message
 
 #: Raises the error for a wiring mistake: (message, key path in the configuration).
 WiringErrorFactory = Callable[[str, tuple[str, ...]], Exception]
@@ -179,7 +180,9 @@ class FilterBank:
         changes: dict[str, tuple[float, float]] = {}
         for name, divisor in divisors.items():
             if name not in self._filters:
-                raise KeyError(f"no filter {name!r}; there are: {', '.join(sorted(self._filters))}")
+                module = f"{name.partition('.')[0]}."
+                beside = [known for known in self._filters if known.startswith(module)]
+                raise KeyError(_unknown("filter", name, beside or self._filters))
             before = self._filters[name].divisor
             if check_divisor(divisor) != before and name not in self._pinned:
                 changes[name] = (before, divisor)
@@ -309,8 +312,10 @@ class Graph:
             raise self._error(f"{spec.class_path!r} is not a module class (package.module:Class)", (*key, "class"))
         try:
             settings: Settings = module_class.Settings.model_validate(spec.settings)
-        except ValueError as failure:
-            raise self._error(_first_problem(failure), (*key, "settings")) from None
+        except ValidationError as failure:
+            detail = failure.errors(include_url=False)[0]
+            where = (str(part) for part in detail["loc"] if part != "[key]")
+            raise self._error(validation_message(module_class.Settings, detail), (*key, "settings", *where)) from None
         try:
             context = ModuleContext(name, self.clock, settings, services)
             context.activity = self.activity
@@ -422,12 +427,4 @@ def load_class(path: str) -> type[Module] | None:
 
 
 def _unknown(kind: str, name: str, known: Collection[str]) -> str:
-    return f"no {kind} {name!r}; there are: {', '.join(sorted(known)) or 'none'}"
-
-
-def _first_problem(failure: ValueError) -> str:
-    errors = getattr(failure, "errors", None)
-    if errors is None:
-        return str(failure)
-    first = errors()[0]
-    return f"{'.'.join(str(part) for part in first['loc'])}: {first['msg']}"
+    return f"no {kind} {name!r}; {likeliest(name, known)}there are: {', '.join(sorted(known)) or 'none'}"

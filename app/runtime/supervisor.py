@@ -11,8 +11,9 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import time
 import traceback
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -32,6 +33,8 @@ TRUSTED_AFTER_S = 60.0
 WATCH_PERIOD_S = 0.1
 #: A cancelled module gets this long to end before its task is left behind.
 CANCEL_GRACE_S = 0.5
+#: In the end modules' threads get this long for the jobs they are at.
+LET_END_S = 0.3
 
 Status = Literal["starting", "running", "failed", "hung", "stopped"]
 
@@ -96,6 +99,8 @@ class Supervisor:
         self._tasks: dict[str, asyncio.Task[None]] = {}
         self._watching: asyncio.Task[None] | None = None
         self._runs: dict[str, _Run] = {}
+        #: Shut down, and at their last job.
+        self._leaving: list[ModuleWorker] = []
         self.states = {name: ModuleState(name, "stopped", 0.0) for name in slots}
 
     def observe(self, callback: Callable[[ModuleState], None]) -> Callable[[], None]:
@@ -119,7 +124,9 @@ class Supervisor:
             _report_failures(await asyncio.gather(self._watching, return_exceptions=True))
         await self.stop_modules()
         for slot in self._slots.values():
-            _replace_worker(slot)
+            self._replace_workers(slot)
+        # A thread within a library's C++ when the interpreter ends is unwound through it, which aborts the process.
+        await asyncio.get_running_loop().run_in_executor(None, _joined, self._leaving, LET_END_S)
 
     def start_modules(self) -> None:
         """Have every module live, a fresh instance each that counts no restarts."""
@@ -204,7 +211,15 @@ class Supervisor:
             slot.leave_inputs()
             await _end(task, slot.name)
             # A thread that is stuck may never come back: the next instance gets a new one.
-            _replace_worker(slot)
+            self._replace_workers(slot)
+
+    def _replace_workers(self, slot: ModuleSlot) -> None:
+        for worker in (slot.context.worker, slot.context.behind):
+            worker.shutdown(cancel_futures=True)
+            self._leaving.append(worker)
+        self._leaving = [worker for worker in self._leaving if worker.alive]
+        slot.context.worker = ModuleWorker(slot.name)
+        slot.context.behind = ModuleWorker(f"{slot.name}, behind")
 
     def _change(self, slot: ModuleSlot, *, status: Status, **changes: object) -> None:
         before = self.states[slot.name]
@@ -227,11 +242,10 @@ def _report_failures(results: Iterable[object]) -> None:
             log.error("the supervisor itself failed", exc_info=result)
 
 
-def _replace_worker(slot: ModuleSlot) -> None:
-    for worker in (slot.context.worker, slot.context.behind):
-        worker.shutdown(cancel_futures=True)
-    slot.context.worker = ModuleWorker(slot.name)
-    slot.context.behind = ModuleWorker(f"{slot.name}, behind")
+def _joined(workers: Sequence[ModuleWorker], within_s: float) -> None:
+    end = time.monotonic() + within_s
+    for worker in workers:
+        worker.join(end - time.monotonic())
 
 
 async def _end(task: asyncio.Task[None], name: str) -> None:

@@ -66,6 +66,16 @@ class ModuleWorker(Executor):
         if wait and self._thread is not None:
             self._thread.join()
 
+    def join(self, within_s: float) -> None:
+        """After :meth:`shutdown`: wait until the thread has ended, ``within_s`` at most. Blocks."""
+        if self._thread is not None:
+            self._thread.join(max(0.0, within_s))
+
+    @property
+    def alive(self) -> bool:
+        """Whether its thread has begun and not ended."""
+        return self._thread is not None and self._thread.is_alive()
+
     def _run(self) -> None:
         while (job := self._jobs.get()) is not None:
             job.run()

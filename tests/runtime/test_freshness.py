@@ -141,10 +141,12 @@ def test_the_rate_falls_to_zero_once_nothing_comes() -> None:
 
 
 class Sensor(Module):
+    broken_from_the_start = False
+
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
         self.images = self.output("images", Twist)
-        self.broken = False
+        self.broken = self.broken_from_the_start
         self.every(0.1, self.beat)
 
     async def beat(self) -> None:
@@ -211,7 +213,7 @@ def test_a_feedback_cycle_is_followed_once(build: Build) -> None:
 
 @in_virtual_time
 async def test_switching_attention_never_raises_a_false_alarm_and_a_lost_source_is_said_once(
-    graph: Graph, caplog: pytest.LogCaptureFixture
+    graph: Graph, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     caplog.set_level(logging.INFO, "hbba.freshness")
     clock = VirtualClock()
@@ -238,13 +240,34 @@ async def test_switching_attention_never_raises_a_false_alarm_and_a_lost_source_
         assert set(seen) <= {("images", "waiting"), ("images", "live"), ("images", "closed")}
         assert "stale" not in [f.state for n, f in watch.latest.items() if n in ("images", "found")]
         graph.modules["Sensor"].module.broken = True  # type: ignore[attr-defined]
+        monkeypatch.setattr(Sensor, "broken_from_the_start", True)
         await look_for(0.4)
         assert str(watch.latest["images"].state) == "stale"
+        await look_for(2)
+        monkeypatch.setattr(Sensor, "broken_from_the_start", False)
         await look_for(5)
     said = [record.getMessage() for record in caplog.records if "channel images" in record.getMessage()]
-    assert said[0].startswith("channel images is stale: its newest message is 0.")
+    assert said[0].startswith("channel images is stale: its newest message is 1.")
     assert said[0].endswith("s old, 0.30 s allowed; look at Sensor.images")
     assert said[1:] == ["channel images is live again"]
+
+
+@in_virtual_time
+async def test_a_hiccup_is_told_to_observers_and_not_written_to_the_log(
+    graph: Graph, caplog: pytest.LogCaptureFixture
+) -> None:
+    clock = VirtualClock()
+    watch = FreshnessWatch(graph, {"Sensor": ModuleState("Sensor", "running", clock.now())})
+    seen: list[str] = []
+    watch.observe(lambda name, freshness: seen.append(freshness.state) if name == "images" else None)
+    for _ in range(3):
+        graph.channels["images"].publish(Twist(clock.now(), 0.0, 0.0))
+        watch.sample(clock.now())
+        await clock.sleep(GRACE_S + 1)
+        watch.sample(clock.now())
+        await clock.sleep(0.5)
+    assert seen == ["live", "stale"] * 3
+    assert not [message for message in caplog.messages if "channel images" in message]
 
 
 @in_virtual_time

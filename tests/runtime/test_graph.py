@@ -133,8 +133,8 @@ def test_a_module_may_not_feed_itself(build: Build) -> None:
 @pytest.mark.parametrize(
     ("settings", "said"),
     [
-        ({"period_s": -1}, "period_s: Input should be greater than 0"),
-        ({"perod_s": 1}, "perod_s: Extra inputs are not permitted"),
+        ({"period_s": -1}, "settings.period_s: should be greater than 0, not -1"),
+        ({"perod_s": 1}, "settings.perod_s: unknown key; did you mean 'period_s'? allowed: period_s"),
     ],
 )
 def test_bad_settings_name_the_key(build: Build, settings: dict[str, Any], said: str) -> None:
@@ -267,9 +267,12 @@ def test_a_set_of_filters_with_one_mistake_changes_nothing(
 
 def test_an_unknown_filter_is_named_with_those_there_are() -> None:
     bank = FilterBank()
-    bank.add("A.numbers", RateFilter())
-    with pytest.raises(KeyError, match=r"no filter 'A\.sums'; there are: A\.numbers"):
-        bank.apply({"A.sums": 1})
+    for name in ("A.numbers", "B.others"):
+        bank.add(name, RateFilter())
+    with pytest.raises(KeyError, match=r"no filter 'A\.number'; did you mean 'A\.numbers'\? there are: A\.numbers"):
+        bank.apply({"A.number": 1})
+    with pytest.raises(KeyError, match=r"no filter 'C\.sums'; there are: A\.numbers, B\.others"):
+        bank.apply({"C.sums": 1})
 
 
 # --- find_cycle ---

@@ -347,6 +347,24 @@ def test_a_stuck_thread_is_abandoned_and_the_module_gets_another(build: Build, m
         plan.release.set()
 
 
+def test_in_the_end_jobs_under_way_are_waited_for(build: Build, make: Make) -> None:
+    """Interpreter and process end next: a thread within a library's C++ would abort them."""
+    plan = Plan()
+    before = set(threading.enumerate())
+
+    async def scenario() -> None:
+        graph = build({"C": (Computes, {"numbers": "n"}, {})}, {"n": {"external": True}}, services={Plan: plan})
+        async with Supervisor(graph.modules, graph.clock):
+            await asyncio.sleep(0.1)
+            graph.channels["n"].publish(make(1))
+            await asyncio.sleep(0.1)
+            assert "module C" in {thread.name for thread in set(threading.enumerate()) - before}
+            threading.Timer(0.05, plan.release.set).start()
+        assert "module C" not in {thread.name for thread in set(threading.enumerate()) - before}
+
+    run_virtual(scenario(), patience_s=0.05)
+
+
 @in_virtual_time
 async def test_a_slow_start_is_not_taken_for_a_hang(build: Build, make: Make) -> None:
     bench = Bench(build)
