@@ -29,8 +29,10 @@ class TrackerSettings:
     birth and then within ``trust_s`` of sound, a track must be ``proof_share`` of the strongest or, for ``proof_steps``
     steps, louder than ``proof_loud`` of each other's level; until it is, it is not told of. The share it needs is the
     larger, the more it is a copy of others (``proof_echo``, mean over ``echo_s``). And in a moment of the same time it
-    must have been ``proof_moment`` of the loudest moment of all, which is held, too (``hold_s``). Nor is one
-    told of that is silent for longer than ``told_s`` and ``told_heard`` times as long as it was heard, or than
+    must have been ``proof_moment`` of the loudest moment of all, which is held, too (``hold_s``). Whoever may be a copy
+    needs once, for all the time he is then followed, a moment the louder, the more he is one (``proof_moments``, by
+    ``proof_echo``), or to be heard for ``trial_s`` without a break: echoes come and go with what they follow. Nor is
+    one told of that is silent for longer than ``told_s`` and ``told_heard`` times as long as it was heard, or than
     ``told_moving_s`` if it moved by more than ``moving_degps``, or than ``hidden_s`` within ``hidden_deg`` of one that
     sounds: it keeps its number, for when it is heard again. One
     that falls silent as another begins within ``replaced_deg`` ends once that one was heard for ``replaced_s``.
@@ -82,6 +84,7 @@ class TrackerSettings:
     proof_echo: tuple[float, ...] = (0.15, 0.35, 0.5)
     proof_loud: float = 0.7
     proof_moment: float = 0.4
+    proof_moments: tuple[float, ...] = (0.4, 0.55, 0.65)
     proof_power: float = 0.04
     proof_steps: int = 2
     sure_power: float = 0.06
@@ -102,7 +105,8 @@ class Source:
     held over pauses; as of now, 0 if it is not heard. ``level``: the greatest ``recent``, fading; ``pace`` (rad/s): the
     greatest speed, fading. ``louder``: for how many steps it was louder than each other track. ``heard_s``: for how
     long it was heard since its birth; ``unproven_s``: since it last sounded of itself; ``proven``: it ever did;
-    ``faint_s``: since it was last as loud as a moment of a talker's own is. ``tried``: since when it is on trial.
+    ``faint_s``: since it was last as loud as a moment of a talker's own is. ``tried``: since when it is on trial;
+    ``broken``: when it was last not heard, or put on trial; ``own``: whether it showed since that it is no copy.
     ``unfound_s``: for how long the search has not found what is heard; ``last_sure``: when it was last surely itself.
     ``echo``: how much it is a copy of others, on average.
     """
@@ -125,22 +129,24 @@ class Source:
     unproven_s: float = 0.0
     faint_s: float = math.inf
     tried: float = 0.0
+    broken: float = 0.0
     echo: float = 0.35
     proven: bool = False
+    own: bool = False
 
     def try_anew(self, time_s: float) -> None:
         """Put it on trial as of ``time_s`` (s): whatever it is now has shown nothing yet."""
-        self.tried, self.proven, self.louder = time_s, False, 0
+        self.tried = self.broken = time_s
+        self.proven, self.own, self.louder = False, False, 0
         self.heard_s = self.unproven_s = 0.0
         self.faint_s = math.inf
 
 
 def told(source: Source, sources: Sequence[Source], time_s: float, settings: TrackerSettings) -> bool:
     """Whether ``source``, one of ``sources``, is to be told of at ``time_s`` (s)."""
+    trusted = time_s - source.tried < settings.trial_s
     if source.proven:
-        trusted = max(source.unproven_s, source.faint_s) < settings.trust_s
-    else:
-        trusted = time_s - source.tried < settings.trial_s
+        trusted = (trusted or source.own) and max(source.unproven_s, source.faint_s) < settings.trust_s
     moving = math.degrees(source.pace) > settings.moving_degps
     longest = settings.told_moving_s if moving else settings.silence_s
     longest = min(longest, settings.told_s + settings.told_heard * source.heard_s)
@@ -160,12 +166,17 @@ def _hidden(source: Source, silent: float, sources: Sequence[Source], time_s: fl
     )
 
 
-def prove(sources: Sequence[Source], loudest: float, settings: TrackerSettings) -> None:
-    """Note which of ``sources`` sound of themselves now; ``loudest``: the most any sounded of late, in one moment."""
+def prove(sources: Sequence[Source], loudest: float, time_s: float, settings: TrackerSettings) -> None:
+    """Note which of ``sources`` sound of themselves at ``time_s`` (s); ``loudest``: the most any did of late."""
     tracks = [source for source in sources if source.id]
     for source in tracks:
         if source.recent >= settings.proof_moment * loudest:
             source.faint_s = 0.0
+        if source.last_sure < time_s:
+            source.broken = time_s
+        if not source.own:
+            moment = float(np.interp(source.echo, settings.proof_echo, settings.proof_moments))
+            source.own = source.recent >= moment * loudest or time_s - source.broken >= settings.trial_s
         if source.recent < settings.proof_power:
             continue
         source.louder += all(

@@ -82,7 +82,7 @@ class Tracker:
             self._sources.append(self._begin(time_s, peaks, k, passed))
         self._bury(time_s)
         self._bear(time_s)
-        prove(self._sources, self._loudest, settings)
+        prove(self._sources, self._loudest, time_s, settings)
         self._replace(time_s)
         return tuple(
             self._track(source, time_s) for source in self._sources if told(source, self._sources, time_s, settings)

@@ -23,7 +23,7 @@ def source(recent: float, share: float, number: int = 1) -> Source:
 @pytest.mark.parametrize(("recent", "share", "proven"), [(0.2, 0.5, True), (0.09, 0.5, False), (0.2, 0.1, False)])
 def test_proof_takes_a_share_and_a_loud_moment(recent: float, share: float, proven: bool) -> None:
     weak, strong = source(recent, share), source(0.4, 1.0, number=2)
-    prove([weak, strong], 0.4, SETTINGS)
+    prove([weak, strong], 0.4, 9.0, SETTINGS)
     assert weak.proven is proven
     assert strong.proven
     assert told(weak, [weak, strong], 9.0, SETTINGS) is proven
@@ -32,7 +32,7 @@ def test_proof_takes_a_share_and_a_loud_moment(recent: float, share: float, prov
 def test_a_loud_moment_is_remembered_as_long_as_proof_is() -> None:
     talker = source(0.1, 0.5)
     talker.faint_s = SETTINGS.trust_s - 0.1
-    prove([talker], 0.4, SETTINGS)
+    prove([talker], 0.4, 9.0, SETTINGS)
     assert told(talker, [talker], 9.0, SETTINGS)
     talker.faint_s = SETTINGS.trust_s
     assert not told(talker, [talker], 9.0, SETTINGS)
@@ -40,7 +40,7 @@ def test_a_loud_moment_is_remembered_as_long_as_proof_is() -> None:
 
 def test_who_is_tried_anew_is_told_of_for_the_trial_and_no_longer() -> None:
     talker = source(0.3, 1.0)
-    prove([talker], 0.3, SETTINGS)
+    prove([talker], 0.3, 9.0, SETTINGS)
     talker.try_anew(9.0)
     assert not talker.proven
     assert math.isinf(talker.faint_s)
@@ -48,3 +48,26 @@ def test_who_is_tried_anew_is_told_of_for_the_trial_and_no_longer() -> None:
     assert told(talker, [talker], talker.last_sure, SETTINGS)
     talker.last_sure = 9.0 + 1.1 * SETTINGS.trial_s
     assert not told(talker, [talker], talker.last_sure, SETTINGS)
+
+
+@pytest.mark.parametrize(("echo", "recent", "trusted"), [(0.1, 0.17, True), (0.5, 0.17, False), (0.5, 0.27, True)])
+def test_who_may_be_a_copy_needs_a_louder_moment(echo: float, recent: float, trusted: bool) -> None:
+    talker = source(recent, 1.0)
+    talker.echo, talker.broken = echo, 9.0
+    prove([talker], 0.4, 9.0, SETTINGS)
+    assert talker.proven
+    assert told(talker, [talker], 9.0, SETTINGS) is trusted
+
+
+@pytest.mark.parametrize("breaks", [False, True])
+def test_who_may_be_a_copy_but_sounds_without_a_break_is_trusted(breaks: bool) -> None:
+    talker = source(0.17, 1.0)
+    talker.echo = 0.5
+    talker.try_anew(1.0)
+    times = np.linspace(1.0, 1.0 + 1.5 * SETTINGS.trial_s, 31)
+    for k, now in enumerate(times.tolist()):
+        talker.last_sure = now if not breaks or k % 10 else talker.last_sure
+        prove([talker], 0.4, now, SETTINGS)
+        talker.heard_s += SETTINGS.trial_s / 20
+    assert talker.proven
+    assert told(talker, [talker], float(times[-1]), SETTINGS) is not breaks
