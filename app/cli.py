@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 import os
 import sys
 from collections.abc import Sequence
@@ -29,9 +30,24 @@ class _Version(argparse.Action):
         parser.exit()
 
 
+class _Parser(argparse.ArgumentParser):
+    """Refuses what it does not know itself, with its own usage: argparse leaves that to the parser of all commands."""
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
+        """Nothing is left unknown."""
+        known, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            options = [option[2:] for option in self._option_string_actions if option.startswith("--")]
+            given = next((each[2:].partition("=")[0] for each in unknown if each.startswith("--")), "")
+            close = difflib.get_close_matches(given, options, n=1)
+            hint = f"; did you mean --{close[0]}?" if close else ""
+            self.error(f"unrecognized arguments: {' '.join(unknown)}{hint}")
+        return known, unknown
+
+
 def build_parser() -> argparse.ArgumentParser:
     """The parser of the whole command line."""
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="hbba",
         description="A robot runtime with selective attention and a web operator console.",
         epilog="Start with `hbba run`, and with `hbba doctor` where something does not work.",

@@ -6,6 +6,7 @@ import struct
 import tokenize
 import zipfile
 import zlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -30,8 +31,26 @@ def read_arrays(path: Path, what: str) -> dict[str, NDArray[Any]]:
     try:
         # Opened here: numpy leaves a file open that is no archive.
         with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
-            return {name: archive[name] for name in archive.files}
+            return {name: _array(archive, name) for name in archive.files}
+    except _NotNumbers as name:
+        raise ConfigError(
+            f"{what} has Python objects in `{name}`, which are not opened here: save plain arrays of numbers", str(path)
+        ) from None
     except OSError as failure:
         raise ConfigError(f"{what} cannot be read: {failure.strerror or failure}", str(path)) from None
     except _DAMAGE as damage:
         raise ConfigError(f"{what} is damaged: {damage}", str(path)) from None
+
+
+class _NotNumbers(Exception):
+    """An array of Python objects; the message is its name."""
+
+
+def _array(archive: Mapping[str, NDArray[Any]], name: str) -> NDArray[Any]:
+    try:
+        return archive[name]
+    except ValueError as failure:
+        # Numpy has no class of its own for it.
+        if "allow_pickle" in str(failure):
+            raise _NotNumbers(name) from None
+        raise

@@ -10,7 +10,7 @@ import difflib
 import json
 import re
 import types
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
@@ -23,6 +23,21 @@ from app.errors import ConfigError
 
 KeyPath = tuple[str | int, ...]
 ModelT = TypeVar("ModelT", bound=BaseModel)
+
+
+#: What a mapping is called where it is written as YAML.
+MAPPING = "a mapping (name: value lines)"
+#: What should stand there, by the type of pydantic's error.
+_SHAPES = {
+    **dict.fromkeys(("model_type", "model_attributes_type", "dict_type", "mapping_type"), MAPPING),
+    **dict.fromkeys(("list_type", "tuple_type"), "a list"),
+    "string_type": "text",
+}
+#: A pattern that is a choice of words.
+_CHOICES = re.compile(r"\^\(([\w|]+)\)\$")
+_LIBRARYS_WORDS = re.compile(r"^(Input|Value|String|List|Tuple|Dictionary) (?=should|is |must)| after validation")
+#: A longer value is not repeated whole.
+_LONGEST = 80
 
 
 class _CoreLoader(yaml.SafeLoader):
@@ -152,26 +167,49 @@ def dotted(key_path: Sequence[str | int]) -> str:
 
 def suggestion(word: str, known: Sequence[str]) -> str:
     """``'x' is unknown; allowed: a, b`` with the likeliest meant word first, for messages about names."""
+    return f"{likeliest(word, known)}allowed: {', '.join(sorted(known)) or 'none'}"
+
+
+def likeliest(word: str, known: Collection[str]) -> str:
+    """``did you mean 'x'? `` with a space behind it, or nothing where no known name is near."""
     close = difflib.get_close_matches(word, known, n=1)
-    hint = f"did you mean {close[0]!r}? " if close else ""
-    return f"{hint}allowed: {', '.join(sorted(known)) or 'none'}"
+    return f"did you mean {close[0]!r}? " if close else ""
 
 
-def validation_message(model: type[BaseModel], detail: ErrorDetails) -> str:
-    """One sentence for people about one pydantic error of ``model``: what is wrong and what is allowed."""
+def validation_message(model: type[BaseModel] | None, detail: ErrorDetails, mapping: str = MAPPING) -> str:
+    """One sentence for people about one pydantic error of ``model``: what is wrong and what is allowed.
+
+    Without a model it is not known which keys are allowed; ``mapping`` is what a mapping is called where it is written.
+    """
     location = detail["loc"]
     if detail["type"] == "extra_forbidden":
-        owner = _model_at(model, location[:-1])
+        owner = None if model is None else _model_at(model, location[:-1])
         allowed = [info.alias or name for name, info in owner.model_fields.items()] if owner else []
-        return f"unknown key; {suggestion(str(location[-1]), allowed)}"
+        return f"unknown key; {suggestion(str(location[-1]), allowed)}" if owner else "unknown key"
     if detail["type"] == "missing":
         return "is missing"
     given = detail.get("input")
+    if (shape := _SHAPES.get(detail["type"])) is not None:
+        return f"should be {mapping if shape == MAPPING else shape}, not {_told(given)}"
     text = str(detail["msg"])
-    text = text.removeprefix("Value error, ").removeprefix("Input ").removeprefix("Value ")
+    if detail["type"] == "string_pattern_mismatch" and (choices := _CHOICES.search(text)):
+        text = f"should be one of {', '.join(choices[1].split('|'))}"
+    text = _LIBRARYS_WORDS.sub("", text.removeprefix("Value error, "))
     if isinstance(given, str | int | float | bool):
-        text += f", not {given!r}"
+        text += f", not {_told(given)}"
     return text
+
+
+def _told(given: object) -> str:
+    match given:
+        case None:
+            return "nothing"
+        case dict():
+            return "a mapping"
+        case list() | tuple():
+            return "a list"
+    text = repr(given)
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 2]}…{text[-1]}"
 
 
 def _is_json(text: str) -> bool:

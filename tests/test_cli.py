@@ -70,6 +70,29 @@ def test_a_wrong_command_line_is_one_sentence(
     assert sentence in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("arguments", "usage", "sentence"),
+    [
+        (
+            ["experiment", "goals", "--goals", "0"],
+            "hbba experiment goals",
+            "error: unrecognized arguments: --goals 0\n",
+        ),
+        (["run", "--prot=80"], "hbba run", "--prot=80; did you mean --port?"),
+        (["log", "info", "a.mcap", "b.mcap"], "hbba log info", "unrecognized arguments: b.mcap\n"),
+    ],
+)
+def test_what_a_command_does_not_know_is_told_with_its_own_usage(
+    arguments: list[str], usage: str, sentence: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as left:
+        cli.main(arguments)
+    said = capsys.readouterr().err
+    assert left.value.code == 2
+    assert said.startswith(f"usage: {usage} [-h]")
+    assert sentence in said
+
+
 def test_a_configuration_that_is_not_there_is_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["run", "--config", "nowhere.yaml", "--port", "0"]) == 2
     assert capsys.readouterr().err == "hbba run: nowhere.yaml: cannot be read: No such file or directory\n"

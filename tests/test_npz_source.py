@@ -33,3 +33,9 @@ def test_a_broken_header_is_told(header: bytes, tmp_path: Path) -> None:
 def test_what_is_not_there_is_told(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="the file cannot be read: No such file"):
         read_arrays(tmp_path / "none.npz", "the file")
+
+
+def test_python_objects_are_told_by_their_name(tmp_path: Path) -> None:
+    np.savez(tmp_path / "some.npz", a=np.arange(3), b=np.array([{}], dtype=object))
+    with pytest.raises(ConfigError, match=r"the file has Python objects in `b`, .* save plain arrays of numbers"):
+        read_arrays(tmp_path / "some.npz", "the file")

@@ -24,6 +24,7 @@ class Robot(BaseModel):
     wheels: list[Wheel] = []
     spare: Wheel | None = None
     by_side: dict[str, Wheel] = {}
+    drive: str = Field("two", pattern="^(two|four)$")
 
 
 def test_scalars_follow_the_core_schema() -> None:
@@ -95,6 +96,12 @@ def test_broken_text(text: str, line: int, words: str) -> None:
         ("name: x\nspare:\n  radus: 1\n  radius: 1\n", 3, "spare.radus", "did you mean 'radius'"),
         ("name: x\nby_side:\n  left:\n    radius: 1\n    color: red\n", 5, "by_side.left.color", "allowed: radius"),
         ("name: x\nwheels:\n  - {radius: big}\n", 3, "wheels[0].radius", "not 'big'"),
+        ("hello\n", 1, "", "should be a mapping (name: value lines), not 'hello'"),
+        ("name: x\nspare: [1]\n", 2, "spare", "spare: should be a mapping (name: value lines), not a list"),
+        ("name: x\nwheels: {}\n", 2, "wheels", "wheels: should be a list, not a mapping"),
+        ("name: 3\n", 1, "name", "name: should be text, not 3"),
+        ("name: x\ndrive: legs\n", 2, "drive", "drive: should be one of two, four, not 'legs'"),
+        (f"{'o' * 200}\n", 1, "", f"not '{'o' * 77}…'"),
     ],
 )
 def test_parse_names_file_line_key_and_what_is_allowed(

@@ -40,6 +40,23 @@ def find_log(text: str) -> Path:
     return recording
 
 
+def recording_name(text: str) -> str:
+    """What a new recording shall be called (empty: by date and time), for argparse."""
+    from app.recording.library import name_or_nothing
+
+    try:
+        return name_or_nothing(text)
+    except ValueError as rule:
+        raise argparse.ArgumentTypeError(f"{rule}, not {text!r}") from None
+
+
+def file_named(text: str) -> Path:
+    """A file or folder, for argparse: no name at all would be the current folder."""
+    if not text:
+        raise argparse.ArgumentTypeError("the name of a file is empty")
+    return Path(text)
+
+
 def number(text: str) -> float | None:
     """``text`` as a finite number, or None where it is none."""
     try:

@@ -11,6 +11,7 @@ from app import paths
 
 if TYPE_CHECKING:
     from app.config import Configuration
+    from app.robots.devices.config import CameraConfig, SoundConfig
     from app.robots.factory import Body
 
 
@@ -31,10 +32,13 @@ def chosen(args: argparse.Namespace) -> tuple[Configuration, Body]:
 
     ``--robot`` alone runs the program which that body's file names, with ``--config`` that program in that body.
     """
+    from pydantic import ValidationError
+
     from app.config import load_configuration
     from app.errors import ConfigError
     from app.robots.devices.config import DevicesConfig
     from app.robots.factory import load_body
+    from app.yaml_source import validation_message
 
     body = load_body(args.robot) if args.robot is not None else None
     program = args.config
@@ -62,12 +66,50 @@ def chosen(args: argparse.Namespace) -> tuple[Configuration, Body]:
         device = getattr(body, option)
         if device is None:
             raise ConfigError(f"{body.name} has no {option} to be replaced", f"--{option}")
-        if Path(source).exists():
-            source = str(Path(source).resolve())
-        elif _names_a_file(source):
+        if not Path(source).exists() and _names_a_file(source):
             raise ConfigError(f"there is no file or folder {source}", f"--{option}")
-        body = body.model_copy(update={option: type(device).model_validate(device.model_dump() | {"source": source})})
+        try:
+            device = type(device).model_validate(device.model_dump() | {"source": source})
+        except ValidationError as failure:
+            (detail,) = failure.errors(include_url=False)
+            raise ConfigError(validation_message(type(device), detail), f"--{option}") from None
+        _try_file(device, f"--{option}")
+        if isinstance(device.source, str) and Path(source).exists():
+            device = device.model_copy(update={"source": str(Path(source).resolve())})
+        body = body.model_copy(update={option: device})
+    if isinstance(body, DevicesConfig):
+        file = args.robot or configuration.path(configuration.program.robot)
+        for option in ("camera", "microphones"):
+            if getattr(args, option) is None and (device := getattr(body, option)) is not None:
+                _try_file(device, f"{file}: {option}.source")
     return configuration, body
+
+
+def _try_file(device: CameraConfig | SoundConfig, where: str) -> None:
+    """A device is waited for, a file that cannot be read will not mend. Raises ConfigError."""
+    from app.errors import ConfigError
+    from app.robots.devices.config import CameraConfig
+    from app.robots.devices.pictures import Unavailable, open_pictures
+    from app.robots.devices.sound import SOUNDS, open_sound
+
+    path = Path(device.source) if isinstance(device.source, str) else None
+    if path is None or not (path.is_file() or path.is_dir()):
+        return
+    try:
+        if isinstance(device, CameraConfig):
+            pictures = open_pictures(device.model_copy(update={"loop": False}))
+            empty = pictures.read() is None
+            pictures.close()
+        elif path.is_dir():
+            raise Unavailable(f"{path} is a folder: name one sound file ({SOUNDS})")
+        else:
+            sound = open_sound(device)
+            empty = sound.read(1) is None
+            sound.close()
+    except Unavailable as failure:
+        raise ConfigError(str(failure), where) from None
+    if empty:
+        raise ConfigError(f"{path} holds no picture that can be read", where)
 
 
 def _names_a_file(source: str) -> bool:

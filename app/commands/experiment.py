@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from app.commands import experiment_barn, experiment_goals
-from app.commands.arguments import number
+from app.commands.arguments import number, recording_name
 from app.errors import ConfigError
 
 
@@ -47,7 +47,7 @@ def add_parser(subparsers: Any) -> None:
     trial.add_argument(
         "--scenario", metavar="FILE", help="one that drives: a file or a name of config/scenarios (default: trial)"
     )
-    trial.add_argument("--record", metavar="NAME", help="record it under this name")
+    trial.add_argument("--record", type=recording_name, metavar="NAME", help="record it under this name")
     trial.add_argument(
         "--virtual",
         action="store_true",

@@ -133,7 +133,15 @@ def _tell(args: argparse.Namespace, what: BarnPlan, kept: KeptResults, results: 
 
 
 def _controller(named: str | None) -> dict[str, dict[str, object]]:
-    return {} if named is None else {"PlanAndFollowPath": {"controller": named}}
+    """What ``--controller`` sets. Raises ConfigError."""
+    from app.modules.behaviors.navigation.pilot import CONTROLLERS
+    from app.yaml_source import suggestion
+
+    if named is None:
+        return {}
+    if named not in CONTROLLERS:
+        raise ConfigError(f"there is no controller {named!r}; {suggestion(named, CONTROLLERS)}", "--controller")
+    return {"PlanAndFollowPath": {"controller": named}}
 
 
 def _default_worlds() -> Path:

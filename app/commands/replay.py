@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app import logs
-from app.commands.arguments import TIMES, find_log, moment, names, number, whole
+from app.commands.arguments import TIMES, find_log, moment, names, number, recording_name, whole
 from app.commands.run import Stopping, add_console_options, announcer, until_stopped
 from app.errors import ConfigError
 
@@ -61,7 +61,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--no-desires", action="store_true", help="leave out the desires that people had")
     parser.add_argument("--config", type=Path, metavar="FILE", help="run this program instead of the recorded one")
     parser.add_argument("--remap", type=Path, metavar="FILE", help="which topics of a ROS bag are which channels")
-    parser.add_argument("--record", metavar="NAME", help="record the replay under this name")
+    parser.add_argument("--record", type=recording_name, metavar="NAME", help="record the replay under this name")
     parser.add_argument("--headless", action="store_true", help="without the console; prints what came of it")
     parser.add_argument("--json", type=Path, metavar="FILE", help="with --headless: also write what came of it here")
     parser.add_argument(

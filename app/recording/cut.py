@@ -208,7 +208,7 @@ def _opened(path: Path) -> Iterator[tuple[IO[bytes], Summary]]:
     try:
         with path.open("rb") as stream:
             if stream.read(len(MAGIC)) != MAGIC:
-                raise LogError(f"{path}: only MCAP files can be cut")
+                raise LogError(f"{path}: is not MCAP inside, and only MCAP files can be cut")
             try:
                 stream.seek(0)
                 summary = SeekingReader(stream).get_summary()

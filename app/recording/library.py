@@ -14,6 +14,19 @@ SUFFIX = ".mcap"
 #: What a recording may be called: nothing that could leave the folder.
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
 LONGEST_NAME = 100
+#: The same in words.
+NAME_RULE = (
+    f"a recording's name has 1 to {LONGEST_NAME} letters, digits, '.', '_' or '-' and begins with a letter or a digit"
+)
+#: Of a field that may be left empty, for who checks it elsewhere: a pattern of ECMA-262.
+NAME_PATTERN = f"^({NAME.pattern})?$"
+
+
+def name_or_nothing(name: str) -> str:
+    """``name``, which may be empty where a name is made up then. Raises ValueError for one that may not be."""
+    if name and not NAME.fullmatch(name):
+        raise ValueError(NAME_RULE)
+    return name
 
 
 class RecordingLibrary:
@@ -25,10 +38,7 @@ class RecordingLibrary:
     def path(self, name: str) -> Path:
         """Where the recording ``name`` is or would be. Raises ValueError for a name that may not be."""
         if not NAME.fullmatch(name):
-            raise ValueError(
-                f"a recording's name has 1 to 100 letters, digits, '.', '_' or '-' and begins with a letter or a digit,"
-                f" not {name!r}"
-            )
+            raise ValueError(f"{NAME_RULE}, not {name!r}")
         return self.folder / f"{name}{SUFFIX}"
 
     def candidates(self, name: str, at: float) -> Iterator[Path]:

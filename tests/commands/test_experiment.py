@@ -28,6 +28,18 @@ def test_a_scenario_that_does_not_drive_is_refused(
     assert words in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("command", [["experiment", "trial", "--virtual"], ["replay", "morning", "--headless"]])
+@pytest.mark.parametrize("name", ["../x", ".hidden", "a/b", "x" * 101])
+def test_a_recordings_name_is_checked_before_anything_begins(
+    command: list[str], name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as left:
+        cli.main([*command, "--record", name])
+    assert left.value.code == 2
+    rule = "a recording's name has 1 to 100 letters, digits, '.', '_' or '-' and begins with a letter or a digit"
+    assert f"argument --record: {rule}, not {name!r}\n" in capsys.readouterr().err
+
+
 def barn_files(folder: Path) -> tuple[Path, Path]:
     """A file of one world, and a folder with its result as another run has kept it."""
     worlds = folder / "worlds.json"
@@ -58,6 +70,7 @@ def test_barn_tells_what_is_done_and_draws_it(tmp_path: Path, capsys: pytest.Cap
         (["--plot", "5"], "--plot: world '5' is not among those to run"),
         (["--config", "none.yaml"], "none.yaml: there is no such file"),
         (["--json", "nowhere/at/all.json"], "there is no such folder"),
+        (["--controller", "dwb"], "--controller: there is no controller 'dwb'; did you mean 'dwa'? allowed: dwa, dwa_"),
         (["--jobs", "0"], "a whole number from 1 to 256"),
         (["--seed", "-1"], "whole number"),
     ],

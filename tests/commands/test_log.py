@@ -355,6 +355,7 @@ def test_export_into_a_folder_named_after_the_log(library: Path, capsys: pytest.
     assert f"tour-export/odometry.csv: {len(rows)} rows" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_every_kind_of_file_comes_out_of_a_recording(library: Path) -> None:
     for kind in ("png", "mp4", "csv", "pcd"):
         assert hbba("export", "tour", kind, "--to", "0.4") == 0

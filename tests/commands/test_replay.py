@@ -53,6 +53,7 @@ def test_headless_prints_tables_and_writes_json(
     assert values["intentions"][0]["strategies"] == ["drive-by-hand"]
 
 
+@pytest.mark.slow
 def test_two_runs_write_the_same(recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     told = []
     for run in range(2):
@@ -66,6 +67,7 @@ def test_two_runs_write_the_same(recording: Path, tmp_path: Path, capsys: pytest
     assert told[0]["end"] - told[0]["begin"] == pytest.approx(2.0)
 
 
+@pytest.mark.slow
 def test_behind_damage_it_goes_on_and_says_what_is_missing(
     recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -90,6 +92,7 @@ def test_behind_damage_it_goes_on_and_says_what_is_missing(
     assert lost > 10
 
 
+@pytest.mark.slow
 def test_a_replay_can_be_recorded_and_replayed_by_its_name(
     recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -110,11 +113,13 @@ def test_a_replay_can_be_recorded_and_replayed_by_its_name(
         (["nowhere.mcap", "--headless"], "no file nowhere.mcap, and no recording of that name"),
         (["../../etc/x", "--headless"], "no file ../../etc/x"),
         (["{log}", "--headless", "--only", "QRCodeDetecter"], "--only: there is no module 'QRCodeDetecter'; did you"),
-        (["{log}", "--headless", "--phi", "QRCodeDetector.image=2"], "--phi: no filter 'QRCodeDetector.image'"),
+        (
+            ["{log}", "--headless", "--phi", "QRCodeDetector.image=2"],
+            "no filter 'QRCodeDetector.image'; did you mean 'QRCode",
+        ),
         (["{log}", "--headless", "--from", "9"], "the log has"),
         (["{log}", "--headless", "--from", "2", "--to", "1"], "must be later"),
         (["{log}", "--json", "x.json"], "add --headless"),
-        (["{log}", "--headless", "--record", "../out"], "params.name"),
         (["{here}", "--headless"], "is no log this program can read"),
     ],
 )

@@ -143,3 +143,21 @@ def test_the_intel_lab_is_mapped_to_millimetres(tmp_path: Path, capsys: pytest.C
     assert told["relations"]["gross"] == 0
     assert told["relations"]["mean_m"] < 0.008
     assert told["relations"]["mean_deg"] < 0.2
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("FLASER 3 1 2 x 0 0 0 0 0 0 1.1 h 1.1", "line 2: 'x' stands where a number should"),
+        ("FLASER 3 1 2 3 0 0 0 y 0 0 1.1 h 1.1", "line 2: 'y' stands where a number should"),
+    ],
+)
+def test_a_word_in_a_line_of_numbers_is_told_with_its_line(
+    tmp_path: Path, line: str, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = tmp_path / "c.log"
+    log.write_text(f"ODOM 0 0 0 0 0 0 1.0 h 1.0\n{line}\n")
+    assert main(["slam", str(log)]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"hbba slam: {log}: has no laser scans")
+    assert words in said

@@ -105,7 +105,7 @@ def test_standard_input_and_json(capsys: pytest.CaptureFixture[str], monkeypatch
         ("strategies:\n  - {name: a, class: A, utility: 1, requires: {B: 1}}\n", 2, "unknown class 'B'"),
         ("tables:\n  - nowhere.yaml\n", 2, "no file 'nowhere.yaml'"),
         ("selected: [x]\n", 1, "unknown strategy 'x'"),
-        ("- 1\n", 1, "valid dictionary"),
+        ("- 1\n", 1, "should be a mapping (name: value lines), not a list"),
         ("desires: [\n", 2, "not valid YAML"),
     ],
 )

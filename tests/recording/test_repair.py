@@ -133,6 +133,7 @@ def test_cut_anywhere_every_whole_chunk_before_the_cut_is_kept(
         assert attachments(out) == FILES
 
 
+@pytest.mark.slow
 @settings(max_examples=80, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     kind=KINDS,

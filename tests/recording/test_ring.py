@@ -321,6 +321,7 @@ sys.stdin.read()
 """
 
 
+@pytest.mark.slow
 def test_the_ring_of_a_killed_program_loses_at_most_what_was_not_flushed(tmp_path: Path) -> None:
     child = subprocess.Popen(
         [sys.executable, "-c", CHILD, str(tmp_path)],

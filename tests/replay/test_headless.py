@@ -58,6 +58,7 @@ def test_every_module_lives_the_log(report: ReplayReport) -> None:
     assert all(module.restarts == 0 for module in report.modules.values())
 
 
+@pytest.mark.slow
 def test_the_operators_hands_drive_again() -> None:
     driven: list[str | None] = []
     twists: list[Twist] = []
@@ -87,6 +88,7 @@ def test_desires_of_others_come_at_their_times(report: ReplayReport) -> None:
     assert [at for at, _ in lines] == [0.0, 0.0, 1.0, 2.0, 3.0]
 
 
+@pytest.mark.slow
 def test_without_desires_attention_is_left_to_the_modules() -> None:
     report = run_headless(lab_log(), ReplayOptions(desires=False))
     assert report.channels["camera_jpeg"].messages == 0
@@ -127,6 +129,7 @@ def pictures_taken(phi: float, offset: int) -> list[float]:
     return stamps
 
 
+@pytest.mark.slow
 def test_any_divisor_at_any_offset_takes_exactly_its_share() -> None:
     images = [logged.message.stamp for logged in lab_log().messages(channels={"kinect"})]
     for offset in range(4):
@@ -134,6 +137,7 @@ def test_any_divisor_at_any_offset_takes_exactly_its_share() -> None:
     assert pictures_taken(math.inf, 0) == []
 
 
+@pytest.mark.slow
 def test_an_offset_counts_from_the_first_opening_of_an_attended_filter() -> None:
     """Attention opens the filter at the begin: three images go by, then every one is taken until its φ changes."""
     stamps: list[float] = []
@@ -200,6 +204,7 @@ def a_busy_computer(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         yield
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "options",
     [
@@ -217,6 +222,7 @@ def test_two_replays_are_equal_also_on_a_busy_computer(options: ReplayOptions, m
     assert any(channel.messages for channel in first.channels.values())
 
 
+@pytest.mark.slow
 def test_a_recording_on_disk_is_relived_the_same_on_a_busy_computer(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, report: ReplayReport
 ) -> None:
@@ -247,7 +253,7 @@ def test_a_public_laser_log_runs_through_our_modules(file: str, tmp_path: Path) 
         pytest.skip(f"the public laser logs are not there: {DATA} (set HBBA_REFERENCE_DATA)")
     log = open_log(DATA / file)
     try:
-        options = ReplayOptions(end=log.info.begin + 120, record="again")
+        options = ReplayOptions(end=log.info.begin + 90, record="again")
         report = run_headless(log, options, digests=False, recordings=RecordingLibrary(tmp_path))
         replayed = takewhile(lambda logged: logged.at <= report.end, log.messages(channels={"odometry", "scan"}))
         counts = Counter(logged.channel for logged in replayed)

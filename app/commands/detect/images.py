@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -14,21 +15,23 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 #: Endings under which photographs are looked for in folders; a file that is named is read whatever its ending.
-SUFFIXES = frozenset({".jpg", ".jpeg", ".png", ".webp", ".bmp", ".tif", ".tiff", ".ppm", ".pgm"})
+SUFFIXES = frozenset({".jpg", ".jpeg", ".png", ".webp", ".bmp", ".tif", ".tiff", ".gif", ".ppm", ".pgm"})
 
 #: How copies end on which what was found is drawn: folders are searched without them.
 FACES_DRAWN = ".faces.jpg"
 CODES_DRAWN = ".codes.jpg"
 
 #: How files of each kind begin: one that begins so and cannot be read is damaged.
-_BEGINNINGS: dict[str, tuple[bytes, ...]] = {
-    "JPEG": (b"\xff\xd8\xff",),
-    "PNG": (b"\x89PNG\r\n\x1a\n",),
-    "WebP": (b"RIFF",),
-    "BMP": (b"BM",),
-    "TIFF": (b"II*\0", b"MM\0*"),
-    "PNM": (b"P5", b"P6"),
+_BEGINNINGS: dict[str, re.Pattern[bytes]] = {
+    "JPEG": re.compile(rb"\xff\xd8\xff"),
+    "PNG": re.compile(rb"\x89PNG\r\n\x1a\n"),
+    "WebP": re.compile(rb"RIFF....WEBP", re.DOTALL),
+    "BMP": re.compile(rb"BM"),
+    "TIFF": re.compile(rb"II\*\0|MM\0\*"),
+    "GIF": re.compile(rb"GIF8[79]a"),
+    "PNM": re.compile(rb"P[56]\s"),
 }
+_HEAD = 16
 
 
 class NoImage(Exception):
@@ -74,7 +77,8 @@ def read_image(path: Path) -> NDArray[np.uint8]:
     except cv2.error as failure:
         raise NoImage(f"{path}: cannot be read as an image: {failure.err}") from None
     if image is None:
-        begun = next((kind for kind, first in _BEGINNINGS.items() if raw[:8].tobytes().startswith(first)), None)
+        head = raw[:_HEAD].tobytes()
+        begun = next((kind for kind, beginning in _BEGINNINGS.items() if beginning.match(head)), None)
         if begun is not None:
             raise NoImage(f"{path}: is damaged: it begins as a {begun} file and cannot be read to its end")
         raise NoImage(f"{path}: is no image that can be read here ({', '.join(_BEGINNINGS)})")

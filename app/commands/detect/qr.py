@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from app.commands.arguments import file_named
 from app.commands.detect.images import CODES_DRAWN, each_image, find_images
 from app.commands.detect.outputs import make_folder, unused
 from app.errors import ConfigError
@@ -34,7 +35,7 @@ def add_parser(kinds: Any) -> None:
     parser.add_argument(
         "files",
         nargs="+",
-        type=Path,
+        type=file_named,
         metavar="FILE",
         help="an image, or a folder of images (no copies of --draw)",
     )

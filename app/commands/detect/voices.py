@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.commands.arguments import number, whole
+from app.commands.arguments import file_named, number, whole
 from app.commands.detect.outputs import make_folder, unused
 from app.commands.detect.voices_report import Heard, Writer, percept, print_tables, summary
 from app.commands.progress import Progress, shown
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 COMMAND = "hbba detect voices"
 #: Slower sound has no room for what tells voices apart.
 LEAST_RATE = 16_000
+FORMATS = "WAV, FLAC, Ogg"
 
 
 def add_parser(kinds: Any) -> None:
@@ -39,7 +40,7 @@ def add_parser(kinds: Any) -> None:
         "be read or does not fit the array.",
     )
     parser.add_argument(
-        "files", nargs="+", type=Path, metavar="FILE", help="a recording (WAV, FLAC, Ogg), one channel per microphone"
+        "files", nargs="+", type=file_named, metavar="FILE", help=f"a recording ({FORMATS}), one channel per microphone"
     )
     parser.add_argument(
         "--array",
@@ -122,7 +123,8 @@ def _listen(
     try:
         recording = soundfile.SoundFile(path)
     except soundfile.LibsndfileError as failure:
-        raise _NoRecording(f"{path}: cannot be read as a recording: {failure.error_string}") from None
+        reason = failure.error_string.rstrip(".")
+        raise _NoRecording(f"{path}: cannot be read as a recording ({FORMATS}): {reason}") from None
     except OSError as failure:
         raise _NoRecording(f"{path}: cannot be read: {failure.strerror or failure}") from None
     except TypeError:  # what soundfile raises for .raw: nothing in it says how it is to be read
@@ -134,6 +136,8 @@ def _listen(
                 f"{path}: has {channels} channel{'s' * (channels != 1)}, but {args.array} has {len(array)} "
                 "microphones; there must be one channel for each"
             )
+        if not recording.frames:
+            raise _NoRecording(f"{path}: holds no sound")
         if rate < LEAST_RATE:
             raise _NoRecording(f"{path}: has {rate} samples a second; at least {LEAST_RATE} are needed")
         lifted = array.positions - array.middle + np.array([0.0, 0.0, args.height or 0.0])

@@ -75,10 +75,14 @@ def open_sweeps(args: argparse.Namespace) -> SweepSource:
         also = ", and arrays (.npz)" if str(failure).endswith(ACCEPTED) else ""
         raise ConfigError(f"{failure}{also}") from None
     channels = log.info.channels
-    scans = _channel(path, {n: c.message_type for n, c in channels.items()}, LaserScan, args.scans, "--scans", "scan")
-    odometry = _channel(
-        path, {n: c.message_type for n, c in channels.items()}, Odometry, args.odometry, "--odometry", "odometry"
-    )
+    types = {name: channel.message_type for name, channel in channels.items()}
+    try:
+        scans = _channel(path, types, LaserScan, args.scans, "--scans", "scan")
+        odometry = _channel(path, types, Odometry, args.odometry, "--odometry", "odometry")
+    except ConfigError as lack:
+        log.close()
+        malformed = log.info.ignored.get("malformed lines")
+        raise ConfigError(f"{lack}; lines that cannot be read: {malformed}" if malformed else str(lack)) from None
     # Topics that are of no use here go without saying; a log that ends too soon does not.
     unread = [f"not read: {what}: {why}" for what, why in log.info.ignored.items() if not what.startswith("/")]
     source = SweepSource(path, channels[scans].count, iter(()), notes=[*log.info.notes, *unread])

@@ -22,6 +22,7 @@ from app.errors import ConfigError
 from app.geometry import Pose2
 from app.robots.config import StartPose
 from app.robots.simulated.world_config import CylindersConfig, LightConfig, MaterialConfig, WorldConfig
+from app.yaml_source import validation_message
 
 #: How high the cylinders are (m): above any laser on such a robot.
 HEIGHT_M = 1.0
@@ -179,13 +180,15 @@ def _ids(names: Sequence[str] | dict[str, BarnWorld]) -> str:
 
 def _problem(document: object, failure: ValidationError) -> str:
     """The first mistake in one sentence that names the world."""
-    detail = failure.errors()[0]
+    detail = failure.errors(include_url=False)[0]
     where = list(detail["loc"])
-    what = detail["msg"].removeprefix("Value error, ")
+    what = validation_message(_File, detail, "a JSON object")
     if len(where) > 1 and where[0] == "worlds" and isinstance(where[1], int) and isinstance(document, dict):
         world = document["worlds"][where[1]]
         named = f"world {world['id']}" if isinstance(world, dict) and "id" in world else f"world number {where[1] + 1}"
         key = ".".join(str(part) for part in where[2:] if part not in ("int", "str"))
         return f"{named}: {key + ': ' if key else ''}{what}"
+    if where == ["worlds"] and detail["type"] == "missing":
+        return "is no file of worlds: it has no list of 'worlds' (docs/experiments.md says how it is written)"
     key = ".".join(str(part) for part in where)
     return f"{key}: {what}" if key else f"is no file of worlds: {what}"

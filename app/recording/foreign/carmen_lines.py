@@ -162,7 +162,10 @@ def _count(words: Sequence[str], at: int) -> int:
 
 
 def _number(word: str) -> float:
-    value = float(word)
+    try:
+        value = float(word)
+    except ValueError:
+        raise ValueError(f"{word!r} stands where a number should") from None
     if not math.isfinite(value):
         raise ValueError(f"{word!r} is no finite number")
     return value
@@ -173,7 +176,10 @@ def _numbers(words: Sequence[str]) -> list[float]:
 
 
 def _array(words: Sequence[str]) -> NDArray[np.float32]:
-    values = np.array(words, dtype=np.float32)
+    try:
+        values = np.array(words, dtype=np.float32)
+    except ValueError:
+        values = np.array([_number(word) for word in words], dtype=np.float32)  # names the word that is no number
     if np.isnan(values).any():
         raise ValueError("a reading is no number")
     return values

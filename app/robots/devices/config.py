@@ -20,6 +20,14 @@ class _Model(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
+def _number(source: Any, whose: str) -> Any:
+    """``source`` as a device's number where it is one. Raises ValueError for one that none can have."""
+    text = str(source)
+    if text.startswith("-") and text[1:].isdecimal():
+        raise ValueError(f"{whose} number is from 0")
+    return int(text) if isinstance(source, str) and text.isdecimal() else source
+
+
 class CameraConfig(_Model):
     """Stream ``camera``: colour without depth.
 
@@ -40,8 +48,8 @@ class CameraConfig(_Model):
 
     @field_validator("source", mode="before")
     @classmethod
-    def _number(cls, source: Any) -> Any:
-        return int(source) if isinstance(source, str) and source.isdecimal() else source
+    def _of_device(cls, source: Any) -> Any:
+        return _number(source, "a camera's")
 
 
 class SoundConfig(_Model):
@@ -62,8 +70,8 @@ class SoundConfig(_Model):
 
     @field_validator("source", mode="before")
     @classmethod
-    def _number(cls, source: Any) -> Any:
-        return int(source) if isinstance(source, str) and source.isdecimal() else source
+    def _of_device(cls, source: Any) -> Any:
+        return _number(source, "an input's")
 
 
 class SpeakerConfig(_Model):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import time
 from collections.abc import Callable
 from typing import Any
@@ -13,9 +14,12 @@ from app.messages import Audio, Image, JointState, LinkStatus, Odometry, Twist
 from app.robots.devices.config import JOINTS_HZ, ODOMETRY_HZ, STATUS_HZ, DevicesConfig
 from app.robots.devices.player import Player
 from app.robots.devices.reader import Reader
+from app.robots.devices.sound import no_sound_card
 from app.robots.devices.streams import Ear, Eye
 from app.robots.model import RobotModel
 from app.robots.receivers import Receivers
+
+log = logging.getLogger("hbba.devices")
 
 NO_WHEELS = "This body has no wheels."
 _MOST_PICTURES, _MOST_FRAMES = 2, 94
@@ -30,7 +34,12 @@ class DevicesLink:
         self._readers: dict[str, Reader[Any]] = {}
         self._tasks: list[asyncio.Task[None]] = []
         self._failure: asyncio.Future[LinkFailed] | None = None
-        self._player = Player(config.loudspeaker) if config.loudspeaker is not None else None
+        self._player = None
+        if config.loudspeaker is not None:
+            if missing := no_sound_card():
+                log.warning("%s is mute: %s", config.name, missing)
+            else:
+                self._player = Player(config.loudspeaker)
         self._e_stop: str | None = None
         streams = {
             "odometry": StreamDescription("odometry", Odometry, ODOMETRY_HZ),
@@ -58,7 +67,7 @@ class DevicesLink:
             config.limits.base(),
             streams,
             simulated=False,
-            loudspeaker=config.loudspeaker is not None,
+            loudspeaker=self._player is not None,
         )
         self._receivers = Receivers(self._description)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Iterator
 from itertools import repeat
@@ -16,6 +17,8 @@ from app.robots.devices.config import CameraConfig
 
 Picture = NDArray[np.uint8]
 PICTURE_SUFFIXES = {".bmp", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp"}
+#: What can be read, in words.
+PICTURES, VIDEOS = "BMP, JPEG, PNG, TIFF, WebP", "MP4, AVI, MKV, WebM"
 DEFAULT_RATE_HZ = 15.0
 #: No driver keeps more pictures for who does not come.
 _KEPT_BY_DRIVERS = 10
@@ -112,7 +115,10 @@ class _Video:
         self._loop = config.loop
         capture = _capture(str(path))
         if capture is None:
-            raise Unavailable(f"{path} cannot be read as a video or a picture")
+            raise Unavailable(
+                f"{path} cannot be read as a video ({VIDEOS}) or a picture ({PICTURES}): it is damaged, breaks off, or "
+                "is of another kind"
+            )
         self._capture = capture
         self.rate_hz = config.rate_hz or _rate(capture) or DEFAULT_RATE_HZ
 
@@ -179,6 +185,8 @@ class Pace:
 
 
 def _capture(source: int | str) -> cv2.VideoCapture | None:
+    # FFmpeg's own words about a file say nothing to people; ours follow.
+    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
     capture = cv2.VideoCapture(source)
     if not capture.isOpened():
         capture.release()
@@ -199,7 +207,7 @@ def _picture(file: Path) -> Picture:
         raise Unavailable(f"{file} cannot be read: {failure.strerror}") from None
     picture = cv2.imdecode(data, cv2.IMREAD_COLOR) if data.size else None
     if picture is None:
-        raise Unavailable(f"{file} is no picture")
+        raise Unavailable(f"{file} is no picture that can be read ({PICTURES})")
     return _rgb(picture)
 
 

@@ -15,6 +15,8 @@ from app.robots.devices.config import SoundConfig, SpeakerConfig
 from app.robots.devices.pictures import Unavailable
 
 Samples = NDArray[np.int16]
+#: What can be read, in words.
+SOUNDS = "WAV, FLAC, Ogg, MP3"
 _OR_A_FILE = "--microphones FILE takes a sound file instead"
 
 
@@ -59,7 +61,8 @@ class _File:
         try:
             self._file = soundfile.SoundFile(str(path))
         except (soundfile.LibsndfileError, OSError) as failure:
-            raise Unavailable(f"{path} cannot be read as sound: {failure}") from None
+            reason = getattr(failure, "error_string", None) or getattr(failure, "strerror", None) or str(failure)
+            raise Unavailable(f"{path} cannot be read as sound ({SOUNDS}): {reason.rstrip('.')}") from None
         except TypeError:  # what soundfile raises for .raw: nothing in it says how it is to be read
             raise Unavailable(f"{path} cannot be read as sound: samples without a header; make it a WAV") from None
         self.rate, self.channels = self._file.samplerate, self._file.channels
@@ -98,20 +101,27 @@ def sounddevice() -> ModuleType:
     try:
         import sounddevice as found
     except ImportError:
-        raise Unavailable(
-            f"sound cards need the package sounddevice (`pip install 'hbba[devices]'`); {_OR_A_FILE}"
-        ) from None
+        raise Unavailable("sound cards need the package sounddevice (`pip install 'hbba[devices]'`)") from None
     except OSError:
-        raise Unavailable(
-            f"sound cards need the library PortAudio (Debian: `apt install libportaudio2`); {_OR_A_FILE}"
-        ) from None
+        raise Unavailable("sound cards need the library PortAudio (Debian: `apt install libportaudio2`)") from None
     return found  # type: ignore[no-any-return]
+
+
+def no_sound_card() -> str:
+    """Why no sound card can be reached on this computer, whatever is plugged in; "" where one may be."""
+    try:
+        sounddevice()
+    except Unavailable as missing:
+        return str(missing)
+    return ""
 
 
 class _Microphones:
     live = True
 
     def __init__(self, config: SoundConfig) -> None:
+        if missing := no_sound_card():
+            raise Unavailable(f"{missing}; {_OR_A_FILE}")
         library = sounddevice()
         self.rate, self.channels = config.rate, config.channels
         self.gap = False

@@ -24,11 +24,28 @@ def test_an_image_that_is_cut_off_is_said_to_be_damaged(tmp_path: Path, suffix: 
     assert read_image(file).shape == (60, 80, 3)
 
 
-@pytest.mark.parametrize("content", [b"", b"no image at all"])
+def test_a_gif_is_read_and_told_of(tmp_path: Path) -> None:
+    file = tmp_path / "a.gif"
+    file.write_bytes(cv2.imencode(".gif", np.full((60, 80, 3), 127, np.uint8))[1].tobytes())
+    assert read_image(file).shape == (60, 80, 3)
+    assert find_images([tmp_path]) == [file]
+    file.write_bytes(file.read_bytes()[:20])
+    with pytest.raises(NoImage, match="is damaged: it begins as a GIF file"):
+        read_image(file)
+
+
+@pytest.mark.parametrize("what", ["faces", "qr"])
+def test_no_name_at_all_is_not_the_current_folder(what: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["detect", what, ""])
+    assert "argument FILE: the name of a file is empty" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("content", [b"", b"no image at all", b"RIFF\x24\0\0\0WAVEfmt "])
 def test_what_never_was_an_image_is_not_said_to_be_damaged(tmp_path: Path, content: bytes) -> None:
     file = tmp_path / "a.jpg"
     file.write_bytes(content)
-    with pytest.raises(NoImage, match="is no image that can be read here"):
+    with pytest.raises(NoImage, match=r"is no image that can be read here \(JPEG, PNG, WebP, BMP, TIFF, GIF, PNM\)"):
         read_image(file)
 
 

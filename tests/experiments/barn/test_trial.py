@@ -17,6 +17,7 @@ from tests.experiments.barn.conftest import straight_on
 JACKAL = paths.config_dir() / "jackal.yaml"
 
 
+@pytest.mark.slow
 def test_a_world_ends_with_the_goal_a_hit_or_its_time(three: Path) -> None:
     reached, hit, late = (cross(Trial(JACKAL, world, 2.0), straight_on) for world in load_worlds(three).worlds)
 
@@ -39,6 +40,7 @@ def test_a_world_ends_with_the_goal_a_hit_or_its_time(three: Path) -> None:
     assert late.time_s == pytest.approx(0.5, abs=0.05)
 
 
+@pytest.mark.slow
 def test_a_crossing_is_the_same_each_time_and_goes_to_json_and_back(three: Path) -> None:
     world = load_worlds(three).worlds[0]
     one, two = (cross(Trial(JACKAL, world, 2.0, seed=3), straight_on) for _ in range(2))

@@ -49,13 +49,13 @@ def test_what_is_not_needed_may_be_missing_and_what_is_not_known_is_passed_over(
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"cylinders": [[0, 0]]}, "world 5: cylinders.0.2: Field required"),
-        ({"cylinders": [[1, 1, -0.1]]}, "world 5: cylinders.0.2: Input should be greater than 0"),
-        ({"start": [1, 2]}, "world 5: start.2: Field required"),
-        ({"goal": "north"}, "world 5: goal: Input should be a valid tuple"),
+        ({"cylinders": [[0, 0]]}, "world 5: cylinders.0.2: is missing"),
+        ({"cylinders": [[1, 1, -0.1]]}, "world 5: cylinders.0.2: should be greater than 0"),
+        ({"start": [1, 2]}, "world 5: start.2: is missing"),
+        ({"goal": "north"}, "world 5: goal: should be a list, not 'north'"),
         ({"goal": [0.0, 0.4]}, "world 5: the start lies within the tolerance of the goal"),
         ({"cylinders": [[0.05, 0, 0.1]]}, "world 5: the start (0, 0) lies in the cylinder at (0.05, 0)"),
-        ({"timeout_s": float("nan")}, "world 5: timeout_s: Input should be"),
+        ({"timeout_s": float("nan")}, "world 5: timeout_s: should be"),
     ],
 )
 def test_a_mistake_names_the_world_and_the_value(tmp_path: Path, change: dict[str, Any], words: str) -> None:
@@ -69,8 +69,9 @@ def test_a_mistake_names_the_world_and_the_value(tmp_path: Path, change: dict[st
     ("text", "words"),
     [
         ("{", "is no JSON"),
-        ("[]", "is no file of worlds"),
-        ('{"worlds": []}', "worlds: Tuple should have at least 1 item"),
+        ("[]", "is no file of worlds: should be a JSON object, not a list"),
+        ("{}", "is no file of worlds: it has no list of 'worlds'"),
+        ('{"worlds": []}', "worlds: should have at least 1 item"),
         ("\xff", "is not a text file in UTF-8"),
     ],
 )

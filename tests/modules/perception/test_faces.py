@@ -45,7 +45,8 @@ def test_all_boxed_faces_are_found_and_nothing_else() -> None:
     assert sum(extra for _, extra in scores) == 0
 
 
-def test_the_model_is_found_without_importing_its_package() -> None:
+def test_the_model_is_found_without_importing_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delitem(sys.modules, yunet.MODEL_PACKAGE, raising=False)
     assert model_path().stat().st_size == 232_589
     assert yunet.MODEL_PACKAGE not in sys.modules
 

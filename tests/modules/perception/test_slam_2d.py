@@ -370,6 +370,7 @@ def test_a_robot_that_was_carried_away_notices_and_finds_itself(kept: MapLibrary
     assert live(script, kept).is_within(0.05, 0.02)
 
 
+@pytest.mark.slow
 def test_where_nothing_is_on_the_map_it_stays_lost(kept: MapLibrary) -> None:
     async def script(body: Body) -> None:
         await body.stand(0.2)
@@ -382,6 +383,7 @@ def test_where_nothing_is_on_the_map_it_stays_lost(kept: MapLibrary) -> None:
     live(script, kept)
 
 
+@pytest.mark.slow
 def test_mapping_goes_on_from_a_kept_map(kept: MapLibrary, library: MapLibrary) -> None:
     async def map_half(body: Body) -> None:
         await body.go(ROUND[:60])

@@ -9,11 +9,11 @@ import pytest
 
 from app.link import LinkFailed
 from app.messages import Audio, Image, LinkStatus
-from app.robots.devices.config import CameraConfig, SoundConfig
+from app.robots.devices.config import CameraConfig, DevicesConfig, SoundConfig, SpeakerConfig
 from app.robots.devices.link import DevicesLink
 from app.robots.devices.reader import Reader
 
-from .files import link, picture_file, ramp, sound_file, video_file
+from .files import DESK, MODEL, link, picture_file, ramp, sound_file, video_file
 
 
 class Collected:
@@ -145,3 +145,15 @@ async def test_a_busy_loop_loses_the_newest_instead_of_queueing_without_bound() 
     await reader.stop()
     assert taken[:3] == [1, 2, 3]
     assert reader.dropped > 40
+
+
+@pytest.mark.parametrize("missing", ["", "sound cards need the library PortAudio"])
+def test_a_computer_without_sound_cards_makes_a_mute_body(
+    missing: str, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Or the page would take in what is said, and nobody hear it."""
+    monkeypatch.setattr("app.robots.devices.link.no_sound_card", lambda: missing)
+    config = DevicesConfig(kind="devices", name="A desk", model=MODEL, loudspeaker=SpeakerConfig())
+    body = DevicesLink(config, DESK, 0.0)
+    assert body.description.loudspeaker == (not missing)
+    assert caplog.messages == ([f"A desk is mute: {missing}"] if missing else [])
