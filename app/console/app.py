@@ -62,7 +62,6 @@ def create_app(
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        await asyncio.to_thread(app.openapi)
         hub.open()
         view.open()
         try:

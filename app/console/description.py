@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from html import escape
+import asyncio
 from typing import Any
 
 from fastapi import FastAPI, Request
 from fastapi.openapi.utils import get_openapi
 from fastapi.responses import HTMLResponse, Response
 
+from app.console.description_page import page
 from app.console.problems import MEDIA_TYPE, ProblemDocument
 from app.console.rest.answers import Json
 
@@ -35,8 +36,8 @@ _TAGS = [
 def describe(app: FastAPI, prefix: str) -> None:
     """Serve ``openapi.json`` and ``docs`` under ``prefix``; must come after the routes it describes.
 
-    ``app.openapi()`` takes a tenth of a second the first time, long enough to be felt by who drives: call it before
-    anybody does, off the event loop.
+    ``app.openapi()`` takes a fifth of a second the first time, long enough to be felt by who drives: call it off the
+    event loop.
     """
 
     def document() -> dict[str, Any]:
@@ -50,11 +51,11 @@ def describe(app: FastAPI, prefix: str) -> None:
     # FastAPI remembers endpoints for as long as the process lives: one that held the application would keep it.
     @app.get(f"{prefix}/openapi.json", include_in_schema=False)
     async def openapi(request: Request) -> Response:
-        return Json(request.app.openapi())
+        return Json(await asyncio.to_thread(request.app.openapi))
 
     @app.get(f"{prefix}/docs", include_in_schema=False)
     async def docs(request: Request) -> Response:
-        return HTMLResponse(_page(request.app.openapi()))
+        return HTMLResponse(page(await asyncio.to_thread(request.app.openapi)))
 
 
 def _document(app: FastAPI) -> dict[str, Any]:
@@ -80,46 +81,3 @@ def _document(app: FastAPI) -> dict[str, Any]:
                 if status.startswith("4"):
                     response["content"] = {MEDIA_TYPE: {"schema": reference}}
     return schema
-
-
-def _page(document: dict[str, Any]) -> str:
-    sections = []
-    for tag in document["tags"]:
-        rows = [
-            _row(path, method, operation)
-            for path, methods in document["paths"].items()
-            for method, operation in methods.items()
-            if tag["name"] in operation.get("tags", ())
-        ]
-        sections.append(f"<h2>{escape(tag['name'])}</h2><p>{escape(tag['description'])}</p>{''.join(rows)}")
-    return _PAGE.format(about=escape(document["info"]["description"]), sections="".join(sections))
-
-
-def _row(path: str, method: str, operation: dict[str, Any]) -> str:
-    parts = [f"<p>{escape(operation.get('description', ''))}</p>"]
-    parameters = "".join(
-        f"<li><code>{escape(p['name'])}</code> ({escape(p['in'])}{', required' if p.get('required') else ''}) "
-        f"{escape(p.get('description', ''))}</li>"
-        for p in operation.get("parameters", ())
-    )
-    if parameters:
-        parts.append(f"<ul>{parameters}</ul>")
-    answers = ", ".join(
-        f"<code>{escape(status)}</code> {escape(response.get('description', ''))}"
-        for status, response in operation["responses"].items()
-    )
-    parts.append(f"<p>Answers: {answers}</p>")
-    return (
-        f"<details><summary><code>{method.upper()} {escape(path)}</code> {escape(operation.get('summary', ''))}"
-        f"</summary>{''.join(parts)}</details>"
-    )
-
-
-_PAGE = """<!doctype html>
-<html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>HBBA REST</title>
-<style>body{{font:16px/1.5 system-ui,sans-serif;max-width:50rem;margin:2rem auto;padding:0 1rem;color:#dde4ee;
-background:#0c1016}}code{{background:#1c2430;padding:.1em .4em;border-radius:4px}}a{{color:#7db7ff}}
-summary{{cursor:pointer;padding:.3em 0}}details{{border-bottom:1px solid #223}}.about{{white-space:pre-line}}</style>
-<h1>HBBA over REST</h1><p class="about">{about}</p>
-<p>Whole description, with the shape of every answer: <a href="openapi.json">openapi.json</a></p>{sections}</html>
-"""

@@ -12,11 +12,20 @@ from app.link import RobotLink
 from app.messages import LinkStatus, OperatorDrive
 from app.runtime.channel import Channel
 from app.runtime.clock import Clock
+from app.runtime.graph import Graph
 
-UNDRIVABLE = "This program drives nothing: it has no channel operator_drive."
+CHANNEL = "operator_drive"
+UNDRIVABLE = f"This program drives nothing: no module takes {CHANNEL}."
 RECORDING = "This is a recording: there is no robot to drive or to stop."
 
 Notify = Callable[[str, Literal["info", "warning", "error"], str], None]
+
+
+def hands(graph: Graph) -> Channel[OperatorDrive] | None:
+    """Where the driver's commands go; None: this program drives nothing, since no module asks for them by name (a
+    recorder takes whatever there is)."""
+    taken = any(CHANNEL in slot.spec.inputs.values() for slot in graph.modules.values())
+    return graph.channels.get(CHANNEL) if taken else None
 
 
 class Driving:
@@ -53,6 +62,11 @@ class Driving:
     def lease(self) -> control.Lease:
         """Who drives, as it stands."""
         return self._lease
+
+    @property
+    def drivable(self) -> bool:
+        """Whether hands can drive here."""
+        return self._channel is not None
 
     def handle(self, event: control.Event) -> None:
         """Let ``event`` happen now."""

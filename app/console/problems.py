@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 from http import HTTPStatus
-from typing import Any
+from typing import Any, get_args
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
@@ -15,6 +16,7 @@ from starlette.routing import compile_path
 from app.attention.desires import InvalidDesire, UnknownDesireClass
 from app.attention.workspace import UnknownDesire
 from app.console.wire import encode
+from app.yaml_source import validation_message
 
 MEDIA_TYPE = "application/problem+json"
 
@@ -108,8 +110,8 @@ def install_problem_handlers(app: FastAPI) -> None:
         return problem_response(Problem(404, "no-such-desire", str(error)))
 
     @app.exception_handler(RequestValidationError)
-    async def on_validation(_: Request, error: RequestValidationError) -> Response:
-        return problem_response(_validation_problem(error))
+    async def on_validation(request: Request, error: RequestValidationError) -> Response:
+        return problem_response(_validation_problem(error, _body_model(request)))
 
     @app.exception_handler(HTTPException)
     async def on_http(request: Request, error: HTTPException) -> Response:
@@ -117,7 +119,7 @@ def install_problem_handlers(app: FastAPI) -> None:
         if error.status_code == 404:
             problem = Problem(404, "not-found", f"There is nothing at {request.url.path}.", headers=headers)
         elif error.status_code == 405:
-            allowed = ", ".join(_methods(request)) or "GET"
+            allowed = ", ".join(await _methods(request)) or "GET"
             detail = f"{request.url.path} takes {allowed}, not {request.method}."
             problem = Problem(405, "method-not-allowed", detail, headers={"Allow": allowed})
         else:
@@ -126,16 +128,17 @@ def install_problem_handlers(app: FastAPI) -> None:
         return problem_response(problem)
 
 
-def _methods(request: Request) -> list[str]:
+async def _methods(request: Request) -> list[str]:
     """Every method that the requested path takes; Starlette names only those of the first route it finds."""
     methods: set[str] = set()
-    for path, operations in request.app.openapi()["paths"].items():
+    document = await asyncio.to_thread(request.app.openapi)
+    for path, operations in document["paths"].items():
         if compile_path(path)[0].match(request.url.path):
             methods.update(operation.upper() for operation in operations)
     return sorted(methods)
 
 
-def _validation_problem(error: RequestValidationError) -> Problem:
+def _validation_problem(error: RequestValidationError, model: type[BaseModel] | None) -> Problem:
     details = error.errors()
     if details and details[0]["type"] == "json_invalid":
         position = details[0]["loc"][-1]
@@ -144,10 +147,25 @@ def _validation_problem(error: RequestValidationError) -> Problem:
     if details and details[0]["loc"] == ("body",):
         message = "should be a JSON object, sent with the header Content-Type: application/json"
         return Problem(422, "invalid-request", f"The body {message}.", errors=[("body", message)])
-    # What a validator of ours says stands behind words of the library's.
-    errors = [(_field(detail["loc"]), str(detail["msg"]).removeprefix("Value error, ")) for detail in details]
+    errors = [(_field(detail["loc"]), _message(detail, model)) for detail in details]
     listed = "; ".join(f"{field}: {message}" for field, message in errors)
     return Problem(422, "invalid-request", listed, errors=errors)
+
+
+def _body_model(request: Request) -> type[BaseModel] | None:
+    """What the body of ``request`` should be, where its route takes one."""
+    field = getattr(request.scope.get("route"), "body_field", None)
+    kinds = [] if field is None else [field.field_info.annotation, *get_args(field.field_info.annotation)]
+    return next((kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel)), None)
+
+
+def _message(detail: Any, model: type[BaseModel] | None) -> str:
+    where = detail["loc"]
+    if where and where[0] == "body":
+        detail = {**detail, "loc": where[1:]}
+    else:
+        model = None
+    return validation_message(model, detail, "a JSON object")
 
 
 def _field(location: tuple[int | str, ...]) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from app.messages import Zone, read_only
@@ -18,8 +19,32 @@ from app.yaml_source import load_yaml
 FURTHEST_M = 1000.0
 #: A smaller one (m^2) is a slip of the hand, or a line.
 SMALLEST_M2 = 1e-3
+#: Twice the area (m^2) of a triangle that may be of rounding alone.
+ROUNDING_M2 = 1e-9
 
 Metres = Annotated[float, Field(ge=-FURTHEST_M, le=FURTHEST_M, allow_inf_nan=False)]
+
+
+def crossing(polygon: NDArray[np.float64]) -> tuple[tuple[int, int], tuple[int, int]] | None:
+    """The first two sides, each by the indices of its corners, of ``polygon`` (N, 2; m) that cross in their midst.
+
+    None for a polygon none of whose sides do; sides may touch. For N up to 1000 or so: all pairs are looked at.
+    """
+    after = np.roll(polygon, -1, axis=0)
+    along = after - polygon
+
+    def beside(points: NDArray[np.float64]) -> NDArray[np.int8]:
+        """On which side of each side (row) each of ``points`` (column) is: 1, -1, or 0 on it, to rounding."""
+        offset = points[None, :, :] - polygon[:, None, :]
+        area = along[:, None, 0] * offset[..., 1] - along[:, None, 1] * offset[..., 0]
+        return (np.sign(area) * (np.abs(area) > ROUNDING_M2)).astype(np.int8)
+
+    apart = beside(polygon) * beside(after) < 0
+    first, second = np.nonzero(apart & apart.T)
+    if not len(first):
+        return None
+    a, b, count = int(first[0]), int(second[0]), len(polygon)
+    return (a, (a + 1) % count), (b, (b + 1) % count)
 
 
 class ZoneEntry(BaseModel):
@@ -46,6 +71,17 @@ class ZoneEntry(BaseModel):
         xs, ys = zip(*polygon, strict=True)
         if abs(area) < SMALLEST_M2 and (max(xs) - min(xs)) * (max(ys) - min(ys)) < SMALLEST_M2:
             raise ValueError("should cover some floor: its corners stand in one line or on one point")
+        return polygon
+
+    @field_validator("polygon")
+    @classmethod
+    def _is_simple(cls, polygon: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+        if (found := crossing(np.array(polygon))) is not None:
+            (a, b), (c, d) = found
+            raise ValueError(
+                f"should not cross itself: the side from corner {a + 1} to {b + 1} crosses the one from corner {c + 1} "
+                f"to {d + 1}; what is inside would not be clear"
+            )
         return polygon
 
     def zone(self) -> Zone:

@@ -252,7 +252,9 @@ async def test_a_recording_without_pictures_or_a_robots_name_says_so(tmp_path: P
         async with served(app) as replay_url, page(replay_url) as ann:
             hello = await ann.until("hello")
     # What comes of scans and odometry alone is made here.
-    assert hello["channels"] == {"camera": False, "panorama": False, "map": True, "costmap": True}
+    pictures = {"camera": False, "panorama": False, "map": True, "costmap": True}
+    assert hello["channels"] == pictures | {"scan": True, "point_cloud": False}
+    assert hello["drive"] is False
     assert hello["audio"] == {"listen": False, "speak": False}
     assert hello["robot"]["name"] == "memory.mcap (memory)"
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 
 import httpx
+import pytest
 
 from app.attention.timeline import TimelineEvent
 from app.console import reports
@@ -54,6 +55,7 @@ async def test_page_and_rest_and_timeline_tell_one_story_of_a_channel(
     }  # fmt: skip
 
 
+@pytest.mark.slow
 async def test_a_sensor_that_says_nothing_is_on_the_timeline(system: System) -> None:
     noted: asyncio.Queue[TimelineEvent] = asyncio.Queue()
     end = system.timeline.observe(lambda event: noted.put_nowait(event) if event.subject == "odometry" else None)

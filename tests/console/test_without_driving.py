@@ -1,8 +1,9 @@
-"""A program that only looks: no base, no operator_drive, no exploitation. It runs, and the console serves it."""
+"""A program that only looks: no base, nobody who takes operator_drive. It runs, and the console serves it."""
 
 from __future__ import annotations
 
 import asyncio
+import json
 from pathlib import Path
 from typing import Literal
 
@@ -29,7 +30,11 @@ modules:
     class: app.modules.perception.qr_code_detector:QRCodeDetector
     inputs: {images: kinect}
 """,
-    "channels.yaml": "kinect: {type: Image, rate_hz: 15}\n",
+    # As in the table that programs share: a channel is there, used or not.
+    "channels.yaml": """\
+kinect: {type: Image, rate_hz: 15}
+operator_drive: {type: OperatorDrive, decimable: false, external: true}
+""",
     "robot.yaml": "{}\n",
     "strategies.yaml": """\
 resources: {cpu: {capacity: 6}}
@@ -68,6 +73,17 @@ async def test_a_page_desires_no_pictures_where_nothing_makes_any(system: System
         hub.close()
 
 
+async def test_a_page_is_told_that_there_is_nothing_to_drive(system: System) -> None:
+    async with system:
+        hub = Hub(system)
+        hub.open()
+        viewer = hub.join("Ann")
+        hello = json.loads(await viewer.outbox.take())
+        assert hello["drive"] is False
+        assert not any(hello["channels"].values())
+        hub.close()
+
+
 async def test_who_would_drive_is_told_once_and_gets_no_wheel(system: System) -> None:
     told: list[str] = []
 
@@ -80,5 +96,5 @@ async def test_who_would_drive_is_told_once_and_gets_no_wheel(system: System) ->
         driving.handle(control.Drive("page", sequence, True, 1.0, 0.0))
     driving.handle(control.TakeControl("page"))
     assert driving.lease.driver is None
-    assert told == ["This program drives nothing: it has no channel operator_drive."]
+    assert told == ["This program drives nothing: no module takes operator_drive."]
     driving.handle(control.Gone("page"))

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from app.errors import ConfigError
-from app.maps.zones import checked, read_zones, zones_text
+from app.maps.zones import checked, crossing, read_zones, zones_text
 from app.messages import Zone
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
@@ -59,6 +60,11 @@ def test_no_file_is_no_zones(tmp_path: Path) -> None:
         (("speed: 1.0", "speed: 0"), 6, r"zones\[0\].speed: should be greater than 0"),
         (("[1.0, 1.0], [0.0, 1.0]", ""), 5, r"zones\[0\].polygon"),
         (("[1.0, 1.0], [0.0, 1.0]", "[2.0, 0.0]"), 5, "corners stand in one line"),
+        (
+            ("[1.0, 0.0], [1.0, 1.0]", "[1.0, 1.0], [1.0, 0.0]"),
+            5,
+            "should not cross itself: the side from corner 1 to 2",
+        ),
         (("speed: 1.0", "sped: 1.0"), 6, r"zones\[0\].sped: unknown key"),
         (("[1.0, 1.0]", "[1.0, .inf]"), 5, r"zones\[0\].polygon\[2\]\[1\]"),
     ],
@@ -79,3 +85,41 @@ def test_two_zones_of_one_name_and_one_without_floor_are_refused() -> None:
     with pytest.raises(ValueError, match="cover some floor"):
         checked([replace(STAIRS, polygon=np.zeros((3, 2)))])
     assert checked([STAIRS, replace(STAIRS, name="ramp", kind="slow", speed=0.3)])[1].speed == 0.3
+
+
+@st.composite
+def stars(draw: st.DrawFn) -> NDArray[np.float64]:
+    """Corners around a centre, each in a sector of its own: a polygon that is simple, however jagged."""
+    count = draw(st.integers(4, 12))
+    turns = np.array([draw(st.floats(0.1, 0.9)) for _ in range(count)]) + np.arange(count)
+    angles = 2 * np.pi * turns / count
+    reach = np.array([draw(st.floats(0.5, 20)) for _ in range(count)])
+    centre = draw(st.floats(-900, 900)), draw(st.floats(-900, 900))
+    corners = np.column_stack([reach * np.cos(angles), reach * np.sin(angles)]) + centre
+    return corners[:: draw(st.sampled_from([1, -1]))]
+
+
+@given(polygon=stars(), begin=st.integers(0, 11))
+def test_a_polygon_around_a_centre_does_not_cross_itself_wherever_it_begins(
+    polygon: NDArray[np.float64], begin: int
+) -> None:
+    assert crossing(np.roll(polygon, begin, axis=0)) is None
+
+
+@given(count=st.integers(4, 40), swapped=st.integers(0, 39), reach=st.floats(0.1, 500))
+def test_two_corners_exchanged_make_two_sides_cross(count: int, swapped: int, reach: float) -> None:
+    angles = 2 * np.pi * np.arange(count) / count
+    polygon = reach * np.column_stack([np.cos(angles), np.sin(angles)])
+    a, b = swapped % count, (swapped + 1) % count
+    polygon[[a, b]] = polygon[[b, a]]
+    found = crossing(polygon)
+    assert found is not None
+    # What crosses are the sides before and behind the one between the two.
+    assert {frozenset(side) for side in found} == {frozenset({(a - 1) % count, a}), frozenset({b, (b + 1) % count})}
+
+
+def test_sides_that_touch_do_not_cross() -> None:
+    closed = np.array([[0.0, 0], [2, 0], [2, 2], [0, 2], [0, 0]])
+    assert crossing(closed) is None
+    notched = np.array([[0.0, 0], [2, 0], [2, 2], [1, 0], [0, 2]])
+    assert crossing(notched) is None

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from app.attention.serialize import desire_to_json, event_to_json, intention_to_json
 from app.console import control, reports
-from app.console.driving import Driving
+from app.console.driving import Driving, hands
 from app.console.goals import withdraw_all
 from app.console.live.feeds import GRIDS, PICTURES, SOUND_CHANNEL, Feeds, comes
 from app.console.live.protocol import CAMERA, COSTMAP, MAP, PANORAMA, PROTOCOL
@@ -65,7 +65,7 @@ class Hub:
         self.driving = Driving(
             system.clock,
             system.link,
-            system.graph.channels.get("operator_drive"),
+            hands(system.graph),
             self.notify,
             partial(withdraw_all, system.workspace),
             recording=playback is not None,
@@ -327,7 +327,10 @@ class Hub:
                     "panorama": self._comes(PICTURES[PANORAMA]),
                     "map": self._comes(GRIDS[MAP].channel),
                     "costmap": self._comes(GRIDS[COSTMAP].channel),
+                    "scan": self._comes("scan"),
+                    "point_cloud": self._comes("point_cloud"),
                 },
+                "drive": self.driving.drivable,
                 "audio": {"listen": self._comes(SOUND_CHANNEL), "speak": not self.speech.in_vain},
                 "playback": None if self._playback is None else playback_json(self._playback),
             }

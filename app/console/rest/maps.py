@@ -30,8 +30,9 @@ from app.errors import ConfigError
 from app.geometry import Pose2
 from app.maps.control import MapKeeper, MapUnavailable
 from app.maps.library import MapFacts, MapNameTaken, UnknownMap
-from app.maps.zones import checked
+from app.maps.zones import ZoneEntry, checked
 from app.messages import Zone, read_only
+from app.yaml_source import validation_message
 
 if TYPE_CHECKING:
     from app.system import System
@@ -115,7 +116,7 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
                 raise Problem(
                     409,
                     "map-in-use",
-                    f"{name} is the map in use: load another or begin an empty one before deleting it.",
+                    f"The map {name} is in use: load another or begin an empty one before deleting it.",
                 )
             await _on_disk(library.delete, name)
         return Response(status_code=204)
@@ -259,7 +260,7 @@ def _zones(zones: ZonesModel) -> tuple[Zone, ...]:
             checked([zone])
         except ValidationError as refusal:
             raise _invalid_zones(
-                [(f"zones.{number}.{e['loc'][0]}", e["msg"].removeprefix("Value error, ")) for e in refusal.errors()]
+                [(f"zones.{number}.{e['loc'][0]}", validation_message(ZoneEntry, e)) for e in refusal.errors()]
             ) from None
     return messages
 

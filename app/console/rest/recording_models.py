@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from app.console.recordings import INTENSITY, UTILITY
 from app.console.rest.models import Answer, DesireModel, Request, Stamp
-from app.recording.library import NAME
+from app.recording.library import NAME_PATTERN, name_or_nothing
 
 #: Empty: a name made of the time.
-NAME_PATTERN = f"^({NAME.pattern})?$"
+Name = Annotated[str, AfterValidator(name_or_nothing), Field(json_schema_extra={"pattern": NAME_PATTERN})]
 LONGEST_RING_MINUTES = 120
 
 
@@ -68,7 +68,7 @@ class RecordingList(Answer):
 class NewRecording(Request):
     """What to record."""
 
-    name: str = Field("", pattern=NAME_PATTERN, description="Empty: the date and time at which it begins.")
+    name: Name = Field("", description="Empty: the date and time at which it begins.")
     keep_minutes: float = Field(
         0, ge=0, le=LONGEST_RING_MINUTES, description="0: all into one file; else the last so many minutes are kept."
     )
@@ -89,7 +89,7 @@ class SaveRequest(Request):
     minutes: float | None = Field(
         None, gt=0, le=LONGEST_RING_MINUTES, description="The last so many; null: all there are."
     )
-    name: str = Field("", pattern=NAME_PATTERN, description="Empty: a name made of the time.")
+    name: Name = Field("", description="Empty: a name made of the time.")
 
 
 class Saved(Answer):

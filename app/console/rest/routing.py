@@ -12,6 +12,9 @@ from fastapi.routing import APIRoute
 from starlette.requests import Request
 from starlette.responses import Response
 
+from app.console.problems import Problem
+from app.yaml_source import suggestion
+
 
 def router(tag: str) -> APIRouter:
     """A router whose routes are described under ``tag``."""
@@ -19,13 +22,19 @@ def router(tag: str) -> APIRouter:
 
 
 class _Route(APIRoute):
-    """A route that refuses what JSON leaves open (RFC 8259: names in an object should be unique)."""
+    """A route that refuses what JSON leaves open (RFC 8259: names in an object should be unique), and parameters
+    that it does not know beside those that it does."""
 
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
         """The handler, which reads bodies our way."""
         handle = super().get_route_handler()
+        known = [parameter.alias for parameter in self.dependant.query_params]
 
         async def handle_strictly(request: Request) -> Response:
+            # A route that takes none is asked with one by caches' users, to have it anew.
+            if known and (unknown := [name for name in request.query_params if name not in known]):
+                errors = [(f"query.{name}", f"unknown parameter; {suggestion(name, known)}") for name in unknown]
+                raise Problem(422, "invalid-request", "; ".join(map(": ".join, errors)), errors=errors)
             return await handle(_StrictRequest(request.scope, request.receive))
 
         return handle_strictly

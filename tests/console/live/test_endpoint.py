@@ -27,7 +27,9 @@ async def test_a_newcomer_is_greeted_first_and_told_all_there_is(url: str, syste
         assert hello["robot"]["limits"]["linear_mps"] == 0.4
         assert [cls["name"] for cls in hello["classes"]] == list(system.classes)
         assert hello["classes"][0]["schema"]["type"] == "object"
-        assert hello["channels"] == {"camera": True, "panorama": True, "map": True, "costmap": True}
+        pictures = {"camera": True, "panorama": True, "map": True, "costmap": True}
+        assert hello["channels"] == pictures | {"scan": True, "point_cloud": True}
+        assert hello["drive"] is True
         assert hello["audio"] == {"listen": True, "speak": True}
         kinds = {"desires", "intention", "landmarks", "lanes", "lanes_history", "load", "perceived", "status"}
         came = []

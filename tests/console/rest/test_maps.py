@@ -155,6 +155,7 @@ BAD_ZONES: list[tuple[dict[str, Any], str]] = [
     ({"polygon": [[0, 0], [1, 1], [2, 2, 2]]}, "zones.1.polygon.2"),
     ({"polygon": [[0, 0], [1, 1], [2, 1e6]]}, "zones.1.polygon.2.1"),
     ({"polygon": [[0, 0], [1, 0], [2, 0]]}, "zones.1.polygon"),
+    ({"polygon": [[0, 0], [1, 1], [1, 0], [0, 1]]}, "zones.1.polygon"),
     ({"colour": "red"}, "zones.1.colour"),
 ]
 

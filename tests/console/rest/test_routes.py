@@ -116,6 +116,30 @@ async def test_an_unknown_class_names_those_there_are(client: httpx.AsyncClient,
 
 
 @pytest.mark.parametrize(
+    ("path", "body", "message"),
+    [
+        (
+            "/desires",
+            {**NEW, "intensty": 3},
+            "unknown key; did you mean 'intensity'? allowed: class, intensity, params, ",
+        ),
+        ("/desires", {**NEW, "intensity": 9}, "should be less than or equal to 8, not 9"),
+        ("/desires", {**NEW, "params": "none"}, "should be a JSON object, not 'none'"),
+        ("/desires", {"intensity": 1, "utility": 1}, "is missing"),
+        ("/map/pose", {"x": 1, "y": 2, "theta": 0, "z": 1}, "unknown key; allowed: theta, x, y"),
+        ("/maps/hall/load", {"pose": {"x": 1, "y": 2, "heading": 0}}, "unknown key; allowed: theta, x, y"),
+        ("/maps/hall/load", {"pose": "there"}, "should be a JSON object, not 'there'"),
+    ],
+)
+async def test_what_is_allowed_is_said_in_words(
+    client: httpx.AsyncClient, path: str, body: dict[str, Any], message: str
+) -> None:
+    response = await client.request("PUT" if path.endswith("pose") else "POST", path, json=body)
+    messages = [error["message"] for error in is_problem(response, 422, "invalid-request")["errors"]]
+    assert any(said.startswith(message) for said in messages), messages
+
+
+@pytest.mark.parametrize(
     ("body", "field"),
     [
         ({**NEW, "intensity": 9}, "intensity"),
@@ -202,6 +226,11 @@ async def test_the_timeline_is_queried_by_time_kind_and_number(client: httpx.Asy
     problem = is_problem(await client.get("/timeline", params={"kinds": "wish"}), 422, "invalid-request")
     assert problem["errors"][0]["field"] == "query.kinds"
     is_problem(await client.get("/timeline", params={"limit": 100000}), 422, "invalid-request")
+    problem = is_problem(await client.get("/timeline", params={"limt": 1}), 422, "invalid-request")
+    assert problem["detail"].startswith(
+        "query.limt: unknown parameter; did you mean 'limit'? allowed: after_id, kinds,"
+    )
+    assert (await client.get("/desires", params={"again": 1})).status_code == 200
 
 
 async def test_the_emergency_stop_is_latched_and_released(client: httpx.AsyncClient, body: Body) -> None:

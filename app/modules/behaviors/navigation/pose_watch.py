@@ -99,5 +99,5 @@ class PoseWatch:
         if not age_s >= -_ODOMETRY_S:
             return "localization's stamps are not of the robot's clock"
         if age_s > min(_LOCALIZATION_S + _PERIODS * self._period_s, _LONGEST_S):
-            return "it has not been localized for too long: SLAM or this computer is too slow"
+            return "it waits to be localized: SLAM has just begun, or this computer is too slow for it"
         return ""
