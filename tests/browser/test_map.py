@@ -8,6 +8,7 @@ cameras draw would take the time that world, program and browser need together.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -25,7 +26,7 @@ from app.geometry import Pose2
 from app.maps.library import MapLibrary
 from app.paths import config_dir
 from app.robots.config import load_robot_config
-from tests.browser.hands import hold
+from tests.browser.hands import hold, hold_until
 from tests.browser.running import LOOPS_DEBUG, Robot, running_program
 from tests.browser.witness import true_pose
 
@@ -168,6 +169,15 @@ def test_a_kept_map_is_loaded_the_robot_finds_itself_and_goes_to_another_room(
     page.get_by_test_id("map-tool-goal").click()
     drag_on_map(page, X_MW @ SENT_TO)
     way = page.get_by_test_id("map-way")
+    expect(way).to_have_attribute("data-state", "following", timeout=15_000)
+    # Hands take over for as long as they hold, and the page says what comes then; Space ends the trip.
+    hold_until(page, "KeyA", page.get_by_test_id("drive-hint").filter(has_text="goes on to its goal"), 5_000)
+    expect(driver).not_to_have_text(re.compile("You|Nobody"))
+    page.keyboard.press("Space")
+    page.get_by_test_id("map-cancel").wait_for(state="detached")
+    page.locator("[data-testid=guard-state][data-state=idle]").wait_for()
+    assert robot.get("/goal")["desire"] is None
+    drag_on_map(page, X_MW @ SENT_TO)
     expect(way).to_have_attribute("data-state", "following", timeout=15_000)
     expect(way).to_have_attribute("data-state", "arrived", timeout=90_000)
     reached = SENT_TO.inverse() @ true_pose(truth)

@@ -180,7 +180,10 @@ def greet(mock: Mock, viewer: Viewer, playback: MockPlayback | None, place: Mock
                 "panorama": not mock.mode.get("no_panorama"),
                 "map": not mock.mode.get("no_slam"),
                 "costmap": True,
+                "scan": True,
+                "point_cloud": True,
             },
+            "drive": not mock.mode.get("no_wheels") and playback is None,
             "audio": {"listen": not mock.mode.get("deaf"), "speak": not mock.mode.get("mute")},
             "playback": playback and playback.json(),
         }

@@ -38,7 +38,8 @@ export function App() {
   const phone = narrow.value;
   const replay = store.replay.value;
   const stopped = store.stopped.value && !replay;
-  const mapped = store.mapPlace.value === "view";
+  const body = store.body.value;
+  const mapped = body.maps && store.mapPlace.value === "view";
   // What a body cannot do is not offered; of a recording it is told why not.
   const audio = store.hello.value?.audio;
   return (
@@ -61,22 +62,22 @@ export function App() {
         <div class="view-tools">
           {audio && (audio.listen || replay) && <ListenButton />}
           {audio && (audio.speak || replay) && <TalkButton />}
-          <MapToggle />
+          {body.maps && <MapToggle />}
           <SceneToggle />
         </div>
         <Banner />
-        {!phone && !replay && <DrivePad />}
+        {!phone && !replay && body.drives && <DrivePad />}
       </main>
       {!phone && <Transport />}
       {!(phone && mapped) && <Side phone={phone} />}
       {!phone && <Lanes />}
       {phone && (
-        <footer class="dock">
+        <footer class={`dock ${body.drives || replay ? "" : "still"}`}>
           {replay ? (
             <Transport />
           ) : (
             <>
-              <DrivePad />
+              {body.drives && <DrivePad />}
               <EStop />
             </>
           )}
@@ -91,11 +92,12 @@ export function App() {
 /** Where the camera's picture would be alone. */
 function NoScene() {
   const { store } = useApp();
+  const body = store.body.value;
   return (
     <div class="scene" data-testid="scene" data-state="off">
       {store.hello.value?.channels.camera === false && (
         <p class="scene-note">
-          {store.replay.value ? "This recording has no pictures." : "This robot has no camera. See its map, or 3D."}
+          {store.replay.value ? "This recording has no pictures." : `This robot has no camera. See ${body.maps ? "its map, or " : ""}3D.`}
         </p>
       )}
     </div>
@@ -157,17 +159,6 @@ function Side({ phone }: { phone: boolean }) {
       ),
     },
     {
-      id: "map",
-      title: "Map",
-      content: () => (
-        <>
-          {store.mapPlace.value === "tab" && <MapPanel place="tab" />}
-          <Zones />
-          {!store.replay.value && <Maps />}
-        </>
-      ),
-    },
-    {
       id: "found",
       title: "Found",
       badge: store.landmarks.value?.length ?? 0,
@@ -186,6 +177,18 @@ function Side({ phone }: { phone: boolean }) {
     const alarm = store.recorder.value?.state === "stopped";
     items.push({ id: "recordings", title: "Recordings", alarm, content: () => <Recordings /> });
   }
-  if (phone) items.splice(2, 0, { id: "lanes", title: "Lanes", content: () => <Lanes /> });
+  if (store.body.value.maps) items.splice(1, 0, { id: "map", title: "Map", content: () => <MapTab /> });
+  if (phone) items.splice(items.findIndex(({ id }) => id === "found"), 0, { id: "lanes", title: "Lanes", content: () => <Lanes /> });
   return <Tabs items={items} />;
+}
+
+function MapTab() {
+  const { store } = useApp();
+  return (
+    <>
+      {store.mapPlace.value === "tab" && <MapPanel place="tab" />}
+      <Zones />
+      {!store.replay.value && <Maps />}
+    </>
+  );
 }

@@ -82,6 +82,7 @@ render(
   document.getElementById("app")!,
 );
 drive.onHome = () => void map.returnToStart();
+drive.onStop = () => map.stop();
 map.start(); // before the hands on the wheel: Escape gives up what is begun on the map first
 drive.start();
 recordings.start();

@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import type { Hello, LaneRow } from "../protocol/types";
 import { perceives, whyClosed } from "./why";
 
-const hello = { channels: { camera: true, panorama: true } } as Hello;
+const hello = { channels: { camera: true, panorama: true }, classes: [] } as unknown as Hello;
 const row = (name: string, divisor: number | null, text = ""): LaneRow => ({
   class: name,
   intensity: 1,
@@ -26,11 +26,20 @@ test("attention's own reason is told", () => {
 });
 
 test("a robot without these senses says so, and without a camera all around", () => {
-  const bare = { channels: {} } as Hello;
+  const bare = { channels: {}, classes: [] } as unknown as Hello;
   expect(whyClosed(bare, [row("Telepresence", 1)], false, false).map(({ what }) => what)).toEqual([
     "picture",
     "faces",
     "voices",
+  ]);
+});
+
+test("what no strategy serves is missing, whether or not anybody desires it", () => {
+  const classes = [{ name: "LocateVoices", served: false }];
+  const deaf = { ...hello, classes } as Hello;
+  const rows = [row("Telepresence", 1), row("LocateFaces", 1), row("LocateVoices", null, "undesired: nobody desires it")];
+  expect(whyClosed(deaf, rows, false, true)).toEqual([
+    { what: "voices", text: "This robot does not locate sounds", reason: "" },
   ]);
 });
 

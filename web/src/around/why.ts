@@ -41,7 +41,8 @@ export function whyClosed(hello: Hello | null, rows: LaneRow[], replay: boolean,
   if (rows.length === 0) return closed;
   for (const { what, kind, closed: text, missing } of PERCEPTIONS) {
     const row = lane(kind);
-    if (!row) closed.push({ what, text: missing, reason: "" });
+    const served = replay || hello.classes.find(({ name }) => name === kind)?.served !== false;
+    if (!row || !served) closed.push({ what, text: missing, reason: "" });
     else if (row.divisor === null) closed.push({ what, text, reason: reasonOf(row) });
   }
   return closed;

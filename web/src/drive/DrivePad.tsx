@@ -1,11 +1,13 @@
 /** The operator's hands on screen: stick, speed, who drives, and what the wheels are given. */
 
+import { goalOf } from "../map/words";
 import { useApp } from "../state/context";
 import { number } from "../ui/format";
 import { KeyboardIcon, WheelIcon } from "../ui/icons";
 import { PRESETS } from "./controller";
 import { Limited } from "./Limited";
 import { Stick } from "./Stick";
+import { heldWords } from "./words";
 
 export function DrivePad() {
   const { drive, session, store } = useApp();
@@ -76,8 +78,12 @@ function Hint() {
   const { source, keys } = drive.state.value;
   if (refusal) return <p class="drive-hint warn">{refusal}</p>;
   if (source) {
-    const slow = keys.has("ShiftLeft") || keys.has("ShiftRight") ? ", slowly" : "";
-    return <p class="drive-hint active">{`Driving by ${source}${slow}. Let go to stop.`}</p>;
+    const slow = keys.has("ShiftLeft") || keys.has("ShiftRight");
+    return (
+      <p class="drive-hint active" data-testid="drive-hint">
+        {heldWords(source, slow, goalOf(store.desires.value) !== null)}
+      </p>
+    );
   }
   if (drive.keyboard.value !== "page") {
     return (

@@ -30,6 +30,10 @@ export class DriveController {
   private padHome = false;
   /** What a gamepad's button for it does: send the robot back to the start. */
   onHome: () => void = () => {};
+  /** Ends every trip that the robot makes by itself; whether there was any. */
+  onStop: () => boolean = () => false;
+  /** Space is down and has stopped something: it is no press of a button. */
+  private stopping = false;
   private polling = false;
   private beatAt = 0;
 
@@ -121,10 +125,9 @@ export class DriveController {
       return;
     }
     if (typesText(event.target)) return;
-    if (event.code === "Space") {
-      this.release();
-      if (!isControl(event.target)) event.preventDefault();
-    } else if (event.key === "?") this.store.help.value = !this.store.help.value;
+    if (event.code === "Space") this.space(event);
+    else if (event.key === "?") this.store.help.value = !this.store.help.value;
+    else if (!this.store.body.peek().drives) return;
     else if (DRIVE_KEYS.has(event.code) && !(event.code.startsWith("Arrow") && ownsArrows(event.target))) {
       event.preventDefault();
       event.stopPropagation();
@@ -132,6 +135,17 @@ export class DriveController {
       this.input({ type: "key", code: event.code, down: true, repeat: event.repeat });
     } else if (SLOW_KEYS.has(event.code) || OVERRIDE_KEYS.has(event.code))
       this.input({ type: "key", code: event.code, down: true, repeat: event.repeat });
+  }
+
+  /** Stops whatever drives: hands and goal. While anything does, it presses no button, or "To start" might go on. */
+  private space(event: KeyboardEvent): void {
+    if (!event.repeat) {
+      const { held } = this.state.peek().command;
+      this.release();
+      this.stopping = this.onStop() || held;
+    }
+    if (this.stopping) event.stopPropagation();
+    if (this.stopping || !isControl(event.target)) event.preventDefault();
   }
 
   /** Keys of a recording: nothing in it can be driven or stopped. */
@@ -154,6 +168,11 @@ export class DriveController {
   }
 
   private keyUp(event: KeyboardEvent): void {
+    if (event.code === "Space" && this.stopping) {
+      this.stopping = false;
+      event.preventDefault();
+      event.stopPropagation();
+    }
     this.input({ type: "key", code: event.code, down: false });
   }
 
@@ -195,6 +214,7 @@ export class DriveController {
 function whyNot(store: Store): string | null {
   const phase = store.link.value.phase;
   if (store.replay.value) return "This is a recording: nothing in it can be driven.";
+  if (!store.body.value.drives) return "There is nothing to drive here.";
   if (phase === "stale") return "What you see is old. Driving waits until the robot is heard again.";
   if (phase !== "live") return "Not connected to the robot.";
   const status = store.status.value;

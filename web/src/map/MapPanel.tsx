@@ -48,27 +48,32 @@ function Tools() {
   const { map, store } = useApp();
   const allowed = map.allowed.value;
   const known = store.localization.value !== null;
+  const { goes } = store.body.value;
   return (
     <div class="map-tools" role="toolbar" aria-label="Hands on the map" data-own-arrows>
-      <ToolButton
-        tool="goal"
-        label="Go to"
-        hint="Press where it should go, drag to where it should look (G)"
-        disabled={!allowed}
-      >
-        <FlagIcon />
-      </ToolButton>
-      <button
-        type="button"
-        class="map-tool"
-        data-testid="map-return"
-        title="Return to where the map began; gamepad: button 3 (Y, △)"
-        disabled={!allowed}
-        onClick={() => void map.returnToStart()}
-      >
-        <HomeIcon />
-        <span>To start</span>
-      </button>
+      {goes && (
+        <>
+          <ToolButton
+            tool="goal"
+            label="Go to"
+            hint="Press where it should go, drag to where it should look (G)"
+            disabled={!allowed}
+          >
+            <FlagIcon />
+          </ToolButton>
+          <button
+            type="button"
+            class="map-tool"
+            data-testid="map-return"
+            title="Return to where the map began; gamepad: button 3 (Y, △)"
+            disabled={!allowed}
+            onClick={() => void map.returnToStart()}
+          >
+            <HomeIcon />
+            <span>To start</span>
+          </button>
+        </>
+      )}
       <ToolButton
         tool="pose"
         label="Set pose"
@@ -136,7 +141,8 @@ function ToolButton(props: {
 function Way() {
   const { map, store } = useApp();
   const goal = goalOf(store.desires.value);
-  const told = wayWords(store.navigation.value, goal, store.rows.value, store.seconds.value);
+  const place = store.localization.value;
+  const told = wayWords(store.navigation.value, goal, store.rows.value, store.seconds.value, place);
   const { tool } = map.hands.value;
   const hint = hintWords(map.hands.value, goal === null && store.status.value?.guard.state === "idle");
   const problem = map.problem.value;

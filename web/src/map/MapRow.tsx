@@ -10,10 +10,10 @@ import { nameProblem } from "./library";
 import { Confirm } from "./Maps";
 
 export function MapRow({ kept }: { kept: KeptMap }) {
-  const { maps, session, store } = useApp();
+  const { maps, session } = useApp();
   const open = useSignal<"load" | "rename" | "delete" | null>(null);
   const { name } = kept;
-  const inUse = store.localization.value?.map === name;
+  const inUse = maps.inUse.value === name;
   const busy = maps.doing.value !== "";
   const toggle = (what: "load" | "rename" | "delete") => (open.value = open.value === what ? null : what);
   return (
@@ -89,7 +89,7 @@ function LoadForm({ kept, onDone }: { kept: KeptMap; onDone: () => void }) {
   const id = useId();
   const extend = useSignal(false);
   const where = useSignal<"anywhere" | "start">("anywhere");
-  const unsaved = (store.localization.value?.map ?? "x") === "";
+  const unsaved = store.localization.value !== null && maps.inUse.value === "";
   return (
     <form
       class="map-form"

@@ -10,7 +10,7 @@ import { MapRow } from "./MapRow";
 export function Maps() {
   const { maps, store } = useApp();
   const list = maps.list.value;
-  const problem = maps.problem.value;
+  const problem = maps.problem.value || maps.unread.value;
   const doing = maps.doing.value;
   const present = store.localization.value !== null;
   return (
@@ -36,7 +36,7 @@ export function Maps() {
       )}
       {present && maps.available.value && <Present />}
       {list === null ? (
-        <p class="empty">{problem ? "The list could not be read." : "Reading the list…"}</p>
+        <p class="empty">{maps.unread.value ? "The list could not be read." : "Reading the list…"}</p>
       ) : list.maps.length === 0 ? (
         <p class="empty" data-testid="maps-empty">
           None kept yet. Drive the robot around until the map shows what it should know, then save it.
@@ -61,9 +61,9 @@ export function Maps() {
 
 /** The map in use: what it is called, and to keep it; or to leave it for an empty one. */
 function Present() {
-  const { maps, store } = useApp();
+  const { maps } = useApp();
   const id = useId();
-  const inUse = store.localization.value?.map ?? "";
+  const inUse = maps.inUse.value ?? "";
   const typed = useSignal<string | null>(null);
   const asking = useSignal<"begin" | "replace" | null>(null);
   const name = (typed.value ?? inUse).trim();

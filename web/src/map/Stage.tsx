@@ -78,11 +78,12 @@ export function Stage({ place, buttons, children }: Props) {
 
 /** Where the robot is, in words. */
 function Where() {
-  const { store } = useApp();
+  const { store, maps } = useApp();
   const localization = store.localization.value;
   if (!localization) return null;
   const lane = store.rows.value.find((row) => row.class === "SLAM");
-  const { tone, text, more } = poseWords(localization, store.replay.value ? undefined : lane);
+  const name = maps.inUse.value ?? localization.map;
+  const { tone, text, more } = poseWords(localization, store.replay.value ? undefined : lane, name);
   const trouble = tone !== "good";
   return (
     <p
@@ -90,7 +91,7 @@ function Where() {
       role="status"
       data-testid="map-where"
       data-state={localization.state}
-      data-map={localization.map}
+      data-map={name}
       title={more}
     >
       <b>{text}</b>

@@ -3,7 +3,7 @@
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { typesText } from "../drive/controller";
 import { inWords } from "../protocol/rest";
-import type { Localization, Place, Zone } from "../protocol/types";
+import type { Desire, Localization, Place, Zone } from "../protocol/types";
 import type { Session } from "../state/session";
 import type { MapPlace, Store } from "../state/store";
 import { AT_REST, busy, type Hands, type Input, type Sight, step, type Tool, type Wish } from "./hands";
@@ -20,7 +20,7 @@ import {
   type Size,
   zoomed,
 } from "./projection";
-import { goalOf } from "./words";
+import { goalOf, isAsked, tripsOf } from "./words";
 import {
   added,
   cornerMoved,
@@ -63,6 +63,8 @@ export class MapControl {
   private size: Size = { width: 0, height: 0 };
   private on: MapPlace = "tab";
   private fresh = true;
+  /** The last goal that was asked for, on its way to the robot. */
+  private sending: Promise<unknown> = Promise.resolve();
 
   constructor(
     private readonly store: Store,
@@ -70,7 +72,9 @@ export class MapControl {
   ) {
     this.robot = computed(() => robotOn(store.localization.value, store.status.value?.odometry ?? null));
     this.zones = computed(() => this.edits.value ?? store.zones.value ?? []);
-    this.shown = computed(() => store.mapPlace.value === "view" || store.tab.value === "map");
+    this.shown = computed(
+      () => store.body.value.maps && (store.mapPlace.value === "view" || store.tab.value === "map"),
+    );
     this.allowed = computed(() => store.live.value && !store.replay.value);
   }
 
@@ -163,18 +167,38 @@ export class MapControl {
   }
 
   async goTo(x: number, y: number, heading: number | null): Promise<void> {
-    await this.ask("goal", () => this.session.rest.setGoal({ x, y, ...(heading === null ? {} : { heading }) }));
+    const goal = { x, y, ...(heading === null ? {} : { heading }) };
+    this.sending = this.ask("goal", () => this.session.rest.setGoal(goal));
+    await this.sending;
   }
 
   /** To where the map began. */
   async returnToStart(): Promise<void> {
-    if (this.allowed.peek()) await this.goTo(0, 0, 0);
+    if (this.allowed.peek() && this.store.body.peek().goes) await this.goTo(0, 0, 0);
   }
 
   async cancelGoal(): Promise<void> {
     const goal = goalOf(this.store.desires.peek());
     const { rest } = this.session;
     await this.ask("cancel", () => (!goal || goal.asked ? rest.cancelGoal() : rest.removeDesire(goal.id)));
+  }
+
+  /** Ends every trip, whoever wants it: else, with one ended, the robot might set out on the next. Whether there is any. */
+  stop(): boolean {
+    const sending = this.pending.peek() === "goal";
+    const trips = tripsOf(this.store.desires.peek());
+    if (trips.length > 0 || sending) void this.endAll(trips);
+    return trips.length > 0 || sending;
+  }
+
+  private async endAll(trips: readonly Desire[]): Promise<void> {
+    await this.sending; // or the goal would come after its end
+    const { rest } = this.session;
+    const ended = await this.ask("cancel", async () => {
+      await rest.cancelGoal();
+      for (const trip of trips) if (!isAsked(trip)) await rest.removeDesire(trip.id);
+    });
+    if (ended) this.store.notify("info", "The goal is cancelled.");
   }
 
   async place(pose: Place): Promise<void> {
@@ -264,9 +288,10 @@ export class MapControl {
 
   private keyDown(event: KeyboardEvent): void {
     if (event.code === "Escape") this.escape(event);
+    else if (!this.store.body.peek().maps) return;
     else if (event.ctrlKey || event.altKey || event.metaKey || event.repeat || typesText(event.target)) return;
     else if (event.code === "KeyM") this.store.showMap(this.store.mapPlace.peek() === "view" ? "tab" : "view");
-    else if (event.code === "KeyG" && this.allowed.peek()) {
+    else if (event.code === "KeyG" && this.allowed.peek() && this.store.body.peek().goes) {
       this.choose("goal");
       if (this.hands.peek().tool === "goal") this.call();
     } else return;

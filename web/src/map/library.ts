@@ -1,12 +1,14 @@
 /** The kept maps: read, saved, loaded, renamed, deleted, begun. */
 
-import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
+import { batch, computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { inWords, type Rest } from "../protocol/rest";
 import type { KeptMaps, Place } from "../protocol/types";
 import type { Store } from "../state/store";
 
 /** A module that is only starting is asked for again so soon. */
 const AGAIN_MS = 1000;
+/** While the list is looked at, it is read again so often: others change it, too, and nothing tells. */
+const EVERY_MS = 5000;
 const NAME = /^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$/;
 
 export class MapLibrary {
@@ -14,11 +16,20 @@ export class MapLibrary {
   readonly list = signal<KeptMaps | null>(null);
   /** What is under way, in words; empty: nothing. */
   readonly doing = signal("");
-  /** Why the last thing, or the list, failed; empty: it did not. */
+  /** Why the last thing that was asked for failed; empty: it did not. */
   readonly problem = signal("");
+  /** Why the list could not be read the last time; empty: it could. */
+  readonly unread = signal("");
   /** Whether there is anybody who keeps maps by now. */
   readonly available = computed(() => this.list.value?.current.available ?? false);
-  private reading = false;
+  /**
+   * What the map in use is called, empty: nothing yet; null: not known. As the list says, for localization tells
+   * only with the next scan, and of none while SLAM rests; or as that says where it has changed since.
+   */
+  readonly inUse = signal<string | null>(null);
+  private readonly wanted: ReadonlySignal<boolean>;
+  private reading: Promise<void> | null = null;
+  private stale = false;
   private again: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
@@ -27,13 +38,25 @@ export class MapLibrary {
     private readonly shown: ReadonlySignal<boolean>,
     /** Has the robot map, or follow itself on its map. */
     private readonly awaken: () => Promise<void>,
-  ) {}
+  ) {
+    const { hello, live, replay } = store;
+    this.wanted = computed(() => this.shown.value && live.value && !replay.value && !!hello.value?.channels.map);
+  }
 
   start(): void {
+    const { hello, localization } = this.store;
+    const told = computed(() => localization.value?.map);
     effect(() => {
-      void this.store.localization.value?.map;
-      if (this.shown.value && this.store.live.value && !this.store.replay.value && this.store.hello.value?.channels.map)
-        void this.refresh();
+      if (told.value !== undefined) this.inUse.value = told.value;
+    });
+    effect(() => {
+      void [told.value, hello.value];
+      if (this.wanted.value) void this.refresh();
+    });
+    effect(() => {
+      if (!this.wanted.value) return;
+      const timer = setInterval(() => void this.refresh(), EVERY_MS);
+      return () => clearInterval(timer);
     });
   }
 
@@ -57,18 +80,33 @@ export class MapLibrary {
     return this.ask("Beginning a new map…", () => this.awake(this.rest.beginMap()), "A new map has begun.");
   }
 
+  /** Resolves when a list is there that was asked for no earlier than now. */
   async refresh(): Promise<void> {
-    if (this.reading) return;
-    this.reading = true;
+    this.stale = true;
+    this.reading ??= this.read().finally(() => (this.reading = null));
+    await this.reading;
+  }
+
+  private async read(): Promise<void> {
+    clearTimeout(this.again);
     try {
-      this.list.value = await this.rest.maps();
-      clearTimeout(this.again);
-      if (!this.available.peek() && this.shown.peek()) this.again = setTimeout(() => void this.refresh(), AGAIN_MS);
+      while (this.stale) {
+        this.stale = false;
+        const list = await this.rest.maps();
+        if (!this.stale) this.take(list); // or something has changed since it was asked for
+      }
+      if (!this.available.peek() && this.wanted.peek()) this.again = setTimeout(() => void this.refresh(), AGAIN_MS);
     } catch (error) {
-      this.problem.value = inWords(error);
-    } finally {
-      this.reading = false;
+      this.unread.value = inWords(error);
     }
+  }
+
+  private take(list: KeptMaps): void {
+    batch(() => {
+      this.unread.value = "";
+      this.list.value = list;
+      if (list.current.available) this.inUse.value = list.current.name;
+    });
   }
 
   /** Whoever takes a map into use wants to see the robot on it. */

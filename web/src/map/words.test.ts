@@ -74,6 +74,15 @@ describe("the goal that counts", () => {
   });
 });
 
+describe("the place", () => {
+  test("is on the map by the name that it has now, whatever the last scan called it", () => {
+    const resting = row({ class: "SLAM", divisor: null, state: "undesired" });
+    expect(poseWords(place({ map: "third" }), resting, "fourth").text).toBe("Was on fourth");
+    expect(poseWords(place({ map: "", state: "mapping" }), undefined, "fourth").text).toBe("Goes on mapping fourth");
+    expect(poseWords(place({ map: "third" })).text).toBe("On the map third");
+  });
+});
+
 describe("the way", () => {
   const goal = goalOf([desire({})]);
   const told = (some: Partial<Navigation>) => wayWords(going(some), goal, [row({})]);
@@ -99,6 +108,20 @@ describe("the way", () => {
       text: "No way to (3.0, 4.0)",
       more: "Walls all around.",
     });
+  });
+
+  test("is not stuck where the robot only does not know its place", () => {
+    const turning = { state: "recovering", reason: "it is lost on the map: turning to find itself" } as const;
+    const words = (state: Localization["state"], recoveries = 1) =>
+      wayWords(going({ ...turning, recoveries }), goal, [row({})], null, place({ state }));
+    for (const astray of ["lost", "searching"] as const)
+      expect(words(astray)).toEqual({
+        tone: "warn",
+        text: "Finds out where it is, then goes to (3.0, 4.0)",
+        more: "It is lost on the map: turning to find itself.",
+      });
+    expect(words("tracking")!.text).toMatch(/^Stuck on the way/);
+    expect(words("tracking", 0)!.text).toMatch(/^Finds out where it is/); // it has just been found
   });
 
   test("may end near what cannot be reached", () => {

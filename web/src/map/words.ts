@@ -32,15 +32,24 @@ const START_M = 0.05;
 
 /** The goal that speaks for its class: of the most intense desire, the newest. */
 export function goalOf(desires: readonly Desire[] | null): Goal | null {
-  const wanted = (desires ?? []).filter((desire) => desire.class === CLASS && desire.utility > 0);
-  const strongest = [...wanted].sort(
-    (a, b) => b.intensity - a.intensity || Number(b.security) - Number(a.security) || b.created - a.created,
-  )[0];
+  const strongest = tripsOf(desires)[0];
   if (!strongest) return null;
   const { x, y, heading } = strongest.params;
   if (typeof x !== "number" || typeof y !== "number") return null;
   const theta = typeof heading === "number" ? heading : null;
-  return { x, y, theta, id: strongest.id, asked: ASKED.has(strongest.source.kind) };
+  return { x, y, theta, id: strongest.id, asked: isAsked(strongest) };
+}
+
+/** Everything that sends the robot anywhere, what speaks for the class first: of it, the next takes over. */
+export function tripsOf(desires: readonly Desire[] | null): Desire[] {
+  return (desires ?? [])
+    .filter((desire) => desire.class === CLASS && desire.utility > 0)
+    .sort((a, b) => b.intensity - a.intensity || Number(b.security) - Number(a.security) || b.created - a.created);
+}
+
+/** Whether it was asked for over the console, by people or programs. */
+export function isAsked({ source }: Desire): boolean {
+  return ASKED.has(source.kind);
 }
 
 /** "the start", "(3.2, −1)". */
@@ -48,12 +57,16 @@ export function placeWords({ x, y }: { x: number; y: number }): string {
   return Math.hypot(x, y) < START_M ? "the start" : `(${coordinate(x)}, ${coordinate(y)})`;
 }
 
-/** What the behavior on its way is about; null: nobody goes anywhere, and nothing is to be told of a way. */
+/**
+ * What the behavior on its way is about; null: nobody goes anywhere, and nothing is to be told of a way. `place`: where
+ * the robot believes to be, since one that does not know is not stuck.
+ */
 export function wayWords(
   navigation: Navigation | null,
   goal: Goal | null,
   rows: readonly LaneRow[],
   now: number | null = null,
+  place: Localization | null = null,
 ): Told | null {
   if (!goal && navigation?.given_up) {
     const { goal: place, reason } = navigation.given_up;
@@ -86,6 +99,9 @@ export function wayWords(
     case "following":
       return { tone: "good", text: `Going to ${where}${leftWords(told.remaining_m)}`, more: reason || nearest };
     case "recovering":
+      // While it is freeing itself, it has counted that.
+      if (place?.state === "lost" || place?.state === "searching" || told.recoveries === 0)
+        return { tone: "warn", text: `Finds out where it is, then goes to ${where}`, more: reason };
       return { tone: "warn", text: `Stuck on the way to ${where}${attempts(told.recoveries)}`, more: reason };
     case "waiting":
       return { tone: "warn", text: `Waits on the way to ${where}${leftWords(told.remaining_m)}`, more: reason };
@@ -102,9 +118,12 @@ export function wayWords(
   }
 }
 
-/** Where the robot believes to be; `slam`: the lane of the class SLAM, that tells whether anybody still looks. */
-export function poseWords(localization: Localization, slam?: LaneRow): Told {
-  const map = localization.map || "a new map";
+/**
+ * Where the robot believes to be; `slam`: the lane of the class SLAM, that tells whether anybody still looks; `name`: of
+ * the map in use, where it is known better than by the last scan.
+ */
+export function poseWords(localization: Localization, slam?: LaneRow, name: string = localization.map): Told {
+  const map = name || "a new map";
   if (slam && slam.divisor === null)
     return { tone: "warn", text: `Was on ${map}`, more: "SLAM rests: since then the wheels alone tell." };
   const [sx, sy, st] = localization.sigma;
@@ -113,7 +132,7 @@ export function poseWords(localization: Localization, slam?: LaneRow): Told {
     case "mapping":
       return {
         tone: "good",
-        text: localization.map ? `Goes on mapping ${map}` : "Mapping, not saved yet",
+        text: name ? `Goes on mapping ${map}` : "Mapping, not saved yet",
         more: unsure,
       };
     case "tracking":

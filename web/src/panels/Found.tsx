@@ -3,6 +3,7 @@
 import type { Landmark, Status } from "../protocol/types";
 import { useApp } from "../state/context";
 import { ago, number } from "../ui/format";
+import { noneFound } from "./words";
 import { QrIcon } from "../ui/icons";
 
 export function Found() {
@@ -14,7 +15,7 @@ export function Found() {
         QR codes found <span class="count">{landmarks.length}</span>
       </h2>
       {landmarks.length === 0 ? (
-        <p class="empty">None yet. Drive up to a poster, under 2 m, while the robot desires to find QR codes.</p>
+        <p class="empty">{noneFound(store.body.value, store.replay.value)}</p>
       ) : (
         <ul class="landmarks">
           {landmarks.map((landmark) => (

@@ -54,7 +54,17 @@ export interface Hello {
   robot: { name: string; simulated: boolean; limits: Limits; footprint?: [number, number][] };
   scale: { intensity: number; utility: number };
   classes: DesireClass[];
-  channels: { camera?: boolean; panorama?: boolean; map?: boolean; costmap?: boolean };
+  /** `scan`, `point_cloud`: absent from older programs. */
+  channels: {
+    camera?: boolean;
+    panorama?: boolean;
+    map?: boolean;
+    costmap?: boolean;
+    scan?: boolean;
+    point_cloud?: boolean;
+  };
+  /** Whether hands can drive here; absent from older programs. */
+  drive?: boolean;
   /** Whether the robot can be listened to, and be spoken through. */
   audio?: { listen: boolean; speak: boolean };
   /** Where this page shows a recording instead of a living robot. */

@@ -20,6 +20,7 @@ import type {
   Zone,
 } from "../protocol/types";
 import { LaneHistory } from "../lanes/history";
+import { bodyOf } from "./body";
 import { attendedCpu } from "./load";
 import { PageClock } from "./pageClock";
 
@@ -58,6 +59,7 @@ const NOTICES_SHOWN = 4;
 const OPERATOR_KEY = "hbba.operator";
 
 export function createStore() {
+  const hello = signal<Hello | null>(null);
   const status = signal<Status | null>(null);
   const now = signal<number | null>(null);
   const intention = signal<Intention | null>(null);
@@ -79,7 +81,9 @@ export function createStore() {
     clock: new PageClock(),
     lanes,
     link,
-    hello: signal<Hello | null>(null),
+    hello,
+    /** What this robot can do: what it cannot is not offered. */
+    body: computed(() => bodyOf(hello.value)),
     status,
     stopped: computed(() => status.value?.guard.e_stopped === true) as ReadonlySignal<boolean>,
     rows: signal<LaneRow[]>([]),

@@ -14,6 +14,7 @@ export function Banner() {
   const soon = wait > 0.5 ? `Next attempt in ${Math.ceil(wait)} s.` : "Trying now…";
   const age = store.viewAgeMs.value;
   const replay = store.replay.value;
+  const { drives } = store.body.value;
   return (
     <div class={`banner ${phase}`} role="alert" data-testid="banner" data-phase={phase}>
       {phase === "connecting" ? <span class="spinner" aria-hidden="true" /> : <WarnIcon />}
@@ -34,7 +35,7 @@ export function Banner() {
           <b>The robot is not heard.</b>
           <span>
             What you see is <span aria-hidden="true">{age === null ? "" : `${number(age / 1000, 1)} s`}</span> old.
-            Driving waits; without commands the robot stands still.
+            {drives && " Driving waits; without commands the robot stands still."}
           </span>
         </p>
       )}
@@ -43,7 +44,7 @@ export function Banner() {
           <b>
             {replay
               ? "Lost the replay. Was its program ended? Reconnecting…"
-              : "Lost the robot. Without commands it stops by itself. Reconnecting…"}
+              : `Lost the robot. ${drives ? "Without commands it stops by itself. " : ""}Reconnecting…`}
           </b>
           <span aria-hidden="true">{soon}</span>
         </p>

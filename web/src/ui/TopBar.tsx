@@ -113,17 +113,20 @@ function LiveMetrics() {
   const live = store.live.value;
   const guard = status?.guard;
   const modules = store.load.value?.modules ?? [];
+  const { drives, goes } = store.body.value;
   return (
     <>
-      <Metric
-        id="command-age"
-        label="Command"
-        unit="ms"
-        tone={live && guard && guard.state !== "idle" ? tone(commandAge(guard), 120, 200) : ""}
-        hint="Age of the newest drive command at the robot"
-      >
-        {live ? millis(commandAge(guard)) : "–"}
-      </Metric>
+      {drives && (
+        <Metric
+          id="command-age"
+          label="Command"
+          unit="ms"
+          tone={live && guard && guard.state !== "idle" ? tone(commandAge(guard), 120, 200) : ""}
+          hint="Age of the newest drive command at the robot"
+        >
+          {live ? millis(commandAge(guard)) : "–"}
+        </Metric>
+      )}
       <Metric
         id="view-age"
         label="View"
@@ -133,13 +136,15 @@ function LiveMetrics() {
       >
         {live ? millis(store.viewAgeMs.value) : "–"}
       </Metric>
-      <Metric
-        id="driver"
-        label="Drives"
-        hint={live ? driverWords(status, modules) : "Who drives the robot: not known"}
-      >
-        {live ? driverName(status, modules) : "–"}
-      </Metric>
+      {(drives || goes) && (
+        <Metric
+          id="driver"
+          label="Drives"
+          hint={live ? driverWords(status, modules) : "Who drives the robot: not known"}
+        >
+          {live ? driverName(status, modules) : "–"}
+        </Metric>
+      )}
     </>
   );
 }

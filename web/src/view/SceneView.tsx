@@ -84,27 +84,38 @@ export function SceneView() {
 
 /** What the colours in the view mean; as drawn by the console's view. */
 function SceneLegend() {
+  const { store } = useApp();
+  const { scans, places, faces, voices } = store.body.value;
+  if (!(scans || places || faces || voices)) return null;
   return (
     <ul class="scene-legend" data-testid="scene-legend" aria-label="Colours of the 3D view">
-      <li>
-        laser: near
-        <i class="laser-colors" />
-        far
-      </li>
-      <li>
-        <i class="poster-color" />
-        QR code found
-      </li>
-      <li>
-        <i class="face-color" />
-        person seen
-      </li>
-      <li>
-        <i class="sound-color voice" />
-        voice
-        <i class="sound-color" />
-        other sound
-      </li>
+      {scans && (
+        <li>
+          laser: near
+          <i class="laser-colors" />
+          far
+        </li>
+      )}
+      {places && (
+        <li>
+          <i class="poster-color" />
+          QR code found
+        </li>
+      )}
+      {faces && (
+        <li>
+          <i class="face-color" />
+          person seen
+        </li>
+      )}
+      {voices && (
+        <li>
+          <i class="sound-color voice" />
+          voice
+          <i class="sound-color" />
+          other sound
+        </li>
+      )}
     </ul>
   );
 }

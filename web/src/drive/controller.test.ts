@@ -1,0 +1,73 @@
+import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
+import type { PlaybackController } from "../playback/controller";
+import type { ToRobot } from "../protocol/types";
+import type { Session } from "../state/session";
+import { createStore } from "../state/store";
+import { DriveController } from "./controller";
+
+beforeEach(() => void vi.stubGlobal("localStorage", { getItem: () => null, setItem: () => {} }));
+afterEach(() => void vi.unstubAllGlobals());
+
+/** What a key is pressed on: nothing in particular, a button, or a field. */
+function target(kind: "page" | "button" | "field" = "page"): EventTarget {
+  const matches = { page: "", button: "button", field: "textarea" }[kind];
+  return Object.assign(new EventTarget(), {
+    closest: (selector: string) => (matches && selector.split(", ").includes(matches) ? {} : null),
+  });
+}
+
+function hands({ going = false, on = target() } = {}) {
+  const sent: ToRobot[] = [];
+  const session = { send: (message: ToRobot) => sent.push(message) } as unknown as Session;
+  const store = createStore();
+  const drive = new DriveController(store, session, {} as PlaybackController);
+  const stop = vi.fn(() => going);
+  drive.onStop = stop;
+  drive.listenIn(on as unknown as Window);
+  drive.input({ type: "allow", allowed: true });
+  const press = (type: "keydown" | "keyup", code: string, repeat = false) => {
+    const event = Object.assign(new Event(type, { cancelable: true }), { code, key: code, repeat });
+    on.dispatchEvent(event);
+    return event.defaultPrevented;
+  };
+  return { drive, stop, press, sent, store };
+}
+
+describe("Space", () => {
+  test("lets go of the wheel and ends the trip", () => {
+    const { drive, press, sent, stop } = hands({ going: true });
+    press("keydown", "KeyW");
+    expect(drive.state.value.command.held).toBe(true);
+    press("keydown", "Space");
+    expect(drive.state.value.command.held).toBe(false);
+    expect(sent.at(-1)).toMatchObject({ type: "drive", held: false });
+    expect(stop).toHaveBeenCalledTimes(1);
+  });
+
+  test("ends the trip on a page that holds nothing, once", () => {
+    const { press, stop } = hands({ going: true });
+    press("keydown", "Space");
+    press("keydown", "Space", true);
+    expect(stop).toHaveBeenCalledTimes(1);
+  });
+
+  test("presses no button while anything drives, or that might send the robot off again", () => {
+    const { press } = hands({ going: true, on: target("button") });
+    expect(press("keydown", "Space")).toBe(true);
+    expect(press("keydown", "Space", true)).toBe(true);
+    expect(press("keyup", "Space")).toBe(true);
+  });
+
+  test("presses the button of a robot that stands", () => {
+    const { press, stop } = hands({ on: target("button") });
+    expect(press("keydown", "Space")).toBe(false);
+    expect(press("keyup", "Space")).toBe(false);
+    expect(stop).toHaveBeenCalledTimes(1);
+  });
+
+  test("is a blank in a field", () => {
+    const { press, stop } = hands({ going: true, on: target("field") });
+    expect(press("keydown", "Space")).toBe(false);
+    expect(stop).not.toHaveBeenCalled();
+  });
+});
