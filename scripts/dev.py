@@ -88,10 +88,12 @@ def set_up(extras: set[str], *, page_wanted: bool = True) -> None:
     """The virtual environment with ``extras``, the compiled kernels and, if wanted, the page."""
     make_environment()
     install(extras)
-    compile_kernels()
-    if page_wanted:
+    with ThreadPoolExecutor(1) as beside:
+        built = beside.submit(build_page) if page_wanted else None
+        compile_kernels()
         try:
-            build_page()
+            if built is not None:
+                built.result()
         except page.PageFailed as failure:
             sys.stderr.write(f"\nThe operator page is not built, the console will serve a plain one. {failure}\n\n")
 
@@ -299,7 +301,9 @@ def first_failure_of_tests(arguments: list[str]) -> int:
     if arguments:
         return run([*pytest, *arguments])
     workers = str(min(os.cpu_count() or 1, 4))
-    shared = run([*pytest, "-n", workers, "--dist", "loadfile", *(f"--ignore={room}" for room in HURRIED), "tests"])
+    # Files go to processes in the order that tests/conftest.py puts them in.
+    by_file = ["--dist", "loadfile", "--no-loadscope-reorder"]
+    shared = run([*pytest, "-n", workers, *by_file, *(f"--ignore={room}" for room in HURRIED), "tests"])
     say("running the tests that run against the clock")
     return run([*pytest, *HURRIED]) or shared
 

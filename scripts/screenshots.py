@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import cv2
-from playwright.sync_api import Browser, Page, TimeoutError, sync_playwright
+from playwright.sync_api import Browser, Locator, Page, TimeoutError, sync_playwright
 
 from app.commands.doctor import find_chromium
 from app.paths import config_dir
@@ -30,6 +30,16 @@ _STAND_AT = """async (seconds) => {
   const url = "api/v1/playback", { begin } = await (await fetch(url)).json();
   const body = JSON.stringify({ playing: false, position: begin + seconds });
   await fetch(url, { method: "PATCH", headers: { "Content-Type": "application/json" }, body });
+}"""
+#: The 3D view goes on drawing what it shows, or stands still: what else is on the page then has the computer to itself.
+_STAND_STILL = """() => {
+  window.held = [];
+  window.draw = window.requestAnimationFrame;
+  window.requestAnimationFrame = (callback) => window.held.push(callback);
+}"""
+_GO_ON = """() => {
+  window.requestAnimationFrame = window.draw;
+  for (const callback of window.held) window.draw(callback);
 }"""
 #: A way takes so long at most (s), or this computer is too slow for a robot that goes.
 GOING_S = 300
@@ -81,7 +91,6 @@ def tour(browser: Browser, robot: Robot) -> None:
     robot.request("POST", "/desires", wish)
     page.wait_for_timeout(9_000)
     shoot(page, "tour-desire")
-    shoot(page, "console")
 
     why(page)
     page.get_by_test_id("tab-load").click()
@@ -159,22 +168,39 @@ def asked(robot: Robot, path: str, body: dict[str, Any]) -> None:
 
 
 def people(browser: Browser, robot: Robot) -> None:
-    """Whoever stands near the start looks at the robot, and says something now and then. Without the 3D view, which
-    may take what the world's sound needs.
+    """Whoever stands near the start looks at the robot, and says something now and then: all of it perceived, then what
+    attention makes of it with the means there are.
     """
+    capacity = robot.get("/resources")["resources"][0]["capacity"]
     robot.request("PATCH", "/resources/cpu", {"capacity": 100})
-    for kind in ("LocateFaces", "LocateVoices"):
-        robot.request("POST", "/desires", {"class": kind, "intensity": 8, "utility": 4, "security": True})
+    wishes = [
+        robot.request("POST", "/desires", {"class": kind, "intensity": 8, "utility": 4, "security": True})[2]["id"]
+        for kind in ("LocateFaces", "LocateVoices")
+    ]
     page = opened(browser, f"{robot.url}/?scene=off", DESKTOP)
     page.get_by_test_id("tab-found").click()
     page.get_by_test_id("listen").click()
-    voice = page.locator("[data-testid=around-sound][data-active=true][data-kind=voice]").first
-    # On a computer too slow for the world's sound there is none to see.
-    with contextlib.suppress(TimeoutError):
-        voice.wait_for(state="attached", timeout=60_000)
-    page.get_by_test_id("around-face").first.wait_for(state="attached")
+    spoken_to(page)
     shoot(page, "tour-people")
     page.context.close()
+
+    for wish in wishes:
+        robot.request("DELETE", f"/desires/{wish}")
+    robot.request("PATCH", "/resources/cpu", {"capacity": capacity})
+    page = opened(browser, f"{robot.url}/?scene=full", DESKTOP)
+    page.wait_for_timeout(30_000)
+    spoken_to(page)
+    shoot(page, "console", page.get_by_test_id("around-face").first)
+    page.context.close()
+
+
+def spoken_to(page: Page) -> None:
+    """Wait for a face, and for a voice as far as there is one: none on a computer too slow for the world's sound."""
+    with contextlib.suppress(TimeoutError):
+        page.locator("[data-testid=around-sound][data-active=true][data-kind=voice]").first.wait_for(
+            state="attached", timeout=60_000
+        )
+    page.get_by_test_id("around-face").first.wait_for(state="attached")
 
 
 def opened(browser: Browser, url: str, size: dict[str, int]) -> Page:
@@ -196,12 +222,20 @@ def why(page: Page) -> None:
     page.mouse.move(5, 5)
 
 
-def shoot(page: Page, name: str) -> None:
-    """Save the page as ``docs/images/<name>.jpg``, where that may be with pictures that are not old."""
+def shoot(page: Page, name: str, there: Locator | None = None) -> None:
+    """Save the page as ``docs/images/<name>.jpg``, if it may be with what is to be ``there`` and pictures not old."""
+    views = page.frames[1:]
+    for view in views:
+        view.evaluate(_STAND_STILL)
     with contextlib.suppress(TimeoutError):
+        page.wait_for_timeout(2_000)
         page.locator("[data-testid=camera]:not(.old)").wait_for(timeout=20_000)
+        if there is not None:
+            there.wait_for(state="attached", timeout=60_000)
     picture = FOLDER / f"{name}.png"
     page.screenshot(path=picture)
+    for view in views:
+        view.evaluate(_GO_ON)
     # A tenth of the size of a PNG, for a repository that keeps every version.
     cv2.imwrite(str(picture.with_suffix(".jpg")), cv2.imread(str(picture)), [cv2.IMWRITE_JPEG_QUALITY, 88])
     picture.unlink()
