@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Iterator
 
@@ -42,3 +43,13 @@ def _nothing_blocks_the_loop(request: pytest.FixtureRequest) -> Iterator[None]:
         return
     with blockbuster_ctx(scanned_modules="app"):
         yield
+
+
+@pytest.fixture(autouse=True)
+def _logs_are_left_as_found() -> Iterator[None]:
+    """A command run within the tests sends all logs to its own stream, which is closed when later tests log."""
+    root = logging.getLogger()
+    handlers, level = root.handlers[:], root.level
+    yield
+    root.handlers[:] = handlers
+    root.setLevel(level)

@@ -215,8 +215,12 @@ async def test_a_ring_is_saved(client: httpx.AsyncClient, system: System, record
 
 
 async def test_a_recorder_that_does_not_run_is_missed(
-    client: httpx.AsyncClient, system: System, recorder: ScriptedRecorder
+    client: httpx.AsyncClient, system: System, recorder: ScriptedRecorder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    async def broken(_: ScriptedRecorder) -> None:
+        raise OSError("no such device")
+
+    monkeypatch.setattr(ScriptedRecorder, "start", broken)  # its next lives end as this one does
     failed = asyncio.Event()
     system.supervisor.observe(lambda state: failed.set() if state.status == "failed" else None)
     recorder.fail(OSError("no such device"))

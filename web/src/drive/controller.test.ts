@@ -1,6 +1,6 @@
 import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import type { PlaybackController } from "../playback/controller";
-import type { ToRobot } from "../protocol/types";
+import type { Status, ToRobot } from "../protocol/types";
 import type { Session } from "../state/session";
 import { createStore } from "../state/store";
 import { DriveController } from "./controller";
@@ -30,7 +30,7 @@ function hands({ going = false, on = target() } = {}) {
     on.dispatchEvent(event);
     return event.defaultPrevented;
   };
-  return { drive, stop, press, sent, store };
+  return { drive, stop, press, sent, session, store };
 }
 
 describe("Space", () => {
@@ -69,5 +69,44 @@ describe("Space", () => {
     const { press, stop } = hands({ going: true, on: target("field") });
     expect(press("keydown", "Space")).toBe(false);
     expect(stop).not.toHaveBeenCalled();
+  });
+});
+
+describe("Escape with the help open", () => {
+  function open({ going = false, state = "idle", live = true } = {}) {
+    const made = hands({ going });
+    const eStop = vi.fn();
+    Object.assign(made.session, { eStop });
+    made.store.status.value = { guard: { state } } as unknown as Status;
+    made.store.link.value = { ...made.store.link.peek(), phase: live ? "live" : "stale" };
+    made.store.help.value = true;
+    return { ...made, eStop };
+  }
+
+  test("closes it, and leaves a standing robot unlatched", () => {
+    const { eStop, press, store } = open();
+    press("keydown", "Escape");
+    expect(store.help.value).toBe(false);
+    expect(eStop).not.toHaveBeenCalled();
+    press("keydown", "Escape");
+    expect(eStop).toHaveBeenCalledTimes(1);
+  });
+
+  test.each([
+    ["moves", { state: "driving" }],
+    ["has a place to go to", { going: true }],
+    ["has not been heard of for a while", { live: false }],
+  ])("stops a robot that %s", (_, robot) => {
+    const { eStop, press, store } = open(robot);
+    press("keydown", "Escape");
+    expect(store.help.value).toBe(false);
+    expect(eStop).toHaveBeenCalledTimes(1);
+  });
+
+  test("stops a robot that is just being set in motion", () => {
+    const { eStop, press } = open();
+    press("keydown", "KeyW");
+    press("keydown", "Escape");
+    expect(eStop).toHaveBeenCalledTimes(1);
   });
 });
