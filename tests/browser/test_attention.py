@@ -85,13 +85,8 @@ def test_a_desire_from_the_page(robot: Robot, page: Page) -> None:
 def test_a_poster_driven_up_to_is_found_where_it_hangs(robot: Robot, open_page: Callable[..., Page]) -> None:
     """Its code is decoded from the rendered picture, listed, and drawn in the scene within 0.15 m of its true place.
 
-    One page drives; a second one looks at the scene, and what viser's client is sent there is read on its way.
+    One page drives; a second one then looks at the scene, and what viser's client is sent there is read on its way.
     """
-    onlooker = open_page(scene=True)
-    drawn: list[dict[str, Any]] = []
-    onlooker.on("websocket", lambda socket: _collect(socket, drawn))
-    onlooker.reload()
-    onlooker.locator("[data-testid=connection][data-phase=live]").wait_for()
     page = open_page()
     # The robot starts facing one of the posters, a few metres off.
     text = min(robot.posters, key=lambda text: abs(robot.true_place(text)[1]))
@@ -100,6 +95,10 @@ def test_a_poster_driven_up_to_is_found_where_it_hangs(robot: Robot, open_page: 
     hold_until(page, "KeyW", row)
     seen = [float(row.get_attribute(f"data-{axis}") or "nan") for axis in "xyz"]
     assert math.dist(seen, robot.true_place(text)) < REACH_M
+    onlooker = open_page(scene=True)
+    drawn: list[dict[str, Any]] = []
+    onlooker.on("websocket", lambda socket: _collect(socket, drawn))
+    onlooker.reload()
     places = [m["position"] for m in drawn if m["type"] == "SetPositionMessage" and m["name"] == "/odom/landmark_0"]
     while not places:
         onlooker.wait_for_timeout(100)

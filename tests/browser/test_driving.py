@@ -49,10 +49,15 @@ def wait_for_rest(robot: Robot, page: Page, lasting_s: float = 0.0) -> list[Guar
     raise AssertionError("the wheels were never still")
 
 
-def wait_fast(robot: Robot, page: Page) -> None:
-    """Until the wheels are given some speed: on a busy computer a held key's commands may come late."""
-    if not any(rows and rows[-1].linear_mps > 0.1 for rows in wheels_until(robot, page, 15)):
-        raise AssertionError("the wheels were never fast")
+def hold_fast(robot: Robot, page: Page) -> None:
+    """Hold the forward key until the wheels are given some speed: a busy computer lets go of it, and it is pressed
+    anew."""
+    for _ in range(6):
+        hold(page, "KeyW")
+        if any(rows and rows[-1].linear_mps > 0.1 for rows in wheels_until(robot, page, 4)):
+            return
+        page.keyboard.up("KeyW")
+    raise AssertionError("the wheels were never fast")
 
 
 def wait_odometry(robot: Robot, page: Page, there: Callable[[dict[str, float]], bool]) -> None:
@@ -63,10 +68,25 @@ def wait_odometry(robot: Robot, page: Page, there: Callable[[dict[str, float]], 
         page.wait_for_timeout(50)
 
 
-def braking_begins(robot: Robot, after: float) -> float:
+def stopped_by(robot: Robot, page: Page, take_away: Callable[[], float]) -> tuple[float, list[GuardRow]]:
+    """Drive by a held key, and have ``take_away`` end that, which returns when it did; then, and what the wheels were
+    given until they rested.
+
+    On a busy computer the page may have let go by itself just before, which says nothing of what stops it: then anew.
+    """
+    for _ in range(4):
+        hold_fast(robot, page)
+        taken = take_away()
+        rows = wait_for_rest(robot, page, lasting_s=0.3)
+        if moving([row for row in rows if row.monotonic_s < taken][-1]):
+            return taken, rows
+        page.keyboard.up("KeyW")
+    raise AssertionError("the page let go by itself each time")
+
+
+def braking_begins(rows: list[GuardRow], after: float) -> float:
     """Monotonic time of the first row after ``after`` that is slower than the one before it."""
-    rows = [row for row in robot.wheels() if row.monotonic_s >= after]
-    for before, row in itertools.pairwise(rows):
+    for before, row in itertools.pairwise(row for row in rows if row.monotonic_s >= after):
         if abs(row.linear_mps) < abs(before.linear_mps) - 1e-9:
             return row.monotonic_s
     raise AssertionError("the wheels were never slowed down")
@@ -101,26 +121,28 @@ def test_turning_left_is_to_the_left(robot: Robot, page: Page) -> None:
 @pytest.mark.parametrize("how", ["blur", "pagehide", "visibilitychange"])
 def test_whatever_takes_the_page_away_stops(robot: Robot, page: Page, how: str) -> None:
     """A key is still down, but nobody is looking: stop; and do not start again when people come back."""
-    hold(page, "KeyW")
-    lost = time.monotonic()
-    if how == "visibilitychange":
-        page.evaluate(
-            "Object.defineProperty(document, 'hidden', {value: true, configurable: true});"
-            "Object.defineProperty(document, 'visibilityState', {value: 'hidden', configurable: true});"
-            "document.dispatchEvent(new Event('visibilitychange'))"
-        )
-    else:
-        page.evaluate("name => window.dispatchEvent(new Event(name))", how)
-    stopped = wait_for_rest(robot, page, lasting_s=0.3)
-    assert braking_begins(robot, lost) - lost < 0.1 + SLACK_S
+
+    def take_away() -> float:
+        lost = time.monotonic()
+        if how == "visibilitychange":
+            page.evaluate(
+                "Object.defineProperty(document, 'hidden', {value: true, configurable: true});"
+                "Object.defineProperty(document, 'visibilityState', {value: 'hidden', configurable: true});"
+                "document.dispatchEvent(new Event('visibilitychange'))"
+            )
+        else:
+            page.evaluate("name => window.dispatchEvent(new Event(name))", how)
+        return lost
+
+    lost, stopped = stopped_by(robot, page, take_away)
+    assert braking_begins(stopped, lost) - lost < 0.1 + SLACK_S
     page.wait_for_timeout(300)
     assert not any(map(moving, robot.wheels()[len(stopped) :]))
 
 
 def test_a_closed_tab_stops(robot: Robot, page: Page) -> None:
     """Closing the tab while a key is down commands zero within 100 ms of the page's end."""
-    hold(page, "KeyW")
-    page.wait_for_timeout(1_200)
+    hold_fast(robot, page)
     page.close(run_before_unload=False)
     closed = time.monotonic()
     # The robot begins to brake while the tab is being closed, or within 100 ms of its end.
@@ -130,26 +152,27 @@ def test_a_closed_tab_stops(robot: Robot, page: Page) -> None:
 
 def test_a_frozen_page_stops(robot: Robot, page: Page) -> None:
     """A page that hangs says nothing: the robot brakes by itself within 300 ms."""
-    hold(page, "KeyW")
-    page.wait_for_timeout(1_200)
-    page.evaluate(
-        "setTimeout(() => {"
-        "  window.frozen = Date.now(); while (Date.now() < window.frozen + 2000); window.thawed = true; })"
-    )
-    page.wait_for_function("window.thawed")
-    frozen = page.evaluate("window.frozen") / 1e3 - (time.time() - time.monotonic())
-    assert braking_begins(robot, frozen) - frozen < 0.3 + SLACK_S
+
+    def freeze() -> float:
+        page.evaluate(
+            "setTimeout(() => {"
+            "  window.frozen = Date.now(); while (Date.now() < window.frozen + 2000); window.thawed = true; })"
+        )
+        page.wait_for_function("window.thawed")
+        frozen: float = page.evaluate("window.thawed = false; window.frozen") / 1e3
+        return frozen - (time.time() - time.monotonic())
+
+    frozen, stopped = stopped_by(robot, page, freeze)
+    assert braking_begins(stopped, frozen) - frozen < 0.3 + SLACK_S
 
 
 def test_a_frozen_runtime_stops(robot: Robot, page: Page) -> None:
     """The whole program is stopped by a signal: the guard, in its own process, brakes within 250 ms."""
-    hold(page, "KeyW")
-    wait_fast(robot, page)
+    hold_fast(robot, page)
     frozen = time.monotonic()
     robot.process.send_signal(signal.SIGSTOP)
     try:
-        wait_for_rest(robot, page)
-        assert braking_begins(robot, frozen) - frozen < 0.25 + SLACK_S
+        assert braking_begins(wait_for_rest(robot, page), frozen) - frozen < 0.25 + SLACK_S
         page.locator("[data-testid=connection][data-phase=stale]").wait_for()
     finally:
         robot.process.send_signal(signal.SIGCONT)
