@@ -17,9 +17,11 @@ import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from functools import cache
 from importlib import metadata
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -71,17 +73,27 @@ def make_ready() -> None:
 
 
 def compile_all(say: Callable[[str], None]) -> None:
-    """Compile every kernel that is not compiled yet; ``say`` is told each file before its turn.
+    """Compile every kernel that is not compiled yet, in as many processes as there are cores; ``say`` is told each file
+    when it is done. Raises what the first file that failed raises, once the others are done.
 
     Several processes that want it at once take turns, and find it done.
     """
     with _alone():
-        missing = _missing()
-        for number, name in enumerate(missing, 1):
-            say(f"compiling {name} ({number} of {len(missing)})")
-            digest = _digest(name)
-            importlib.import_module(name)
-            _note(name, digest)
+        missing = {name: _digest(name) for name in _missing()}
+        if not missing:
+            return
+        with ProcessPoolExecutor(min(os.cpu_count() or 1, len(missing)), mp_context=get_context("spawn")) as pool:
+            jobs = {pool.submit(_compile, name): name for name in missing}
+            for number, job in enumerate(as_completed(jobs), 1):
+                if job.exception() is None:
+                    _note(jobs[job], missing[jobs[job]])
+                    say(f"compiled {jobs[job]} ({number} of {len(missing)})")
+        for job in jobs:
+            job.result()
+
+
+def _compile(name: str) -> None:
+    importlib.import_module(name)
 
 
 def _missing() -> list[str]:

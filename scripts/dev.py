@@ -70,8 +70,7 @@ def main() -> int:
             set_up({"test"}, page_wanted=False)
             return run([PYTHON, ROOT / "scripts" / "references.py", *args.arguments])
         if args.task == "bench":
-            set_up({"test", "bench"})
-            install_debian_packages()
+            set_up({"test", "bench"}, debian=True)
             return run([PYTHON, "-m", "benchmarks", *args.arguments])
         return test(args.arguments)
     except SetupFailed as failure:
@@ -84,18 +83,27 @@ def main() -> int:
 # --- Set-up ------------------------------------------------------------------------------------------------------
 
 
-def set_up(extras: set[str], *, page_wanted: bool = True) -> None:
-    """The virtual environment with ``extras``, the compiled kernels and, if wanted, the page."""
+def set_up(extras: set[str], *, page_wanted: bool = True, debian: bool = False) -> None:
+    """The virtual environment with ``extras``, the compiled kernels and, if wanted, the page and Debian's packages.
+
+    What does not need the environment is done beside it.
+    """
     make_environment()
-    install(extras)
-    with ThreadPoolExecutor(1) as beside:
-        built = beside.submit(build_page) if page_wanted else None
+    with ThreadPoolExecutor(2) as beside:
+        node = page.find_node() if page_wanted else None
+        built = beside.submit(build_page, node) if node is not None else None
+        packages = beside.submit(install_debian_packages) if debian else None
+        install(extras)
         compile_kernels()
         try:
             if built is not None:
                 built.result()
+            elif page_wanted:
+                build_page(None)
         except page.PageFailed as failure:
             sys.stderr.write(f"\nThe operator page is not built, the console will serve a plain one. {failure}\n\n")
+        if packages is not None:
+            packages.result()
 
 
 def make_environment() -> None:
@@ -159,11 +167,11 @@ def compile_kernels() -> None:
         raise SetupFailed("The numerical kernels could not be compiled: what failed stands above.")
 
 
-def build_page() -> None:
-    """Build the page unless it is current. Raises PageFailed."""
+def build_page(node: page.Node | None) -> None:
+    """Build the page unless it is current, with one from PyPI where there is no ``node``. Raises PageFailed."""
     if page.is_current():
         return
-    node = node_or_install()
+    node = node or node_or_install()
     say("building the operator page")
     page.build(node)
 
@@ -280,8 +288,7 @@ def lint() -> int:
 def test(arguments: list[str]) -> int:
     """Set up, lint, the page's own tests, then pytest, whose closing line comes last."""
     began = time.monotonic()
-    set_up({"test"})
-    install_debian_packages()
+    set_up({"test"}, debian=True)
     set_up_s = time.monotonic() - began
     with ThreadPoolExecutor(1) as beside:
         page_tested = beside.submit(web_tests)

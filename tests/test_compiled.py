@@ -41,12 +41,24 @@ def test_what_changed_is_compiled_again_and_nothing_else(tmp_path: Path, monkeyp
     assert not compiled.is_ready()
     compiled.compile_all(told.append)
     assert compiled.is_ready()
-    assert [text.split()[1] for text in told] == names
+    assert sorted(text.split()[1] for text in told) == names
     digest = compiled._digest
     monkeypatch.setattr(compiled, "_digest", lambda name: "other" if name == names[1] else digest(name))
     assert not compiled.is_ready()
     compiled.compile_all(told.append)
-    assert told[2:] == [f"compiling {names[1]} (1 of 1)"]
+    assert told[2:] == [f"compiled {names[1]} (1 of 1)"]
+
+
+def test_a_file_that_cannot_be_compiled_keeps_no_other_from_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compiled, "_stamp_file", lambda: tmp_path / "kernels.sha256")
+    names = ["app.no_such_file", "app.modules.perception.slam.search"]
+    monkeypatch.setattr(compiled, "kernel_modules", lambda: names)
+    monkeypatch.setattr(compiled, "_digest", lambda name: "now")
+    told: list[str] = []
+    with pytest.raises(ModuleNotFoundError, match="no_such_file"):
+        compiled.compile_all(told.append)
+    assert [text.split()[1] for text in told] == names[1:]
+    assert compiled._missing() == names[:1]
 
 
 def test_kernels_leave_the_interpreters_lock_and_are_kept() -> None:

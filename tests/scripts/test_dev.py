@@ -120,7 +120,9 @@ def test_others_are_told_what_to_install(
     assert "as root, apt-get install chromium libegl1" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("has_node", [True, False])
 def test_an_unbuilt_page_does_not_stop_the_robot(
+    has_node: bool,
     dev: ModuleType,
     page: ModuleType,
     checkout: Path,
@@ -129,7 +131,11 @@ def test_an_unbuilt_page_does_not_stop_the_robot(
 ) -> None:
     use(dev, monkeypatch, Programs())
 
-    def no_registry() -> None:
+    found = page.Node(checkout / "node", ("npm",)) if has_node else None
+    monkeypatch.setattr(dev.page, "find_node", lambda *_: found)
+
+    def no_registry(node: object) -> None:
+        assert node is found
         raise page.PageFailed("The npm registry cannot be reached: connect this computer to the network.")
 
     monkeypatch.setattr(dev, "build_page", no_registry)
