@@ -15,7 +15,7 @@ from app.recording import open as opening
 from app.recording.manifest import Manifest
 from tests.replay.logs import MemoryLog, lab_log, numbered, write_log
 
-pytestmark = pytest.mark.blocking(reason="the virtual loop waits for threads by design")
+pytestmark = [pytest.mark.slow, pytest.mark.blocking(reason="the virtual loop waits for threads by design")]
 
 
 @pytest.fixture
@@ -33,7 +33,6 @@ def log_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return file
 
 
-@pytest.mark.slow
 def test_strategies_cost_what_was_measured(program: Path, log_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["calibrate", str(log_file), "--config", str(program), "--only", "CameraStream,Teleop"]) == 0
     said = capsys.readouterr()

@@ -26,7 +26,7 @@ from app.recording.mcap_file import McapFile
 from app.recording.ros.encoder import Encoder
 from tests.replay.logs import BEGIN, damage, lab_manifest, lab_messages, write_log
 
-pytestmark = pytest.mark.blocking(reason="the virtual loop waits for threads by design")
+pytestmark = [pytest.mark.slow, pytest.mark.blocking(reason="the virtual loop waits for threads by design")]
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +53,6 @@ def test_headless_prints_tables_and_writes_json(
     assert values["intentions"][0]["strategies"] == ["drive-by-hand"]
 
 
-@pytest.mark.slow
 def test_two_runs_write_the_same(recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     told = []
     for run in range(2):
@@ -67,7 +66,6 @@ def test_two_runs_write_the_same(recording: Path, tmp_path: Path, capsys: pytest
     assert told[0]["end"] - told[0]["begin"] == pytest.approx(2.0)
 
 
-@pytest.mark.slow
 def test_behind_damage_it_goes_on_and_says_what_is_missing(
     recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -92,7 +90,6 @@ def test_behind_damage_it_goes_on_and_says_what_is_missing(
     assert lost > 10
 
 
-@pytest.mark.slow
 def test_a_replay_can_be_recorded_and_replayed_by_its_name(
     recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -189,11 +186,10 @@ def test_a_path_wins_over_a_recordings_name(tmp_path: Path, monkeypatch: pytest.
         find_log("talk")
 
 
-@pytest.mark.slow
 def test_the_console_serves_a_replay_and_ends_with_a_signal(recording: Path) -> None:
     process = subprocess.Popen(
         [sys.executable, "-m", "app.cli", "replay", str(recording), "--port", "0"],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONASYNCIODEBUG": "0"},
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONASYNCIODEBUG": ""},
         cwd=Path(__file__).parents[2],
     )  # fmt: skip
     try:
@@ -211,12 +207,11 @@ def test_the_console_serves_a_replay_and_ends_with_a_signal(recording: Path) -> 
         process.communicate()
 
 
-@pytest.mark.slow
 def test_a_replay_that_nobody_watches_ends(recording: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "app.cli", "replay", str(recording), "--port", "0", "--exit-when-unwatched", "1"],
         capture_output=True, text=True, timeout=40, check=False, cwd=Path(__file__).parents[2],
-        env={**os.environ, "PYTHONASYNCIODEBUG": "0"},
+        env={**os.environ, "PYTHONASYNCIODEBUG": ""},
     )  # fmt: skip
     assert done.returncode == 0
     assert "HBBA replays" in done.stdout

@@ -34,7 +34,7 @@ from tests.replay.logs import BEGIN, MemoryLog, lab_log, lab_manifest, lab_messa
 DATA = Path(os.environ.get("HBBA_REFERENCE_DATA") or Path(__file__).parents[3] / "shared" / "data") / "slam"
 
 # Nothing runs on a loop that others wait for: the replay's own loop is virtual.
-pytestmark = pytest.mark.blocking(reason="the virtual loop waits for threads by design")
+pytestmark = [pytest.mark.slow, pytest.mark.blocking(reason="the virtual loop waits for threads by design")]
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +58,6 @@ def test_every_module_lives_the_log(report: ReplayReport) -> None:
     assert all(module.restarts == 0 for module in report.modules.values())
 
 
-@pytest.mark.slow
 def test_the_operators_hands_drive_again() -> None:
     driven: list[str | None] = []
     twists: list[Twist] = []
@@ -88,7 +87,6 @@ def test_desires_of_others_come_at_their_times(report: ReplayReport) -> None:
     assert [at for at, _ in lines] == [0.0, 0.0, 1.0, 2.0, 3.0]
 
 
-@pytest.mark.slow
 def test_without_desires_attention_is_left_to_the_modules() -> None:
     report = run_headless(lab_log(), ReplayOptions(desires=False))
     assert report.channels["camera_jpeg"].messages == 0
@@ -129,7 +127,6 @@ def pictures_taken(phi: float, offset: int) -> list[float]:
     return stamps
 
 
-@pytest.mark.slow
 def test_any_divisor_at_any_offset_takes_exactly_its_share() -> None:
     images = [logged.message.stamp for logged in lab_log().messages(channels={"kinect"})]
     for offset in range(4):
@@ -137,7 +134,6 @@ def test_any_divisor_at_any_offset_takes_exactly_its_share() -> None:
     assert pictures_taken(math.inf, 0) == []
 
 
-@pytest.mark.slow
 def test_an_offset_counts_from_the_first_opening_of_an_attended_filter() -> None:
     """Attention opens the filter at the begin: three images go by, then every one is taken until its φ changes."""
     stamps: list[float] = []
@@ -204,7 +200,6 @@ def a_busy_computer(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         yield
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "options",
     [
@@ -222,7 +217,6 @@ def test_two_replays_are_equal_also_on_a_busy_computer(options: ReplayOptions, m
     assert any(channel.messages for channel in first.channels.values())
 
 
-@pytest.mark.slow
 def test_a_recording_on_disk_is_relived_the_same_on_a_busy_computer(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, report: ReplayReport
 ) -> None:
@@ -246,7 +240,6 @@ def test_a_recording_on_disk_is_relived_the_same_on_a_busy_computer(
     assert first.channels["kinect"].messages == report.channels["kinect"].messages
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("file", ["intel-corrected.log.gz", "freiburg-079-corrected.log.gz"])
 def test_a_public_laser_log_runs_through_our_modules(file: str, tmp_path: Path) -> None:
     if not (DATA / file).is_file():
@@ -271,7 +264,6 @@ def test_a_public_laser_log_runs_through_our_modules(file: str, tmp_path: Path) 
     assert all(module.restarts == 0 for module in report.modules.values())
 
 
-@pytest.mark.slow
 def test_processes_agree_whatever_their_hash_seed(report: ReplayReport, tmp_path: Path) -> None:
     script = (
         "import sys; from tests.replay.logs import lab_log; from app.replay.headless import run_headless; "
@@ -279,7 +271,7 @@ def test_processes_agree_whatever_their_hash_seed(report: ReplayReport, tmp_path
     )
     outcomes = []
     for seed in ("1", "77"):
-        environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONASYNCIODEBUG": "0"}
+        environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONASYNCIODEBUG": ""}
         done = subprocess.run(
             [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment,
             cwd=Path(__file__).parents[2], timeout=50,

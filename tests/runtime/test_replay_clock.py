@@ -152,6 +152,7 @@ STEPS = st.lists(
 
 @given(STEPS)
 @settings(deadline=None, max_examples=150)
+@pytest.mark.slow
 def test_whatever_is_done_with_it(steps: list[tuple[str, float]]) -> None:
     run_virtual(relive(steps))
 

@@ -102,6 +102,7 @@ def at(body: RobotConfig, x: float, y: float, heading_deg: float = 0.0) -> Robot
     return body.model_copy(update={"start": start})
 
 
+@pytest.mark.slow
 def test_a_person_who_steps_in_front_is_not_touched(robot: RobotConfig, hall: WorldConfig) -> None:
     """At 0.4 m/s; the person walks in from aside and stands where the base is about to be."""
     line_m, walk_m, ahead_m, speed_mps = 0.6, 0.9, 0.75, 1.5
@@ -142,6 +143,7 @@ def test_a_doorway_of_a_metre_is_driven_through(robot: RobotConfig, aside_m: flo
     ride(at(robot, 9.25, 10.0 + aside_m), world, script)
 
 
+@pytest.mark.slow
 def test_hands_that_push_on_at_random_touch_nothing(robot: RobotConfig) -> None:
     """Forward and round among boxes and posts, whatever is in the way."""
     boxes = [
@@ -160,6 +162,7 @@ def test_hands_that_push_on_at_random_touch_nothing(robot: RobotConfig) -> None:
     ride(at(robot, 10, 10), make_hall(objects=boxes), script)
 
 
+@pytest.mark.slow
 def test_out_of_a_tight_place_it_crawls_back_and_turns(robot: RobotConfig, hall: WorldConfig) -> None:
     async def script(begun: Ride) -> None:
         await begun.drive(0.4, 0.0, 3.0)

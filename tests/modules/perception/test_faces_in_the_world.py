@@ -27,7 +27,7 @@ from app.robots.simulated.scenario_config import ScenarioConfig
 from app.robots.simulated.stage import Stage
 from tests.robots.conftest import CONFIG, load_robot_config, make_hall, needs_gl
 
-pytestmark = needs_gl
+pytestmark = [pytest.mark.slow, needs_gl]
 
 HERE = Pose2(5.0, 5.0, 0.0)
 Make = Callable[..., "World"]

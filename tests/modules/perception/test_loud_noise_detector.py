@@ -140,6 +140,7 @@ def test_sound_that_was_lost_is_said_and_it_listens_afresh(caplog: pytest.LogCap
     assert len([r for r in caplog.records if "listening begins afresh" in r.message]) == 1
 
 
+@pytest.mark.slow
 def test_the_desire_says_how_loud_is_loud_and_how_far_apart() -> None:
     async def main() -> None:
         async with bench() as b:

@@ -124,6 +124,7 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> MapLibrary:
     return library
 
 
+@pytest.mark.slow
 def test_it_maps_and_knows_where_it_is_though_wheels_slip(library: MapLibrary) -> None:
     async def script(body: Body) -> None:
         await body.go(ROUND)
@@ -406,6 +407,7 @@ def test_mapping_goes_on_from_a_kept_map(kept: MapLibrary, library: MapLibrary) 
     assert whole.known_m2 > half.known_m2 + 5
 
 
+@pytest.mark.slow
 def test_a_map_of_another_program_is_followed_on_but_does_not_grow(library: MapLibrary) -> None:
     library.keep("foreign", drawn(HALL, (12, 8)))
 

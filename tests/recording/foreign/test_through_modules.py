@@ -17,7 +17,7 @@ from app.replay.headless import Watch, run_headless
 from tests.recording.foreign import drive
 from tests.recording.foreign.bags import Sent, write_ros1, write_ros2_mcap
 
-pytestmark = pytest.mark.blocking(reason="the virtual loop waits for threads by design")
+pytestmark = [pytest.mark.slow, pytest.mark.blocking(reason="the virtual loop waits for threads by design")]
 
 TEXT = "a code on another robot's wall"
 #: The wall is the plane x = 3.5 m of odom; the poster's centre and side (m).

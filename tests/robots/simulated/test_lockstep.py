@@ -139,6 +139,7 @@ def test_an_emergency_stop_holds_until_it_is_cleared_also_over_a_restart(robot: 
     assert free > 5.1
 
 
+@pytest.mark.slow
 def test_two_runs_are_the_same_and_another_seed_is_not(robot: RobotConfig, hall: WorldConfig) -> None:
     async def script(body: Body) -> tuple[Any, ...]:
         body.link.demand("hokuyo", True)
@@ -151,6 +152,7 @@ def test_two_runs_are_the_same_and_another_seed_is_not(robot: RobotConfig, hall:
     assert live(at(robot, 10, 10).model_copy(update={"seed": 2}), hall, script, WALKING) != first
 
 
+@pytest.mark.slow
 def test_contacts_tell_what_was_touched_and_each_time_once(robot: RobotConfig) -> None:
     posts = {"at": [(6.0, 10.0)], "material": "wall"}
     world = make_hall(cylinders=[posts])

@@ -113,6 +113,7 @@ def test_the_better_ones_are_fast_and_smooth(name: str) -> None:
     assert np.mean(turning) < 0.1
 
 
+@pytest.mark.slow
 def test_at_a_wall_it_stands_and_says_so(name: str, kind: str) -> None:
     time, least, motions = follow(name, kind, wall(1.0, -5.0, 1.0, 5.0), [(-1.0, 0.0), (3.0, 0.0)], limit_s=12.0)
     assert time == math.inf
