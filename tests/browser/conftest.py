@@ -1,7 +1,7 @@
 """The whole running program, and a real browser in front of it.
 
-Each test gets a robot of its own (``hbba run`` as a process) in the simulated lab, with the guard's log turned on:
-what the wheels were really given, on the clock of this computer.
+Each test, where its file says nothing else, gets a robot of its own (``hbba run`` as a process) in the simulated lab,
+with the guard's log turned on: what the wheels were really given, on the clock of this computer.
 """
 
 from __future__ import annotations

@@ -60,16 +60,6 @@ def test_inhibiting_a_class_closes_its_filter(robot: Robot, page: Page) -> None:
     assert robot.get("/intention")["filters"]["QRCodeDetector.images"] is None
 
 
-def test_an_unknown_class_is_refused_with_a_problem_document(robot: Robot) -> None:
-    """RFC 9457: what is wrong, where, and what is allowed."""
-    status, kind, problem = robot.request("POST", "/desires", {"class": "Fly", "intensity": 8, "utility": 1})
-    assert status == 422
-    assert kind.startswith("application/problem+json")
-    assert problem["status"] == 422
-    assert "Fly" in str(problem)
-    assert "FindQRCodes" in str(problem)
-
-
 def test_a_desire_from_the_page(robot: Robot, page: Page) -> None:
     """The form made from the class's schema posts a desire, and its row can be removed again."""
     before = len(robot.get("/desires")["desires"])

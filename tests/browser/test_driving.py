@@ -13,14 +13,28 @@ from playwright.sync_api import Page, TimeoutError, expect
 
 from app.robots.simulated.guard_log import GuardRow
 from tests.browser.hands import hold, wait_driving
-from tests.browser.running import Robot
+from tests.browser.running import Robot, running_robot
 
 #: What the guard's ramp adds to the moment of the stop: 0.4 m/s at 0.4 m/s2, as an ordinary command brakes.
 BRAKING_S = 1.0
 #: What a busy computer may add; how fast it really is, `make bench` tells.
 SLACK_S = 0.2
-#: About how soon the wheels stop: not about what else the computer can do beside.
-CALM = True
+
+
+@pytest.fixture(scope="module")
+def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
+    """One for the whole file, which begins where the way is free for longest: test after test drives on.
+
+    A calm one: this is about how soon the wheels stop, not about what else the computer can do beside.
+    """
+    with running_robot(tmp_path_factory.mktemp("robot"), calm=True) as running:
+        yield running
+
+
+@pytest.fixture(autouse=True)
+def _free_to_drive(robot: Robot) -> None:
+    """Whatever the test before left."""
+    assert robot.request("DELETE", "/robot/e-stop")[0] == 200
 
 
 def moving(row: GuardRow) -> bool:
@@ -108,16 +122,6 @@ def test_held_key_drives_and_release_stops(robot: Robot, page: Page) -> None:
     assert forward(robot.odometry()) < 0.9
 
 
-def test_turning_left_is_to_the_left(robot: Robot, page: Page) -> None:
-    """A turns the heading counter-clockwise and moves nowhere."""
-    hold(page, "KeyA")
-    wait_odometry(robot, page, lambda odometry: odometry["theta"] > 0.3)
-    page.keyboard.up("KeyA")
-    wait_for_rest(robot, page)
-    after = robot.odometry()
-    assert math.hypot(after["x"], after["y"]) < 0.1
-
-
 @pytest.mark.parametrize("how", ["blur", "pagehide", "visibilitychange"])
 def test_whatever_takes_the_page_away_stops(robot: Robot, page: Page, how: str) -> None:
     """A key is still down, but nobody is looking: stop; and do not start again when people come back."""
@@ -159,6 +163,7 @@ def test_a_frozen_page_stops(robot: Robot, page: Page) -> None:
             "  window.frozen = Date.now(); while (Date.now() < window.frozen + 2000); window.thawed = true; })"
         )
         page.wait_for_function("window.thawed")
+        page.keyboard.up("KeyW")  # or it would drive on
         frozen: float = page.evaluate("window.thawed = false; window.frozen") / 1e3
         return frozen - (time.time() - time.monotonic())
 
@@ -204,7 +209,7 @@ def test_two_pages_share_one_wheel(robot: Robot, open_page: Callable[[], Page]) 
     hold(first, "KeyW")
     wait_driving(second)
     first.keyboard.up("KeyW")
-    stopped = wait_for_rest(robot, first)
+    stopped = wait_for_rest(robot, first, lasting_s=0.3)
     second.keyboard.down("KeyW")
     expect(second.get_by_test_id("notice").first).to_be_visible()
     second.keyboard.up("KeyW")
@@ -234,3 +239,23 @@ def test_escape_closes_the_help_of_a_standing_robot_and_stops_a_moving_one(robot
             continue
         return
     pytest.fail("the robot moved, and Escape did not latch its emergency stop")
+
+
+def test_turning_left_is_to_the_left_and_right_is_back(robot: Robot, page: Page) -> None:
+    """A turns the heading counter-clockwise, D back, and both move nowhere."""
+    before = robot.odometry()
+
+    def turned(odometry: dict[str, float]) -> float:
+        return math.remainder(odometry["theta"] - before["theta"], math.tau)
+
+    hold(page, "KeyA")
+    wait_odometry(robot, page, lambda odometry: turned(odometry) > 0.3)
+    page.keyboard.up("KeyA")
+    wait_for_rest(robot, page, lasting_s=0.3)
+    hold(page, "KeyD")
+    wait_odometry(robot, page, lambda odometry: turned(odometry) < 0.15)
+    page.keyboard.up("KeyD")
+    wait_for_rest(robot, page, lasting_s=0.3)
+    after = robot.odometry()
+    assert turned(after) < 0.2
+    assert math.hypot(after["x"] - before["x"], after["y"] - before["y"]) < 0.1
