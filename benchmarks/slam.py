@@ -5,7 +5,9 @@ counts from 5 scans a second; scans between those taken get poses from odometry 
 GMapping with ROS's settings (30 particles), built and run on the same logs and relations on another day; on Fr079 it
 doubles the map six times of six. *720 rays* are Fr079's scans with a ray between each two. *Corridors* are 1.7 km,
 synthetic (``corridors.py``), with odometry that tells so much of each metre and radian: *revisits* are pairs of scans
-within 2 m of each other, with 500 scans or more between them. The rest needs the reference data (HBBA_REFERENCE_DATA).
+within 2 m of each other, with 500 scans or more between them. *Off the reference* is the trajectory's root mean square
+distance from poses by Freiburg's GMapping; *walls off a right angle* and *astray* tell which of both is the truer
+(``walls.py``): the peer is that reference. The rest needs the reference data (HBBA_REFERENCE_DATA).
 """
 
 from __future__ import annotations
@@ -18,14 +20,18 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from app.commands.slam.sweeps import sweep_key
+from app.commands.slam.truth import read_reference
 from app.geometry import Pose2
 from app.modules.perception.slam.offline import MappedLog, Sweep, mapped
 from app.modules.perception.slam.relations import RelationErrors, between, filled_in, relation_errors, trajectory_error
 from app.modules.perception.slam.scans import Beams
 from benchmarks.corridors import ANGLES, drive
 from benchmarks.report import Row, benchmark_main, row
+from benchmarks.walls import squareness, wall_pieces
 
 DATA = Path(os.environ.get("HBBA_REFERENCE_DATA") or Path(__file__).resolve().parents[2] / "shared" / "data") / "slam"
+REFERENCES = {"intel": "intel-corrected.log.gz", "fr079": "freiburg-079-corrected.log.gz"}
 NAMES = {"intel": "Intel", "fr079": "Fr079"}
 PEER = "GMapping"
 #: Mean relation error (m) and CPU time (s) of the peer.
@@ -55,6 +61,7 @@ def measure(quick: bool) -> list[Row]:
             _row(name, "gross errors", "relations", errors.gross),
             _row(name, "whole log", "s CPU", log.cpu_s, [peer_s], **peer),
             *_scan_rows(NAMES[name], log),
+            *_reference_rows(name, log),
         ]
     rows += _scan_rows("720 rays", mapped(_sweeps("fr079", between=True)))
     for phi in () if quick else PHIS:
@@ -102,6 +109,24 @@ def _scan_rows(case: str, log: MappedLog) -> list[Row]:
     return [
         row("slam", case, "a scan, mean", "ms CPU", [float(ms.mean())]),
         row("slam", case, "a scan, p99", "ms CPU", [float(np.percentile(ms, 99))]),
+    ]
+
+
+def _reference_rows(name: str, log: MappedLog) -> list[Row]:
+    """How far both are apart, and how square the building is by each."""
+    reference = read_reference(DATA / REFERENCES[name])
+    rows = {sweep_key(sweep.ranges): number for number, sweep in enumerate(_sweeps(name))}
+    taken = {int(number): row for row, number in enumerate(log.numbers())}
+    pairs = [(rows[key], row) for row, key in enumerate(reference.keys) if rows.get(key) in taken]
+    ours = log.poses()[[taken[number] for number, _ in pairs]]
+    theirs = reference.poses[[row for _, row in pairs]]
+    sweeps = list(_sweeps(name))
+    pieces = [wall_pieces(sweeps[number].ranges, sweeps[number].beams.angles) for number, _ in pairs]
+    square, peer = squareness(ours[:, 2], pieces), squareness(theirs[:, 2], pieces)
+    return [
+        _row(name, "off the reference, rms", "m", trajectory_error(ours, theirs)[1]),
+        _row(name, "walls off a right angle", "°", square.skew_deg, [peer.skew_deg], "the reference"),
+        _row(name, "walls astray, median", "°", square.astray_deg, [peer.astray_deg], "the reference"),
     ]
 
 
