@@ -113,9 +113,10 @@ function SceneToggle() {
       class="scene-toggle button small"
       data-testid="scene-toggle"
       aria-pressed={shown}
+      title={shown ? "Hide the 3D view" : "Show the 3D view"}
       onClick={() => store.showScene(!shown)}
     >
-      <CubeIcon /> {shown ? "Hide 3D" : "Show 3D"}
+      <CubeIcon /> <span class="tool-words">{shown ? "Hide 3D" : "Show 3D"}</span>
     </button>
   );
 }
