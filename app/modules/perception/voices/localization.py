@@ -25,6 +25,7 @@ from scipy import fft
 
 from app.modules.perception.voices.array import MicrophoneArray
 from app.modules.perception.voices.clarity import Clarity
+from app.modules.perception.voices.onsets import Onsets
 from app.modules.perception.voices.steering import SPEED_OF_SOUND, arrivals, search_grid, tangents
 
 _SMALL = 1e-12
@@ -94,7 +95,8 @@ class Peaks:
     ``echoes`` (K,), from 0 up: how well what comes from there is a later copy of what comes from a stronger peak. About
     0.3 between two talkers, about 0.6 between one and his reflection in a wall; 0 for the strongest. ``steady`` (K, 3):
     the direction over the last half second, each source heard apart from the others: better than ``directions`` for
-    those that stand still, and late for those that walk; NaN where the search found none.
+    those that stand still, and late for those that walk; NaN where the search found none. ``onsets`` (K, 4): how well
+    what began since the last step agrees with it, how well all that sounded, and the most that either could be.
     """
 
     directions: NDArray[np.float64]
@@ -102,9 +104,10 @@ class Peaks:
     recent: NDArray[np.float64]
     echoes: NDArray[np.float64]
     steady: NDArray[np.float64]
+    onsets: NDArray[np.float64]
 
 
-NO_PEAKS = Peaks(np.zeros((0, 3)), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros((0, 3)))
+NO_PEAKS = Peaks(np.zeros((0, 3)), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros((0, 3)), np.zeros((0, 4)))
 
 
 class Localizer:
@@ -127,6 +130,7 @@ class Localizer:
         self._band = slice(int(chosen[0]), int(chosen[-1]) + 1)
         self._prepare(np.asarray(self.frequencies[self._band], np.float64))
         self._clarity = Clarity(len(chosen), self.hop / rate, settings.tail, settings.tail_s, settings.floor)
+        self._onsets = Onsets()
         pairs, bins = len(array.first), len(chosen)
         # What the robot's own noise is like does not change when sound is lost: never forgotten.
         self._still = np.zeros((pairs, bins), np.complex64)
@@ -150,8 +154,8 @@ class Localizer:
         self._rows = np.arange(len(array.first)) * self._width + self._longest
         self._cells = np.ascontiguousarray((np.rint(lags).astype(np.int64) + self._rows).T)
         first, second = array.first, array.second
+        self._omega = (2 * np.pi / self.rate * frequencies).astype(np.float32)
         self._across = -(array.offsets[first] - array.offsets[second]).T * (self.rate / SPEED_OF_SOUND)
-        self._omega = (2j * np.pi / self.rate * frequencies).astype(np.complex64)
 
     def _lags(self, directions: NDArray[np.float64]) -> NDArray[np.float64]:
         """How many samples later sound of ``directions`` (G, 3) comes to the first of each pair: (G, P)."""
@@ -171,6 +175,7 @@ class Localizer:
         self._steps = 0
         self._found = NO_PEAKS
         self._clarity.reset()
+        self._onsets.reset()
 
     def process(
         self, samples: NDArray[np.float32], expected: NDArray[np.float64] | None = None, turned: float = 0.0
@@ -203,6 +208,7 @@ class Localizer:
         powers = squares.mean(axis=1)
         heard = [(self._clarity.weigh(power), self._clarity.background, self._clarity.quiet) for power in powers]
         weights = np.stack([weight for weight, _, _ in heard])
+        self._onsets.hear(phases, powers, weights)
         still = np.stack([weight * background for weight, background, _ in heard])
         quiet = float(np.min([alone.mean() for _, _, alone in heard]))
         weighted = phases * weights[:, None, :]
@@ -268,7 +274,7 @@ class Localizer:
             direction, power = self._climb(correlation, self.grid[best][None], 1)
             if power[0] < least:
                 break
-            steering = self._steer(direction)
+            steering = self._steer(direction)[0]
             copies = [
                 self._copy(whole, beam, steering) / math.sqrt(stronger * power[0])
                 for beam, stronger, other in zip(beams[:2], powers[:2], directions[:2], strict=True)
@@ -286,7 +292,8 @@ class Localizer:
         if not directions:
             return NO_PEAKS
         places = np.array(directions)
-        return Peaks(places, np.array(powers), np.zeros(len(powers)), np.array(echoes), places)
+        nothing = np.zeros(len(powers))
+        return Peaks(places, np.array(powers), nothing, np.array(echoes), places, np.zeros((len(powers), 4)))
 
     def _copy(self, cross: NDArray[np.complex64], beam: NDArray[np.complex64], later: NDArray[np.complex64]) -> float:
         """The most that the second of two beams (M, B) has of the first at any delay of a first reflection.
@@ -304,11 +311,16 @@ class Localizer:
         begin, end = (round(seconds * self.rate) for seconds in _REFLECTION_S)
         return float(sizes[begin:end].max() / (2 * pairs * bins))
 
-    def _steer(self, direction: NDArray[np.float64]) -> NDArray[np.complex64]:
-        """What brings sound from ``direction`` (1, 3) into phase at all microphones: (M, B)."""
+    def _steer(self, directions: NDArray[np.float64]) -> NDArray[np.complex64]:
+        """What brings sound from each of ``directions`` (K, 3) into phase at all microphones: (K, M, B)."""
         array = self.array
-        delays = arrivals(array.offsets, direction, self.settings.range_m, array.body_m)[0] * self.rate
-        return np.asarray(np.exp(self._omega * delays[:, None].astype(np.float32)))
+        delays = arrivals(array.offsets, directions, self.settings.range_m, array.body_m) * self.rate
+        angles = delays[:, :, None].astype(np.float32) * self._omega
+        # Sines and cosines of reals are several times as fast as complex exponentials.
+        steering = np.empty(angles.shape, np.complex64)
+        np.cos(angles, out=steering.real)
+        np.sin(angles, out=steering.imag)
+        return steering
 
     def _climb(
         self, correlation: NDArray[np.float32], directions: NDArray[np.float64], rounds: int
@@ -365,7 +377,9 @@ class Localizer:
             for k in chosen
         ]
         recent[chosen] = np.where(clear, recent[chosen], 0)
-        return Peaks(directions[chosen], powers[chosen], recent[chosen], echoes[chosen], steady[chosen])
+        directions = directions[chosen]
+        onsets = self._onsets.agreement(self._steer(directions))
+        return Peaks(directions, powers[chosen], recent[chosen], echoes[chosen], steady[chosen], onsets)
 
 
 def _turned(directions: NDArray[np.float64], angle: float) -> NDArray[np.float64]:

@@ -156,6 +156,7 @@ class Tracker:
                 source.recent = float(peaks.recent[k])
                 source.level = max(source.level, source.recent)
                 source.share = float(peaks.powers[k]) / max(self._strongest, settings.keep_power)
+                source.hear(peaks.onsets[k], math.exp(-passed / settings.lead_s))
                 self._sight(source, peaks, k, passed)
                 if source.recent >= settings.heard_power:
                     source.last_seen = time_s
@@ -178,7 +179,8 @@ class Tracker:
         if peaks.powers[k] >= settings.keep_power:
             source.power = float(peaks.powers[k])
             source.echo += min(1.0, passed / settings.echo_s) * (float(peaks.echoes[k]) - source.echo)
-            source.evidence = min(source.evidence + self._evidence(peaks, k, passed), settings.most_evidence)
+            evidence = source.evidence + self._evidence(peaks, k, passed, source.leads)
+            source.evidence = min(evidence, settings.most_evidence)
         # Two that pass one another are one peak for a while: each goes on as it went.
         crowded = any(
             other.id
@@ -208,13 +210,16 @@ class Tracker:
         own = source.recent >= max(settings.heard_power, settings.sure_level * source.level)
         return own and source.share >= settings.sure_share
 
-    def _evidence(self, peaks: Peaks, k: int, passed: float) -> float:
+    def _evidence(self, peaks: Peaks, k: int, passed: float, leads: float = 1.0) -> float:
         settings = self.settings
         power, strongest, echo = float(peaks.powers[k]), float(peaks.powers.max()), float(peaks.echoes[k])
         unlike, alike = settings.echo
-        own = min(1.0, max(0.0, (alike - echo) / (alike - unlike)))
+        least, plain = settings.birth_leads
+        own = min(1.0, max(0.0, (alike - echo) / (alike - unlike), (leads - least) / (plain - least)))
         # What is plainly no copy of the strongest may be much weaker.
         share = settings.birth_share * min(1.0, max(0.5, echo / unlike))
+        if leads > plain:
+            share = min(share, settings.birth_lead_share)
         strength = min(power / settings.birth_power, power / strongest / share)
         gain = own * strength**3 - 1
         return gain * passed / (settings.patience_s if gain > 0 else settings.mercy_s)

@@ -1,4 +1,4 @@
-"""Whom to tell of: proof by moments of one's own, trial, and trust that runs out."""
+"""Whom to tell of: proof by moments of one's own, who leads and who only follows, trial, and trust that runs out."""
 
 from __future__ import annotations
 
@@ -71,3 +71,67 @@ def test_who_may_be_a_copy_but_sounds_without_a_break_is_trusted(breaks: bool) -
         talker.heard_s += SETTINGS.trial_s / 20
     assert talker.proven
     assert told(talker, [talker], float(times[-1]), SETTINGS) is not breaks
+
+
+def leading(recent: float, leads: float, share: float = 1.0, number: int = 1) -> Source:
+    """One that agrees with what begins so many times as well as with the rest."""
+    heard = source(recent, share, number)
+    heard.hear(np.array([0.1 * leads, 0.1, 1.0, 1.0]), 0.0)
+    return heard
+
+
+@pytest.mark.parametrize(
+    ("leads", "echo", "other", "trusted"),
+    [
+        (1.0, 0.2, 1.4, False),
+        (1.07, 0.15, 1.4, True),  # surely no copy
+        (1.15, 0.35, 1.4, True),
+        (1.15, 0.5, 1.4, False),  # a copy, probably
+        (1.3, 0.65, 1.4, False),  # a copy too soon after its source to be told from it by when it begins
+        (1.15, 0.35, 1.8, False),  # what is heard beside it leads by far more
+        (0.95, 0.5, 1.2, True),  # too dry a room for echoes, or a sound that never begins anew, as a fan's
+    ],
+)
+def test_beside_a_louder_one_only_who_leads_is_told_of(leads: float, echo: float, other: float, trusted: bool) -> None:
+    weak, strong = leading(0.3, leads), leading(0.4, other, number=2)
+    weak.echo = echo
+    prove([weak, strong], 0.4, 9.0, SETTINGS)
+    assert weak.proven
+    assert told(weak, [weak, strong], 9.0, SETTINGS) is trusted
+    assert told(strong, [weak, strong], 9.0, SETTINGS)
+
+
+@pytest.mark.parametrize(("leads", "echo", "trusted"), [(1.35, 0.4, True), (1.2, 0.4, False), (1.35, 0.5, False)])
+def test_who_leads_plainly_need_not_be_loud_for_long(leads: float, echo: float, trusted: bool) -> None:
+    weak, strong = leading(0.2, leads, share=0.2), leading(0.4, 1.4, number=2)
+    weak.echo = echo
+    prove([weak, strong], 0.4, 9.0, SETTINGS)
+    assert not weak.proven
+    assert told(weak, [weak, strong], 9.0, SETTINGS) is trusted
+    weak.faint_s = SETTINGS.trust_s
+    assert not told(weak, [weak, strong], 9.0, SETTINGS)
+
+
+def test_who_is_loudest_need_not_lead() -> None:
+    steady, talker = leading(0.4, 1.0), leading(0.3, 1.4, number=2)
+    prove([steady, talker], 0.4, 9.0, SETTINGS)
+    assert told(steady, [steady, talker], 9.0, SETTINGS)
+
+
+@pytest.mark.parametrize(("sounded", "trusted"), [(0.9, True), (1.1, False)])
+def test_what_only_follows_is_told_of_for_a_moment(sounded: float, trusted: bool) -> None:
+    weak, strong = leading(0.3, 1.0), leading(0.4, 1.4, number=2)
+    weak.try_anew(9.0)
+    weak.heard_s = sounded * SETTINGS.soon_s
+    weak.last_sure = 9.0 + weak.heard_s
+    assert weak.heard_s < SETTINGS.trial_s
+    assert told(weak, [weak, strong], weak.last_sure, SETTINGS) is trusted
+
+
+def test_nothing_heard_yet_does_not_lead() -> None:
+    new = source(0.2, 1.0)
+    assert new.leads == 1
+    new.hear(np.array([0.2, -0.1, 1.0, 1.0]), 1.0)
+    assert new.leads == 1
+    new.hear(np.array([0.0, 0.3, 1.0, 1.0]), 0.5)
+    assert new.leads == pytest.approx(0.1 / 1.5 / (0.25 / 1.5))
