@@ -6,6 +6,7 @@ Scalars follow the YAML 1.2 core schema: ``off``, ``no`` and ``12:30`` are strin
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import json
 import re
@@ -40,12 +41,8 @@ _LIBRARYS_WORDS = re.compile(r"^(Input|Value|String|List|Tuple|Dictionary) (?=sh
 _LONGEST = 80
 
 
-class _CoreLoader(yaml.SafeLoader):
-    """SafeLoader with the scalars of YAML 1.2's core schema."""
-
-
-_CoreLoader.yaml_implicit_resolvers = {}
-for _tag, _pattern, _first in (
+#: Scalars of YAML 1.2's core schema: tag, pattern, and with what it can begin.
+_SCALARS = (
     ("null", r"^(?:~|null|Null|NULL|)$", ["~", "n", "N", ""]),
     ("bool", r"^(?:true|True|TRUE|false|False|FALSE)$", list("tTfF")),
     ("int", r"^[-+]?(?:[0-9]+|0x[0-9a-fA-F]+)$", list("-+0123456789")),
@@ -55,11 +52,23 @@ for _tag, _pattern, _first in (
         list("-+.0123456789"),
     ),
     ("merge", r"^<<$", ["<"]),
-):
-    _CoreLoader.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(_pattern), _first)
+)
 
 
-def _construct_int(loader: _CoreLoader, node: yaml.ScalarNode) -> int:
+class _CoreLoader(yaml.SafeLoader):
+    """SafeLoader with the scalars of YAML 1.2's core schema. Its errors tell most."""
+
+
+class _QuickLoader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]  # known at run time alone
+    """The same by libyaml, where PyYAML has it: a tenth of the time."""
+
+
+#: libyaml's loader calls itself without a limit: it gets no more opening brackets, and no longer line, than these.
+_MOST_BRACKETS = 2_000
+_LONGEST_LINE = 2_000
+
+
+def _construct_int(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> int:
     return _int(str(loader.construct_scalar(node)))
 
 
@@ -67,7 +76,11 @@ def _int(text: str) -> int:
     return int(text, 16) if "x" in text else int(text)  # a leading 0 is decimal in YAML 1.2, octal in 1.1
 
 
-_CoreLoader.add_constructor("tag:yaml.org,2002:int", _construct_int)
+for _loader in (_CoreLoader, _QuickLoader):
+    _loader.yaml_implicit_resolvers = {}
+    for _tag, _pattern, _first in _SCALARS:
+        _loader.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(_pattern), _first)
+    _loader.add_constructor("tag:yaml.org,2002:int", _construct_int)
 
 
 @dataclass(frozen=True)
@@ -132,24 +145,39 @@ def load_text(text: str, file: str) -> Document:
     """Read YAML or JSON from ``text``; ``file`` is its name in errors (for example "<standard input>")."""
     if "\t" in text and _is_json(text):
         text = text.replace("\t", " ")  # legal white space in JSON, not in YAML
-    loader: _CoreLoader | None = None
     try:
-        loader = _CoreLoader(text)
-        node = loader.get_single_node()
-        if node is None:
-            return Document(None, file, {(): 1})
-        lines: dict[KeyPath, int] = {}
-        _walk(node, (), lines, file, ())
-        return Document(loader.construct_document(node), file, lines)
+        if _is_flat(text):
+            with contextlib.suppress(yaml.YAMLError):  # the other loader says more of what is wrong
+                return _loaded(_QuickLoader, text, file)
+        return _loaded(_CoreLoader, text, file)
     except yaml.MarkedYAMLError as failure:
         mark = failure.problem_mark or failure.context_mark
         problem = failure.problem or failure.context or "is not YAML"
         raise ConfigError(f"is not valid YAML: {problem}", file, mark.line + 1 if mark else 0) from None
     except yaml.YAMLError as failure:
         raise ConfigError(f"is not valid YAML: {str(failure).splitlines()[0]}", file) from None
+    except RecursionError:
+        raise ConfigError("is nested too deeply to be read", file) from None
+
+
+def _loaded(kind: type[_CoreLoader] | type[_QuickLoader], text: str, file: str) -> Document:
+    """Raises YAMLError, ConfigError, and RecursionError where values lie too deep within others."""
+    loader = kind(text)
+    try:
+        node = loader.get_single_node()
+        if node is None:
+            return Document(None, file, {(): 1})
+        lines: dict[KeyPath, int] = {}
+        _walk(node, (), lines, file, ())
+        return Document(loader.construct_document(node), file, lines)
     finally:
-        if loader is not None:
-            loader.dispose()
+        loader.dispose()
+
+
+def _is_flat(text: str) -> bool:
+    """Whether no value can lie deep within others: each bracket, and each column of a line, is one level at most."""
+    brackets = text.count("[") + text.count("{")
+    return brackets <= _MOST_BRACKETS and max(map(len, text.splitlines()), default=0) <= _LONGEST_LINE
 
 
 def parse(path: Path | str, model: type[ModelT]) -> ModelT:

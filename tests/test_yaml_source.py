@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
 from pydantic import BaseModel, ConfigDict, Field
 
+from app import paths, yaml_source
 from app.errors import ConfigError
 from app.yaml_source import dotted, load_text, load_yaml, parse
 
@@ -131,3 +136,36 @@ def test_unreadable_files(tmp_path: Path) -> None:
 
 def test_dotted() -> None:
     assert dotted(("strategies", 3, "costs", "cpu")) == "strategies[3].costs.cpu"
+
+
+@pytest.mark.parametrize("path", sorted(paths.config_dir().rglob("*.yaml")), ids=lambda path: path.name)
+def test_both_loaders_read_the_programs_own_files_alike(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert yaml_source._is_flat(text)
+    quick, plain = (
+        yaml_source._loaded(loader, text, path.name) for loader in (yaml_source._QuickLoader, yaml_source._CoreLoader)
+    )
+    assert quick.data == plain.data
+    assert quick.lines == plain.lines
+
+
+DATA = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(),
+    lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
+)
+
+
+@given(DATA, st.booleans())
+def test_both_loaders_read_anything_alike(data: Any, flow: bool) -> None:
+    text = yaml.safe_dump(data, default_flow_style=flow, allow_unicode=True)
+    quick, plain = (
+        yaml_source._loaded(loader, text, "it") for loader in (yaml_source._QuickLoader, yaml_source._CoreLoader)
+    )
+    assert quick.data == plain.data
+    assert quick.lines == plain.lines
+
+
+@pytest.mark.parametrize("text", ["[" * 100_000, "- " * 100_000 + "1", "{a: " * 1_500 + "1" + "}" * 1_500])
+def test_what_is_nested_too_deeply_is_refused_and_ends_nothing(text: str) -> None:
+    with pytest.raises(ConfigError, match="nested too deeply"):
+        load_text(text, "it")

@@ -22,6 +22,8 @@ from tests.console.program import build, served, write_page
 from tests.replay.logs import BEGIN, MemoryLog, damage, lab_log, lab_manifest, lab_messages, write_log
 from tests.replay.playing import Played, played, prepare
 
+pytestmark = pytest.mark.slow
+
 DOCS = Path(__file__).parents[2] / "docs"
 END = BEGIN + 5.98
 

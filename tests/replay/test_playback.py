@@ -24,6 +24,8 @@ from app.runtime.replay_clock import ReplayClock
 from tests.replay.logs import BEGIN, MemoryLog, damage, lab_log, lab_manifest, lab_messages, write_log
 from tests.replay.playing import played, prepare
 
+pytestmark = pytest.mark.slow
+
 #: A busy computer may be so late (s); early it may not be.
 BUSY_S = 1.0
 
