@@ -175,7 +175,7 @@ def _loaded(kind: type[_CoreLoader] | type[_QuickLoader], text: str, file: str) 
 
 
 def _is_flat(text: str) -> bool:
-    """Whether no value can lie deep within others: each bracket, and each column of a line, is one level at most."""
+    """Whether no value can lie deep within others: each bracket is one level at most, each column of a line two."""
     brackets = text.count("[") + text.count("{")
     return brackets <= _MOST_BRACKETS and max(map(len, text.splitlines()), default=0) <= _LONGEST_LINE
 

@@ -114,7 +114,8 @@ export class DriveController {
     }
     if (event.code === "Escape" && !event.repeat) {
       // What opens over a page closes with Escape everywhere: that must not leave a standing robot latched.
-      const onlyTheSheet = this.store.help.peek() && this.surelyStands();
+      const stands = this.store.stands.peek() && !this.state.peek().command.held;
+      const onlyTheSheet = this.store.help.peek() && stands && !this.onStop();
       this.release();
       this.store.help.value = false;
       if (!onlyTheSheet) this.session.eStop();
@@ -135,12 +136,6 @@ export class DriveController {
       this.input({ type: "key", code: event.code, down: true, repeat: event.repeat });
     } else if (SLOW_KEYS.has(event.code) || OVERRIDE_KEYS.has(event.code))
       this.input({ type: "key", code: event.code, down: true, repeat: event.repeat });
-  }
-
-  /** Whether nothing drives the robot or is about to, by what is heard of it now. */
-  private surelyStands(): boolean {
-    if (!this.store.live.peek() || this.state.peek().command.held) return false;
-    return this.store.status.peek()?.guard.state === "idle" && !this.onStop();
   }
 
   /** Stops whatever drives: hands and goal. While anything does, it presses no button, or "To start" might go on. */

@@ -301,8 +301,7 @@ export class MapControl {
   /** What is begun on the map goes first, as long as the robot stands; a moving robot is stopped, whatever is begun. */
   private escape(event: KeyboardEvent): void {
     const begun = this.shown.peek() && busy(this.hands.peek());
-    const idle = this.store.live.peek() && this.store.status.peek()?.guard.state === "idle";
-    const stands = this.store.replay.peek() || idle;
+    const stands = this.store.replay.peek() || this.store.stands.peek();
     if (begun) this.input({ type: "key", key: "Escape", shift: false });
     const going = goalOf(this.store.desires.peek()) !== null;
     if (begun && stands && !going) {

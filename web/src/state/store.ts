@@ -75,6 +75,7 @@ export function createStore() {
   const navigation = signal<Navigation | null>(null);
   const zones = signal<Zone[] | null>(null);
   const operator = signal(readOperator());
+  const live = computed(() => link.value.phase === "live") as ReadonlySignal<boolean>;
   let noticeId = 0;
 
   return {
@@ -125,7 +126,9 @@ export function createStore() {
     /** Whether the 3D view is drawn at all. */
     scene: signal(sceneWanted()),
     help: signal(false),
-    live: computed(() => link.value.phase === "live") as ReadonlySignal<boolean>,
+    live,
+    /** Whether nothing drives the robot, by what is heard of it now. */
+    stands: computed(() => live.value && status.value?.guard.state === "idle") as ReadonlySignal<boolean>,
 
     addEvents(fresh: RobotEvent[]): void {
       // A robot that was started anew counts from the beginning again: the stamp tells its events apart.

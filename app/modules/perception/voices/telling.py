@@ -27,10 +27,10 @@ class TrackerSettings:
     active) while peaks' recent powers are at least ``active_power``, and for ``active_s`` longer. ``apart_deg``: nearer
     to a track none other is born. What is heard of a track counts as itself if it is ``sure_level`` of its own level
     and ``sure_share`` of the strongest, both held over pauses (``hold_s``), and if the search finds it, too, within
-    ``unfound_s``: the rest is the room's and the others' and moves nothing. An echo only
-    ever follows: again and again, within ``trial_s`` of its birth and then within ``trust_s`` of sound, a track must be
-    ``proof_share`` of the strongest or, for ``proof_steps`` steps, louder than ``proof_loud`` of each other's level;
-    until it is, it is not told of. The share it needs is the larger, the more it is a copy of others (``proof_echo``,
+    ``unfound_s``: the rest is the room's and the others' and moves nothing. An echo only ever follows: again and again,
+    within ``trial_s`` of its birth and then within ``trust_s`` of sound, a track must be ``proof_share`` of the
+    strongest or, for ``proof_steps`` steps, louder than ``proof_loud`` of each other's level; until it is, it is not
+    told of. The share it needs is the larger, the more it is a copy of others (``proof_echo``,
     mean over ``echo_s``). And in a moment of the same time it must have been ``proof_moment`` of the loudest moment of
     all, which is held, too (``hold_s``). Whoever may be a copy needs once, for all the time he is then followed, a
     moment the louder, the more he is one (``proof_moments``, by ``proof_echo``), or to be heard for ``trial_s`` without
@@ -38,11 +38,10 @@ class TrackerSettings:
     leads by ``lead_live`` and more, a track must lead by ``lead_share`` of what that one does above 1, the more, the
     more it is a copy (``lead_echo``); on trial by the second share, and not before ``soon_s`` of sound. One that
     leads by ``lead_plain`` of it, and is a copy by less than ``plain_echo``, needs nothing but the moment. What sounded
-    is remembered for ``lead_s``. Nor is one
-    told of that is silent for longer than ``told_s`` and ``told_heard`` times as long as it was heard, or than
-    ``told_moving_s`` if it moved by more than ``moving_degps``, or than ``hidden_s`` within ``hidden_deg`` of one that
-    sounds: it keeps its number, for when it is heard again. One that falls silent as another begins within
-    ``replaced_deg`` ends once that one was heard for ``replaced_s``.
+    is remembered for ``lead_s``. Nor is one told of that is silent for longer than ``told_s`` and ``told_heard`` times
+    as long as it was heard, or than ``told_moving_s`` if it moved by more than ``moving_degps``, or than ``hidden_s``
+    within ``hidden_deg`` of one that sounds: it keeps its number, for when it is heard again. One that falls silent as
+    another begins within ``replaced_deg`` ends once that one was heard for ``replaced_s``.
     ``jerk_degps``: how much a source's angular velocity may change in one second (standard deviation, random walk);
     ``rest_s``: how soon a silent one is supposed to have stopped. ``error_deg``: of a peak of good power, of a source
     that is as loud as it was of late; in its pauses the room and others pull its peak away for long, and never at
