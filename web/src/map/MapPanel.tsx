@@ -144,7 +144,7 @@ function Way() {
   const place = store.localization.value;
   const told = wayWords(store.navigation.value, goal, store.rows.value, store.seconds.value, place);
   const { tool } = map.hands.value;
-  const hint = hintWords(map.hands.value, goal === null && store.status.value?.guard.state === "idle");
+  const hint = hintWords(map.hands.value, goal === null && store.stands.value);
   const problem = map.problem.value;
   const canCancel = goal !== null && map.allowed.value;
   return (
