@@ -13,6 +13,7 @@ import pytest
 
 from app import cli, paths
 from app.commands import COMMANDS
+from tests.patience import PATIENCE_S
 
 HBBA = Path(sys.executable).with_name("hbba")
 
@@ -101,7 +102,7 @@ def test_a_configuration_that_is_not_there_is_one_sentence(capsys: pytest.Captur
 def test_help_is_quick() -> None:
     # Processor time, as the machine may be busy; numpy or pydantic at import alone would cost more than is allowed.
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([HBBA, "--help"], check=True, capture_output=True, timeout=20)
+    subprocess.run([HBBA, "--help"], check=True, capture_output=True, timeout=PATIENCE_S)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < 0.3
 
@@ -111,7 +112,9 @@ def test_a_reader_that_leaves_early_is_no_error() -> None:
     reading, writing = os.pipe()
     os.close(reading)
     try:
-        done = subprocess.run([HBBA, "check", world], stdout=writing, stderr=subprocess.PIPE, timeout=20, check=False)
+        done = subprocess.run(
+            [HBBA, "check", world], stdout=writing, stderr=subprocess.PIPE, timeout=PATIENCE_S, check=False
+        )
     finally:
         os.close(writing)
     assert (done.returncode, done.stderr) == (0, b"")

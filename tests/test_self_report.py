@@ -19,6 +19,7 @@ from app.runtime.load import Load
 from app.self_report import SelfReport
 from app.system import System
 from tests.console.program import Body, build
+from tests.patience import PATIENCE_S
 
 CHANNELS = """\
 workspace: {type: DesiresRecord, external: true}
@@ -46,7 +47,7 @@ def listen(system: System, channel: str) -> Subscription[Any]:
 
 async def until(subscription: Subscription[Any], wanted: Any) -> Any:
     """The first message that ``wanted`` says yes to."""
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(PATIENCE_S):
         while not wanted(message := await subscription.receive()):
             pass
         return message

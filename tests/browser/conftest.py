@@ -10,11 +10,14 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, Playwright, sync_playwright
+from playwright.sync_api import Browser, Page, Playwright, expect, sync_playwright
 
 from app.commands.doctor import find_chromium
 from app.robots.simulated.gl import check_gl
 from tests.browser.running import CHROMIUM_ARGUMENTS, Robot, running_robot
+from tests.patience import PATIENCE_MS
+
+expect.set_options(timeout=PATIENCE_MS)
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -25,7 +28,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if here in item.path.parents:
             item.add_marker(pytest.mark.browser)
-            item.add_marker(pytest.mark.timeout(120))
             item.add_marker(pytest.mark.blocking("waits for another process"))
             if missing:
                 item.add_marker(pytest.mark.skip(reason=missing))
@@ -64,6 +66,7 @@ def open_page(browser: Browser, robot: Robot) -> Iterator[Callable[..., Page]]:
 
     def open_one(*, scene: bool = False) -> Page:
         context = browser.new_context(viewport={"width": 1000, "height": 640})
+        context.set_default_timeout(PATIENCE_MS)
         contexts.append(context)
         page = context.new_page()
         page.on("pageerror", lambda error: errors.append(str(error)))

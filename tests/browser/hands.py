@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import time
+
 from playwright.sync_api import Locator, Page, TimeoutError
 
+from tests.patience import PATIENCE_S
+
 #: A person who sees nothing move for so long lets go and presses again (ms).
-_PATIENCE_MS = 5_000
-_TRIES = 6
+_PRESS_AGAIN_MS = 5_000
 
 
-def wait_driving(page: Page, timeout_ms: float = 30_000) -> None:
+def wait_driving(page: Page, timeout_ms: float | None = None) -> None:
     """Until the guard says that the robot drives."""
     page.locator("[data-testid=guard-state][data-state=driving]").wait_for(timeout=timeout_ms)
 
@@ -17,28 +20,30 @@ def wait_driving(page: Page, timeout_ms: float = 30_000) -> None:
 def hold(page: Page, key: str) -> None:
     """Press ``key`` and keep it down; returns when the robot drives.
 
-    On a busy computer what the page shows may be old for a moment: then it lets go of everything, and wants it pressed
-    anew.
+    On a busy computer what the page shows may be old for a moment: the page lets go of everything then, and the key
+    is pressed again.
     """
-    for _ in range(_TRIES):
+    end = time.monotonic() + PATIENCE_S
+    while time.monotonic() < end:
         page.keyboard.down(key)
         try:
-            wait_driving(page, _PATIENCE_MS)
+            wait_driving(page, _PRESS_AGAIN_MS)
         except TimeoutError:
             page.keyboard.up(key)
         else:
             return
-    raise AssertionError(f"held {key} {_TRIES} times for {_PATIENCE_MS / 1e3:.0f} s, and the robot never drove")
+    raise AssertionError(f"{key} was held again and again for {PATIENCE_S:.0f} s, and the robot never drove")
 
 
-def hold_until(page: Page, key: str, there: Locator, patience_ms: float = 25_000, tries: int = 3) -> None:
-    """Hold ``key`` until ``there`` is to be seen; what the page let go on the way is pressed anew."""
-    for number in range(tries):
+def hold_until(page: Page, key: str, there: Locator, again_ms: float = 15_000) -> None:
+    """Hold ``key`` until ``there`` is to be seen; pressed again after ``again_ms``, for the page may have let go."""
+    end = time.monotonic() + PATIENCE_S
+    while True:
         hold(page, key)
         try:
-            there.wait_for(timeout=patience_ms)
+            there.wait_for(timeout=again_ms)
         except TimeoutError:
-            if number == tries - 1:
+            if time.monotonic() > end:
                 raise
         else:
             return

@@ -27,6 +27,7 @@ from app.robots.config import load_robot_config
 from app.robots.simulated.guard_log import GuardRow, read_guard_log
 from app.robots.simulated.world_config import WorldConfig
 from app.yaml_source import parse
+from tests.patience import PATIENCE_S
 
 CHROMIUM_ARGUMENTS = [
     "--no-sandbox",
@@ -36,7 +37,6 @@ CHROMIUM_ARGUMENTS = [
     "--disable-component-update",
     "--disable-sync",
 ]
-START_WITHIN_S = 60
 #: The suite debugs its own loops. A program runs as people run it: debugged, it would be too slow to keep its pace.
 LOOPS_DEBUG = "PYTHONASYNCIODEBUG"
 CALM_IMV_HZ = 2
@@ -59,7 +59,7 @@ class Robot:
             f"{self.url}/api/v1{path}", data, {"Content-Type": "application/json"}, method=method
         )
         try:
-            with urllib.request.urlopen(request, timeout=10) as answer:
+            with urllib.request.urlopen(request, timeout=PATIENCE_S) as answer:
                 text = answer.read()
                 return answer.status, answer.headers.get("content-type", ""), json.loads(text) if text else None
         except urllib.error.HTTPError as refusal:
@@ -123,7 +123,7 @@ def running_program(program: Path, guard_log: Path, start: Pose2) -> Iterator[Ro
         yield Robot(_address(lines, output), guard_log, start, posters, process)
     finally:
         process.terminate()
-        process.wait(10)
+        process.wait(PATIENCE_S)
         reader.join()
         assert process.stdout is not None
         process.stdout.close()
@@ -169,7 +169,7 @@ def _read(process: subprocess.Popen[str], lines: queue.Queue[str], output: list[
 
 
 def _address(lines: queue.Queue[str], output: list[str]) -> str:
-    end = time.monotonic() + START_WITHIN_S
+    end = time.monotonic() + PATIENCE_S
     while line := lines.get(timeout=max(0.1, end - time.monotonic())):
         if found := re.search(r"HBBA is up: (\S+)", line):
             return found[1]

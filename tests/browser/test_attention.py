@@ -35,7 +35,7 @@ def test_a_desire_over_rest_moves_lanes_and_filters(robot: Robot, page: Page) ->
     status, _, desire = robot.request(
         "POST",
         "/desires",
-        {"class": "LocateVoices", "intensity": 8, "utility": 4, "security": False, "params": {}, "ttl": 4},
+        {"class": "LocateVoices", "intensity": 8, "utility": 4, "security": False, "params": {}, "ttl": 600},
     )
     assert status == 201
     page.locator("[data-testid=desire-row]").filter(has_text="rest").first.wait_for(state="attached")
@@ -44,6 +44,7 @@ def test_a_desire_over_rest_moves_lanes_and_filters(robot: Robot, page: Page) ->
     during = robot.get("/intention")["filters"]
     assert (during["FaceDetector.images"], during["VoiceLocalizer.audio"]) == (2, 1)
     assert desire["expires"] is not None
+    assert robot.request("PATCH", f"/desires/{desire['id']}", {"ttl": 1})[0] == 200
     page.locator(lane_at.format("LocateFaces", 1)).wait_for(state="attached")
     page.locator("[data-testid=lane-LocateVoices]:not([data-divisor='1'])").wait_for(state="attached")
     assert robot.get("/intention")["filters"] == before

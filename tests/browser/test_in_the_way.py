@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-import time
 
 from playwright.sync_api import Page, expect
 
-from tests.browser.hands import hold
+from tests.browser.hands import hold, hold_until
 from tests.browser.running import Robot
 
 CALM = True
@@ -17,13 +16,16 @@ CRAWL_MPS = 0.1
 def test_a_wall_stops_the_robot_and_the_override_crawls(robot: Robot, page: Page) -> None:
     page.locator("[data-testid=speed-full]").click()
     hold(page, "KeyA")
-    end = time.monotonic() + 20
-    while robot.odometry()["theta"] < 1.2 and time.monotonic() < end:
-        page.wait_for_timeout(50)
+    while robot.odometry()["theta"] < 1.2:
+        page.keyboard.up("KeyA")
+        hold(page, "KeyA")  # pressed again where a busy page let go
+        page.wait_for_timeout(500)
     page.keyboard.up("KeyA")
-    page.keyboard.down("KeyW")
     limited = page.locator("[data-testid=limited]")
-    expect(limited).to_have_text(re.compile(r"Stopped: something 0\.\d m"), timeout=60_000)
+    stopped = limited.filter(has_text=re.compile(r"Stopped: something 0\.\d m"))
+    hold_until(page, "KeyW", stopped)
+    page.keyboard.down("KeyW")
+    stopped.wait_for()
     assert robot.get("/robot")["guard"]["state"] in ("idle", "driving")
     assert robot.wheels()[-1].linear_mps == 0.0
 

@@ -36,7 +36,13 @@ def record(page: Page, name: str) -> None:
     page.get_by_test_id("recording-name-field").fill(name)
     page.get_by_test_id("recording-start").click()
     recorder(page, "recording")
-    expect(page.get_by_test_id("record-time")).to_have_text(f"0:{RECORD_S:02}", timeout=30_000)
+    page.wait_for_function(
+        """least => {
+            const [minutes, seconds] = document.querySelector("[data-testid=record-time]").textContent.split(":");
+            return 60 * minutes + +seconds >= least;
+        }""",
+        arg=RECORD_S,
+    )
     page.get_by_test_id("record").click()
     recorder(page, "idle")
     page.locator(f"[data-testid=recording][data-name={name}][data-state=complete]").wait_for()
@@ -92,13 +98,21 @@ def wait_position(page: Page, least: float, most: float) -> None:
         raise AssertionError(f"not from {least} s to {most} s: {is_at}") from error
 
 
+def pause(page: Page) -> None:
+    """Have the recording stand still, where it has not come to its end by itself."""
+    transport = page.get_by_test_id("transport")
+    if transport.get_attribute("data-playing") == "true":
+        page.keyboard.press("Space")
+    expect(transport).to_have_attribute("data-playing", "false")
+
+
 def test_a_recording_is_replayed_in_a_tab_of_its_own(robot: Robot, page: Page) -> None:
     """It plays, stands, steps, jumps and runs faster; camera and lanes follow its time; nothing can be driven."""
     record(page, "lived")
     row = page.locator("[data-testid=recording][data-name=lived]")
     with page.context.expect_page() as opened:
         row.get_by_test_id("recording-replay").click()
-    row.locator("[data-testid=replay-state][data-state=running]").wait_for(timeout=60_000)
+    row.locator("[data-testid=replay-state][data-state=running]").wait_for()
     replay = opened.value
     transport = replay.get_by_test_id("transport")
     transport.wait_for()
@@ -106,11 +120,10 @@ def test_a_recording_is_replayed_in_a_tab_of_its_own(robot: Robot, page: Page) -
     expect(replay.get_by_test_id("recording-marker")).to_contain_text("Recording of IRL-1/TR")
     assert replay.get_by_test_id("drive-pad").count() == replay.get_by_test_id("estop").count() == 0
 
-    # From the end, or from wherever it is by now: to the beginning, to stand there.
+    # From the end, or from wherever it is by now: to the beginning, paused.
+    pause(replay)
     replay.keyboard.press("Home")
-    wait_position(replay, 0, 1)
-    if transport.get_attribute("data-playing") == "true":
-        replay.keyboard.press("Space")
+    wait_position(replay, 0, 0.2)
     expect(transport).to_have_attribute("data-phase", "paused")
     stood = position(replay)
     replay.keyboard.press("Period")
@@ -143,8 +156,7 @@ def test_a_recording_is_replayed_in_a_tab_of_its_own(robot: Robot, page: Page) -
     shown = camera.get_attribute("data-stamp") or "0"
     replay.keyboard.press("Space")
     wait_position(replay, middle + 0.4, 2 * middle)
-    replay.keyboard.press("Space")
-    expect(transport).to_have_attribute("data-phase", "paused")
+    pause(replay)
     replay.wait_for_function(
         "shown => Number(document.querySelector('[data-testid=camera]').dataset.stamp) > Number(shown)", arg=shown
     )

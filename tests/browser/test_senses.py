@@ -88,7 +88,7 @@ def seen_from_the_panorama(robot: Robot, p_W: tuple[float, float, float]) -> Dir
 def wait_for_mark(page: Page, selector: str, azimuth: float, elevation: float | None, far: float) -> None:
     """Until a mark of ``selector`` is within ``far`` (rad) of a direction."""
     try:
-        page.wait_for_function(MARK_NEAR, arg=[selector, azimuth, elevation, far], timeout=30_000)
+        page.wait_for_function(MARK_NEAR, arg=[selector, azimuth, elevation, far])
     except Exception as error:
         marks = page.evaluate("window.lastMarks")
         raise AssertionError(f"{selector}: none near {azimuth:.3f}, {elevation}; the last were at {marks}") from error

@@ -31,6 +31,7 @@ from app.recording.manifest import YAML, AttachedFile, Manifest
 from app.recording.mcap_file import create
 from app.recording.mcap_log import McapLog
 from app.recording.output import Progress
+from tests.patience import PATIENCE_S
 from tests.recording.mcap_files import BEGIN, drive, write_log
 
 MANIFEST = Manifest(
@@ -102,7 +103,11 @@ def test_who_reads_no_further_is_told_nothing(arguments: list[str], library: Pat
     code = "import sys; from app.cli import main; sys.exit(main(['log', *sys.argv[1:]]))"
     # Unbuffered, as a long list is: the first line finds nobody.
     done = subprocess.run(
-        [sys.executable, "-u", "-c", code, *arguments], stdout=write, stderr=subprocess.PIPE, timeout=60, check=False
+        [sys.executable, "-u", "-c", code, *arguments],
+        stdout=write,
+        stderr=subprocess.PIPE,
+        timeout=PATIENCE_S,
+        check=False,
     )
     os.close(write)
     assert (done.returncode, done.stderr) == (0, b"")

@@ -24,6 +24,7 @@ from app.errors import ConfigError
 from app.recording.damage import place
 from app.recording.mcap_file import McapFile
 from app.recording.ros.encoder import Encoder
+from tests.patience import PATIENCE_S
 from tests.replay.logs import BEGIN, damage, lab_manifest, lab_messages, write_log
 
 pytestmark = [pytest.mark.slow, pytest.mark.blocking(reason="the virtual loop waits for threads by design")]
@@ -198,10 +199,10 @@ def test_the_console_serves_a_replay_and_ends_with_a_signal(recording: Path) -> 
         assert line.startswith("HBBA replays morning.mcap: http://127.0.0.1:")
         url = re.search(r"http://[^\s#]+", line)
         assert url is not None
-        with urllib.request.urlopen(f"{url[0]}/api/v1/playback", timeout=10) as answer:
+        with urllib.request.urlopen(f"{url[0]}/api/v1/playback", timeout=PATIENCE_S) as answer:
             assert json.load(answer)["file"] == "morning.mcap"
         process.send_signal(signal.SIGTERM)
-        assert process.wait(10) == 0
+        assert process.wait(PATIENCE_S) == 0
     finally:
         process.kill()
         process.communicate()
@@ -210,7 +211,7 @@ def test_the_console_serves_a_replay_and_ends_with_a_signal(recording: Path) -> 
 def test_a_replay_that_nobody_watches_ends(recording: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "app.cli", "replay", str(recording), "--port", "0", "--exit-when-unwatched", "1"],
-        capture_output=True, text=True, timeout=40, check=False, cwd=Path(__file__).parents[2],
+        capture_output=True, text=True, timeout=PATIENCE_S, check=False, cwd=Path(__file__).parents[2],
         env={**os.environ, "PYTHONASYNCIODEBUG": ""},
     )  # fmt: skip
     assert done.returncode == 0

@@ -14,7 +14,8 @@ import websockets
 from numpy.typing import NDArray
 from websockets.asyncio.client import ClientConnection
 
-PATIENCE_S = 15.0
+from tests.patience import PATIENCE_S
+
 #: Of sound and speech: kind, seq, stamp, samples, channels, rate.
 SOUND_HEADER = struct.Struct("<B3xIdHHI")
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import math
 import re
-import time
 from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,7 @@ from app.recording.mcap_log import McapLog
 from app.system import System
 from tests.console.live_client import Page, page
 from tests.console.program import build, served, write_page
+from tests.patience import PATIENCE_S
 from tests.replay.logs import BEGIN, MemoryLog, damage, lab_log, lab_manifest, lab_messages, write_log
 from tests.replay.playing import Played, played, prepare
 
@@ -37,7 +37,7 @@ def prepared() -> Any:
 @pytest.fixture
 async def rest(replay_url: str) -> AsyncIterator[httpx.AsyncClient]:
     """REST."""
-    async with httpx.AsyncClient(base_url=f"{replay_url}/api/v1", timeout=10) as client:
+    async with httpx.AsyncClient(base_url=f"{replay_url}/api/v1", timeout=PATIENCE_S) as client:
         yield client
 
 
@@ -74,13 +74,12 @@ async def test_it_plays_and_stands_and_the_page_lives_on(replay_url: str, rest: 
         told = await patch(rest, playing=False)
         assert told["phase"] == "paused"
         await ann.until("playback", lambda m: m["phase"] == "paused")
-        began, statuses = time.monotonic(), []
+        statuses: list[dict[str, Any]] = []
         while len(statuses) < 20:
             frame = await ann.until("status")
             if frame["stamp"] == told["position"]:
                 statuses.append(frame)
-        # As many a second as ever, all of one moment, and the guard has not fallen silent.
-        assert time.monotonic() - began < END - BEGIN
+        # All of one moment, and the guard has not fallen silent.
         assert statuses[-1]["guard"]["state"] == "driving"
         assert {source["channel"]: source["state"] for source in statuses[-1]["sources"]}["odometry"] == "live"
         await ann.send("ping", t=7, rtt_ms=None)
@@ -91,10 +90,8 @@ async def test_it_plays_and_stands_and_the_page_lives_on(replay_url: str, rest: 
 
 async def test_speed_and_end(replay_url: str, rest: httpx.AsyncClient) -> None:
     async with page(replay_url) as ann:
-        began = time.monotonic()
         await patch(rest, playing=True, speed=20)
         ended = await ann.until("playback", lambda m: m["phase"] == "ended")
-        assert time.monotonic() - began < END - BEGIN
         assert (ended["position"], ended["playing"], ended["speed"]) == (END, False, 20)
         assert (await patch(rest, speed=None))["speed"] is None
         told = await patch(rest, playing=True)
@@ -107,7 +104,7 @@ async def after_jump(ann: Page, stamp: float) -> dict[str, list[dict[str, Any]]]
     """What came from the jump to ``stamp`` on, by type, until there are lanes, landmarks and a status of it."""
     await ann.until("jump", lambda m: m["stamp"] == stamp)
     found: dict[str, list[dict[str, Any]]] = {}
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(PATIENCE_S):
         while not (
             {"lanes", "lanes_history", "desires", "intention"} <= found.keys()
             and any(m["landmarks"] for m in found.get("landmarks", []))
@@ -124,9 +121,7 @@ async def test_lanes_landmarks_and_pose_follow_a_seek_forth_and_back(replay_url:
         await patch(rest, playing=True, speed=20)
         await ann.until("playback", lambda m: m["position"] > BEGIN + 3)
         for position, classes in ((BEGIN + 2.5, {"script", "ada"}), (BEGIN + 0.4, set()), (BEGIN + 4.0, {"script"})):
-            began = time.monotonic()
             told, found = await asyncio.gather(patch(rest, playing=False, position=position), after_jump(ann, position))
-            assert time.monotonic() - began < 2.0
             assert (told["position"], told["phase"]) == (position, "paused")
             # Nothing of another time came after the jump.
             for kind in ("lanes", "status"):
@@ -368,6 +363,6 @@ async def test_whoever_watches_changes_no_intention(play: Played, replay_url: st
 
 async def until_closed(system: System) -> None:
     """Until nobody looks on past attention any more."""
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(PATIENCE_S):
         while system.graph.filters.pinned():  # noqa: ASYNC110  # a connection's end tells nobody in the program
             await asyncio.sleep(0)

@@ -20,6 +20,7 @@ from app.recording.library import RecordingLibrary
 from app.recording.mcap_log import McapLog
 from app.system import System
 from tests.console.program import Body, image
+from tests.patience import PATIENCE_S
 
 TOKEN = "correct horse"
 
@@ -62,8 +63,8 @@ async def until(client: httpx.AsyncClient, state: str) -> dict[str, Any]:
 async def test_what_is_recorded_over_rest_is_replayed_over_rest(url: str, system: System, body: Body) -> None:
     login = {"Authorization": f"Bearer {TOKEN}"}
     async with (
-        asyncio.timeout(50),
-        httpx.AsyncClient(base_url=f"{url}/api/v1", headers=login, timeout=40) as client,
+        asyncio.timeout(PATIENCE_S),
+        httpx.AsyncClient(base_url=f"{url}/api/v1", headers=login, timeout=PATIENCE_S) as client,
     ):
         assert (await client.post("/recordings", json={"name": "tour"})).status_code == 201
         await live(system, body, 1.5)

@@ -15,6 +15,7 @@ import pytest
 
 from app.console.replay_process import TOKEN, command_line
 from app.console.replays import ReplayFailed, ReplayReplaced, Replays, reached_by
+from tests.patience import PATIENCE_S
 
 #: Says where it is, who it is and what it was told, and stays.
 UP = """
@@ -149,7 +150,7 @@ async def test_whatever_it_says_it_never_stands_still_for_want_of_a_listener(rep
     replays.command = (sys.executable, "-c", CHATTY)
     await replays.start("tour", Path("tour.mcap"))
     (following,) = (task for task in asyncio.all_tasks() if task.get_name() == "replay of tour")
-    await asyncio.wait_for(following, 10)
+    await asyncio.wait_for(following, PATIENCE_S)
 
 
 CONSOLE = """

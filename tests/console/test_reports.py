@@ -16,6 +16,7 @@ from app.runtime.freshness import Freshness
 from app.runtime.replay_clock import ReplayClock
 from app.system import System
 from tests.console.program import Body, image
+from tests.patience import PATIENCE_S
 
 
 def test_freshness_is_told_in_milliseconds_and_beside_what_was_asked_for() -> None:
@@ -60,7 +61,7 @@ async def test_a_sensor_that_says_nothing_is_on_the_timeline(system: System) -> 
     noted: asyncio.Queue[TimelineEvent] = asyncio.Queue()
     end = system.timeline.observe(lambda event: noted.put_nowait(event) if event.subject == "odometry" else None)
     known = system.timeline.query(kinds=["stale"])
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(PATIENCE_S):
         event = next((event for event in known if event.subject == "odometry"), None) or await noted.get()
     end()
     assert event.kind == "stale"

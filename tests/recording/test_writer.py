@@ -21,6 +21,7 @@ from app.recording.mcap_file import is_being_written
 from app.recording.ring import Hold, Ring
 from app.recording.ring_folder import leftovers, rescue
 from app.recording.writer import Limits, RecordingWriter, Sink, weight
+from tests.patience import PATIENCE_S
 
 from .disks import BEGIN, MANIFEST, Disk, encoder, image, landmarks, odometry
 
@@ -67,7 +68,7 @@ def statistics(path: Path) -> Statistics:
 
 
 def ended(writer: RecordingWriter) -> RecordingWriter:
-    assert writer.join(20)
+    assert writer.join(PATIENCE_S)
     return writer
 
 
@@ -181,7 +182,7 @@ def test_a_full_queue_that_empties_again_is_forgiven(tmp_path: Path) -> None:
         writer.put(BEGIN + i / 100, "odometry", odometry(BEGIN))
     assert writer.dropped == 2
     disk.unblock.set()
-    assert drained.wait(10)
+    assert drained.wait(PATIENCE_S)
     writer.put(BEGIN + 60, "odometry", odometry(BEGIN))
     disk.unblock.clear()
     for _ in range(30):
@@ -216,7 +217,7 @@ def test_a_write_that_fails_ends_it_in_words_and_what_was_written_can_be_read(
     writer = file_writer(tmp_path, disk=disk, charge=charge)
     for i in range(50):
         writer.put(BEGIN + i / 100, "odometry", odometry(BEGIN + i / 100))
-    assert flushed.wait(10)
+    assert flushed.wait(PATIENCE_S)
     disk.error = OSError(number, os.strerror(number))
     writer.put(BEGIN + 1, "odometry", odometry(BEGIN + 1))
     ended(writer)

@@ -13,8 +13,7 @@ from app.replay.playback import Playback
 from app.replay.playback_state import PlaybackState
 from app.replay.replay import Replay
 from app.runtime.replay_clock import ReplayClock
-
-PATIENCE_S = 10.0
+from tests.patience import PATIENCE_S
 
 
 @dataclass

@@ -29,6 +29,7 @@ from app.replay.options import ReplayOptions
 from app.replay.report import ReplayReport
 from app.robots.replayed.source import LogSource
 from app.runtime.load import CpuMeter
+from tests.patience import PATIENCE_S
 from tests.replay.logs import BEGIN, MemoryLog, lab_log, lab_manifest, lab_messages, numbered, write_log
 
 DATA = Path(os.environ.get("HBBA_REFERENCE_DATA") or Path(__file__).parents[3] / "shared" / "data") / "slam"
@@ -274,7 +275,7 @@ def test_processes_agree_whatever_their_hash_seed(report: ReplayReport, tmp_path
         environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONASYNCIODEBUG": ""}
         done = subprocess.run(
             [sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment,
-            cwd=Path(__file__).parents[2], timeout=50,
+            cwd=Path(__file__).parents[2], timeout=PATIENCE_S,
         )  # fmt: skip
         told = json.loads(done.stdout)
         del told["cost"]

@@ -12,6 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from app.runtime.punctual import FIRST_NICENESS, go_first
+from tests.patience import PATIENCE_S
 
 CHECK = """
 import gc, sys, time
@@ -27,7 +28,7 @@ assert sys.getswitchinterval() <= 0.001
 
 
 def test_what_stands_is_not_looked_at_again_and_threads_give_way_sooner() -> None:
-    subprocess.run([sys.executable, "-c", CHECK], check=True, timeout=20)  # habits of a whole process
+    subprocess.run([sys.executable, "-c", CHECK], check=True, timeout=PATIENCE_S)  # habits of a whole process
 
 
 def _niceness_after(action: Callable[[], None]) -> int:

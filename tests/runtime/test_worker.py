@@ -7,6 +7,7 @@ import threading
 import pytest
 
 from app.runtime.worker import ModuleWorker
+from tests.patience import PATIENCE_S
 
 
 def test_jobs_run_in_order_in_one_thread() -> None:
@@ -36,7 +37,7 @@ def test_jobs_given_before_the_shutdown_are_still_done_unless_cancelled() -> Non
             return "first"
 
         at_work, queued = worker.submit(first), worker.submit(str, "second")
-        assert begun.wait(5)
+        assert begun.wait(PATIENCE_S)
         worker.shutdown(cancel_futures=cancel)
         release.set()
         assert at_work.result(5) == "first"
@@ -63,6 +64,8 @@ begun.wait()
 worker.shutdown()
 print("left")
 """
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=30, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=PATIENCE_S, check=True
+    )
     assert done.stdout == "left\n"
     assert done.stderr == ""

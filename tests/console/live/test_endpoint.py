@@ -16,6 +16,7 @@ from app.messages import Exploitation, Landmark, Landmarks, Odometry, OperatorDr
 from app.system import System
 from tests.console.live_client import page
 from tests.console.program import Body, image
+from tests.patience import PATIENCE_S
 
 
 async def test_a_newcomer_is_greeted_first_and_told_all_there_is(url: str, system: System) -> None:
@@ -49,7 +50,7 @@ async def test_a_reloaded_page_is_told_what_the_lanes_were(url: str, system: Sys
         spells: list[dict[str, Any]] = next(row["spells"] for row in history["rows"] if row["class"] == "FindQRCodes")
         return spells
 
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(PATIENCE_S):
         desire = system.workspace.add("FindQRCodes", intensity=8, utility=2, source=Source("test", "Ann"))
         while (await reloaded())[-1]["intensity"] != 8:
             pass
@@ -216,7 +217,7 @@ async def test_the_robot_desires_telepresence_while_watched(url: str, system: Sy
     async with page(url) as bob:
         await bob.until("hello")
         assert system.workspace.desires() == (desire,)
-    async with asyncio.timeout(4):
+    async with asyncio.timeout(PATIENCE_S):
         await gone.wait()
 
 
@@ -230,7 +231,7 @@ class Wheel:
         self._subscription = system.graph.channel("operator_drive").subscribe("test", capacity=100)
 
     async def next(self) -> OperatorDrive:
-        async with asyncio.timeout(2):
+        async with asyncio.timeout(PATIENCE_S):
             message: OperatorDrive = await self._subscription.receive()
         return message
 

@@ -17,6 +17,7 @@ from app.system import System
 from tests.console.live_client import page, voice
 from tests.console.percepts import faces, panorama, sound_source, sound_sources
 from tests.console.program import Body, sound
+from tests.patience import PATIENCE_S
 
 
 async def test_faces_sounds_and_noises_are_told_as_they_change(url: str, system: System, body: Body) -> None:
@@ -96,7 +97,7 @@ async def test_the_panorama_comes_to_whoever_shows_it_at_its_own_pace(url: str, 
 
 async def until(holds) -> None:  # type: ignore[no-untyped-def]
     """What a page's message leads to is told to nobody in the program."""
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(PATIENCE_S):
         while not holds():  # noqa: ASYNC110
             await asyncio.sleep(0)
 

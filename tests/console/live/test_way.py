@@ -24,6 +24,7 @@ from app.messages import Exploitation, NavigationStatus, OccupancyGrid, Operator
 from app.system import System
 from tests.console.live_client import Page, page
 from tests.console.places import grid, localization, path, status, zone, zones
+from tests.patience import PATIENCE_S
 
 HEADER = struct.Struct("<B3xIdHH4x")
 
@@ -140,7 +141,7 @@ async def test_the_loop_goes_on_while_a_large_map_is_encoded(
         assert threading.current_thread() is not threading.main_thread()
         encoded.append(whole.version)
         loop.call_soon_threadsafe(begun.set)
-        assert go_on.wait(10)
+        assert go_on.wait(PATIENCE_S)
         return grids.known_part(whole)
 
     monkeypatch.setattr(grid_feed, "known_part", slowly)

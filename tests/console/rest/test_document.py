@@ -13,6 +13,7 @@ from fastapi import FastAPI
 from app.system import System
 from tests.console.places import Keeper
 from tests.console.program import Body, build
+from tests.patience import PATIENCE_S
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "rest.md"
 SOURCES = Path(__file__).parents[3] / "app" / "console"
@@ -46,7 +47,7 @@ async def test_every_example_works(url: str, script: str, app: FastAPI, system: 
         env={**os.environ, "TMPDIR": str(tmp_path)},
     )
     try:
-        out, err = await asyncio.wait_for(process.communicate(), 40)
+        out, err = await asyncio.wait_for(process.communicate(), PATIENCE_S)
     finally:
         if process.returncode is None:
             process.kill()

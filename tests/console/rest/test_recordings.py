@@ -17,6 +17,7 @@ from app.system import System
 from tests.console.program import Body, build
 from tests.console.rest.test_routes import is_problem
 from tests.console.scripted_recorder import LENGTH_S, ScriptedRecorder, heard, write_log
+from tests.patience import PATIENCE_S
 
 BEGIN = 1_795_000_000.25
 
@@ -224,7 +225,7 @@ async def test_a_recorder_that_does_not_run_is_missed(
     failed = asyncio.Event()
     system.supervisor.observe(lambda state: failed.set() if state.status == "failed" else None)
     recorder.fail(OSError("no such device"))
-    await asyncio.wait_for(failed.wait(), 5)
+    await asyncio.wait_for(failed.wait(), PATIENCE_S)
     refused = is_problem(await client.post("/recordings"), 409, "recorder-missing")
     assert "no such device" in refused["detail"]
     told = (await listed(client))["recorder"]
@@ -379,7 +380,7 @@ async def test_no_name_leads_out_of_the_folder(url: str, system: System) -> None
             f"{method}/api/v1/recordings/{rest} HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 0\r\nConnection: close"
         )
         writer.write(f"{head}\r\n\r\n".encode())
-        answer = await asyncio.wait_for(reader.read(), 5)
+        answer = await asyncio.wait_for(reader.read(), PATIENCE_S)
         writer.close()
         await writer.wait_closed()
         assert int(answer.split()[1]) in (400, 404, 405, 422), answer

@@ -19,6 +19,7 @@ from app.system import System
 from tests.console.live_client import page
 from tests.console.places import grid, localization, path, status, zones
 from tests.console.view.test_relay import Viewer, looking, shown, view  # noqa: F401
+from tests.patience import PATIENCE_S
 
 pytestmark = pytest.mark.filterwarnings("default::DeprecationWarning")
 
@@ -79,7 +80,7 @@ async def test_a_costmap_is_taken_while_somebody_wants_to_see_it(
     taken, rests = asyncio.Event(), asyncio.Event()
     channel.on_wanted(lambda wanted: taken.set() if wanted else rests.set())
     pulse_address = f"{url.replace('http', 'ws')}/viser/pulse?viewer=abc"
-    async with looking(url) as viewer, page(url) as ann, asyncio.timeout(20):
+    async with looking(url) as viewer, page(url) as ann, asyncio.timeout(PATIENCE_S):
         await viewer.until(("PointCloudMessage", "/odom/cloud"))
         assert not channel.wanted
         # A page that shows it has it shown in the scene ...

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from tests.console.view.test_relay import Viewer, looking, unpack
+from tests.patience import PATIENCE_S
 from tests.replay.logs import BEGIN, lab_log
 from tests.replay.playing import Played, prepare
 
@@ -24,7 +25,7 @@ def prepared() -> Any:
 
 async def told(viewer: Viewer, kind: str, node: str, field: str, holds: Callable[[Any], bool]) -> None:
     """Read until what ``node`` was last told ``holds``."""
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(PATIENCE_S):
         while True:
             said = [m[field] for m in viewer.seen if m["type"] == kind and m["name"] == node]
             if said and holds(said[-1]):

@@ -28,6 +28,7 @@ from app.messages import Landmark, Landmarks, LaserScan, LoudNoise, Odometry, Po
 from app.system import System
 from tests.console.percepts import faces, sound_source, sound_sources
 from tests.console.program import Body
+from tests.patience import PATIENCE_S
 
 PROTOCOL = f"viser-v{viser.__version__}"
 CAMERA = _messages.ViewerCameraMessage(
@@ -67,7 +68,7 @@ class Viewer:
     async def until(self, *wanted: tuple[str, str | None]) -> None:
         """Read until each wanted (message type, node name) has come."""
         left = set(wanted)
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(PATIENCE_S):
             while left:
                 for message in unpack(await self.connection.recv()):
                     self.seen.append(message)
@@ -166,7 +167,7 @@ async def test_the_laser_is_listened_to_only_while_somebody_looks(url: str, syst
         assert [look.viewer for look in view.looks] == ["abc"]
         rested = asyncio.Event()
         channel.on_wanted(lambda wanted: None if wanted else rested.set())
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(PATIENCE_S):
         await rested.wait()
     assert view.looks == ()
 
@@ -291,7 +292,7 @@ async def test_people_are_drawn_where_they_are_and_hidden_when_they_are_gone(
 
 async def shown(viewer: Viewer, node: str, visible: bool) -> None:
     """Read until ``node`` is shown, or hidden."""
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(PATIENCE_S):
         while True:
             said = [
                 m["visible"] for m in viewer.seen if m["type"] == "SetSceneNodeVisibilityMessage" and m["name"] == node

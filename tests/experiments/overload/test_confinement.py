@@ -11,6 +11,7 @@ import pytest
 
 from app.errors import ConfigError
 from app.experiments.overload.confinement import NICE_STEP, confined, neighbours_niceness
+from tests.patience import PATIENCE_S
 
 needs_two_cores = pytest.mark.skipif(
     not hasattr(os, "sched_setaffinity") or len(os.sched_getaffinity(0)) < 2, reason="needs Linux and two cores"
@@ -69,7 +70,7 @@ def test_no_neighbour_outlives_a_program_that_is_killed(body: subprocess.Popen[b
         neighbours = [psutil.Process(int(pid)) for pid in confining.stdout.readline().split()]
         confining.kill()
     assert neighbours
-    _, alive = psutil.wait_procs(neighbours, timeout=10)
+    _, alive = psutil.wait_procs(neighbours, timeout=PATIENCE_S)
     for neighbour in alive:
         neighbour.kill()
     assert not alive

@@ -26,7 +26,6 @@ BOX = ObjectConfig(kind="box", at=(11.1, 5.0), size=(0.4, 0.3, 0.25))
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(240)
 @needs_gl
 def test_through_a_door_and_around_a_box_that_the_laser_looks_over() -> None:
     configuration = load_configuration(paths.config_dir() / "lab.yaml")

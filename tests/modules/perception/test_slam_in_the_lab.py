@@ -66,7 +66,6 @@ def wall_distances(grid_x: NDArray[np.float64], grid_y: NDArray[np.float64], wor
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(180)
 def test_the_lab_is_mapped_kept_and_found_again(tmp_path: Path) -> None:
     library = MapLibrary(tmp_path)
     robot = body()

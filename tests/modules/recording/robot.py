@@ -17,6 +17,7 @@ from app.runtime.channel_table import ChannelSpec, ChannelTable
 from app.runtime.clock import RealClock
 from app.runtime.graph import Graph, ModuleSpec
 from app.runtime.supervisor import Supervisor
+from tests.patience import PATIENCE_S
 from tests.recording.disks import BEGIN, MANIFEST, odometry
 
 TABLE = ChannelTable(
@@ -79,7 +80,7 @@ class Robot:
         self.graph.channel(channel).publish(message)
 
     async def until(self, condition: Callable[[RecorderStatus], bool]) -> RecorderStatus:
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(PATIENCE_S):
             while not condition(status := await self.statuses.receive()):
                 pass
         return status
@@ -87,7 +88,7 @@ class Robot:
     async def taken(self, channel: str, count: int) -> None:
         """Until the Recorder has taken ``count`` messages of ``channel`` in all."""
         port = self.graph.modules["Recorder"].context.inputs[channel]
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(PATIENCE_S):
             while port.subscription.taken < count:  # noqa: ASYNC110  # the loop's next turn is the event
                 await asyncio.sleep(0)
 

@@ -12,6 +12,7 @@ from app.recording.library import RecordingLibrary
 from app.recording.mcap_log import McapLog
 from app.system import System
 from tests.modules.fakes import FakeLink
+from tests.patience import PATIENCE_S
 from tests.recording.disks import image, odometry
 
 CONFIG = Path(__file__).parents[3] / "config" / "lab.yaml"
@@ -23,7 +24,7 @@ async def test_the_kinect_runs_for_a_recording_only(tmp_path: Path) -> None:
     library = RecordingLibrary(tmp_path)
     # Building it reads its files; nothing runs yet.
     system = await asyncio.to_thread(System, configuration, link=link, recordings=library)
-    async with system, asyncio.timeout(30):
+    async with system, asyncio.timeout(PATIENCE_S):
         told = system.graph.channel("recorder").subscribe("test", capacity=1000)
 
         async def until(state: str) -> RecorderStatus:

@@ -18,6 +18,7 @@ from app.recording.library import RecordingLibrary
 from app.recording.log import LogError
 from app.recording.ring import Hold, Ring
 from app.recording.ring_folder import leftovers
+from tests.patience import PATIENCE_S
 from tests.recording.disks import BEGIN, MANIFEST, Disk, encoder, odometry
 
 from .robot import Robot, files, of, read
@@ -68,7 +69,7 @@ async def test_a_saving_that_is_given_up_lets_the_ring_forget(tmp_path: Path, di
         await robot.until(lambda status: status.messages == 1)
         disk.unblock.clear()
         saving = asyncio.create_task(robot.control.save_ring())
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(PATIENCE_S):
             while not disk.waiting:  # noqa: ASYNC110  # the writer's thread is in the middle of it
                 await asyncio.sleep(0)
         saving.cancel()
@@ -104,7 +105,7 @@ async def test_an_event_saves_the_ring(tmp_path: Path) -> None:
         robot.feed("odometry", odometry(BEGIN))
         robot.feed("events", EventRecord(BEGIN, "guard", "driving", "The base drives", "{}"))
         robot.feed("events", EventRecord(BEGIN, "guard", "e_stopped", "Emergency stop", "{}"))
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(PATIENCE_S):
             while not await asyncio.to_thread(files, tmp_path):
                 await robot.statuses.receive()
     (saved,) = await asyncio.to_thread(files, tmp_path)
@@ -123,7 +124,7 @@ async def test_the_ring_of_an_earlier_run_becomes_a_recording(tmp_path: Path) ->
 
     await asyncio.to_thread(live)
     async with Robot(tmp_path) as robot:
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(PATIENCE_S):
             while not await asyncio.to_thread(files, tmp_path):
                 await robot.statuses.receive()
     (saved,) = await asyncio.to_thread(files, tmp_path)
@@ -145,7 +146,7 @@ async def test_a_ring_that_a_full_disk_ended_is_saved_when_there_is_room_again(t
         await robot.until(lambda status: status.state == "stopped")
         disk.error = None
         await robot.record(name="next")
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(PATIENCE_S):
             while len(await asyncio.to_thread(files, tmp_path)) < 2:
                 await robot.statuses.receive()
     (ring,) = [name for name in await asyncio.to_thread(files, tmp_path) if name.endswith("-ring.mcap")]
@@ -170,7 +171,7 @@ async def test_a_recording_that_takes_the_rings_place_throws_nothing_away(
         robot.desire(name="over")
         robot.feed("odometry", odometry(BEGIN + 1))
         await robot.taken("odometry", 101)
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(PATIENCE_S):
             # The file is there a moment before it is told.
             while len(found := await asyncio.to_thread(files, tmp_path)) < 2 or "is saved as" not in caplog.text:
                 await robot.statuses.receive()
@@ -190,7 +191,7 @@ async def test_a_saving_under_way_is_not_robbed_by_the_recording_that_follows(
 
     def slow(*args: Any) -> Path:
         begun.set()
-        assert go_on.wait(20)
+        assert go_on.wait(PATIENCE_S)
         return save(*args)
 
     def looking(folder: Path) -> list[Path]:
@@ -213,7 +214,7 @@ async def test_a_saving_under_way_is_not_robbed_by_the_recording_that_follows(
         await robot.until(lambda status: status.stamp > ended + 0.3)
         go_on.set()
         assert await saving == "seen"
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(PATIENCE_S):
             while len(found := await asyncio.to_thread(files, tmp_path)) < 3:
                 await robot.statuses.receive()
     (ring,) = [name for name in found if name.endswith("-ring.mcap")]

@@ -12,6 +12,7 @@ from app.messages import Audio, Image, LinkStatus
 from app.robots.devices.config import CameraConfig, DevicesConfig, SoundConfig, SpeakerConfig
 from app.robots.devices.link import DevicesLink
 from app.robots.devices.reader import Reader
+from tests.patience import PATIENCE_S
 
 from .files import DESK, MODEL, link, picture_file, ramp, sound_file, video_file
 
@@ -29,7 +30,7 @@ class Collected:
         self._came.set()
 
     async def wait(self, count: int) -> list[Any]:
-        async with asyncio.timeout(10):
+        async with asyncio.timeout(PATIENCE_S):
             while len(self.messages) < count:
                 self._came.clear()
                 await self._came.wait()
@@ -140,7 +141,7 @@ async def test_a_busy_loop_loses_the_newest_instead_of_queueing_without_bound() 
     reader = Reader("endless", lambda: source, taken.append, pause_s=lambda: 0.0, most_waiting=3)
     assert await reader.start() == ""
     reader.want(True)
-    assert enough.wait(5), "blocks the loop on purpose"
+    assert enough.wait(PATIENCE_S), "blocks the loop on purpose"
     reader.want(False)
     await reader.stop()
     assert taken[:3] == [1, 2, 3]

@@ -21,6 +21,7 @@ from app.robots.devices.config import DevicesConfig
 from app.robots.factory import create_link
 from app.runtime.clock import RealClock
 from app.system import System
+from tests.patience import PATIENCE_S
 
 WEBCAM = paths.config_dir() / "robots" / "webcam.yaml"
 PORTRAIT = Path(__file__).parents[3] / "app" / "robots" / "simulated" / "faces" / "pilot.jpg"
@@ -68,7 +69,7 @@ async def test_a_code_a_face_and_a_clap_are_noticed(tmp_path: Path) -> None:
 
     for name in ("qr_codes", "faces", "loud_noises"):
         system.graph.channels[name].observe(look)
-    async with asyncio.timeout(30), system:
+    async with asyncio.timeout(PATIENCE_S), system:
         await asyncio.gather(*(event.wait() for event in noticed.values()))
         assert not [state.problem for state in system.supervisor.states.values() if state.problem]
         assert system.translator.current is not None

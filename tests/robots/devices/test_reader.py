@@ -8,6 +8,7 @@ from collections.abc import Callable
 import pytest
 
 from app.robots.devices.reader import Reader
+from tests.patience import PATIENCE_S
 
 
 class Clock:
@@ -43,7 +44,7 @@ async def test_what_nobody_foresaw_is_raised_where_it_is_started() -> None:
         raise ZeroDivisionError("a driver's fault")
 
     with pytest.raises(ZeroDivisionError):
-        await asyncio.wait_for(reader(broken, lambda _: None).start(), 5)
+        await asyncio.wait_for(reader(broken, lambda _: None).start(), PATIENCE_S)
 
 
 async def test_what_piled_up_while_nobody_wanted_it_is_not_given_as_new() -> None:
@@ -59,5 +60,5 @@ async def test_what_piled_up_while_nobody_wanted_it_is_not_given_as_new() -> Non
     for _ in range(5):
         clock.tick()
     reading.want(True)
-    assert await asyncio.wait_for(first, 5) == 6
+    assert await asyncio.wait_for(first, PATIENCE_S) == 6
     await reading.stop()

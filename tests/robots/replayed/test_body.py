@@ -15,6 +15,7 @@ from app.recording.log import Logged
 from app.robots.replayed.body import ReplayedBody
 from app.runtime.clock import Clock, VirtualClock, in_virtual_time, run_virtual
 from app.runtime.replay_clock import ReplayClock
+from tests.patience import PATIENCE_S
 from tests.replay.logs import BEGIN, MemoryLog, lab_messages, numbered
 
 CHANNELS = {"odometry": "odometry", "joints": "joints", "status": "link_status", "kinect": "kinect", "hokuyo": "scan"}
@@ -129,13 +130,13 @@ async def test_seeking_goes_on_behind_the_place() -> None:
 
 async def idle(body: ReplayedBody) -> None:
     """Wait until the body waits for its clock."""
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(PATIENCE_S):
         while body.reading:  # noqa: ASYNC110  # each turn lets the body go on
             await asyncio.sleep(0)
 
 
 async def came(listener: Listener, count: int) -> None:
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(PATIENCE_S):
         while len(listener.came) < count:  # noqa: ASYNC110  # each turn lets the body go on
             await asyncio.sleep(0)
 
@@ -149,7 +150,7 @@ async def test_a_clock_that_stands_delivers_nothing_on_a_real_loop() -> None:
     await idle(body)
     assert listener.came == []
     clock.advance_to(BEGIN + 10.0)
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(PATIENCE_S):
         await body.finished.wait()
     assert listener.xs == [float(i) for i in range(30)]
     await body.stop()

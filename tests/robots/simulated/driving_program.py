@@ -27,7 +27,7 @@ async def main(guard_log: str, fault: str) -> None:
     link = create_link(robot, 0.0)
     await link.start()
     print(link.process_id, flush=True)  # type: ignore[attr-defined]
-    until = time.monotonic() + (1.0 if fault else 60.0)
+    until = time.monotonic() + (1.0 if fault else 600.0)
     while time.monotonic() < until:
         link.command(Twist(time.monotonic(), 0.3, 0.2))
         await asyncio.sleep(0.05)

@@ -32,6 +32,7 @@ from app.robots.simulated.people import People, limb_poses
 from app.robots.simulated.scenario_config import ScenarioConfig
 from app.robots.simulated.stage import Stage
 from app.robots.simulated.world_config import WorldConfig
+from tests.patience import PATIENCE_S
 from tests.robots.conftest import needs_gl
 
 AWAY = Pose2(-50.0, -50.0, 0.0)
@@ -209,7 +210,7 @@ async def test_the_truth_of_a_running_world_is_the_scenarios(robot: RobotConfig,
     told: asyncio.Queue[SceneTruth] = asyncio.Queue()
     link.attach("scene_truth", told.put_nowait)
     link.demand("scene_truth", True)
-    async with asyncio.timeout(30):
+    async with asyncio.timeout(PATIENCE_S):
         await link.start()
         try:
             first = await told.get()

@@ -21,6 +21,7 @@ from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS
 from app.robots.simulated.link import SimulatedLink
 from app.robots.simulated.scenario_config import ScenarioConfig
 from app.robots.simulated.world_config import WorldConfig
+from tests.patience import PATIENCE_S
 
 OFFSET = time.time() - time.monotonic()
 
@@ -76,7 +77,7 @@ async def test_frames_follow_one_another_and_a_clap_comes_from_its_place(robot: 
     try:
         for stream in ("microphones", "scene_truth", "ground_truth"):
             link.demand(stream, True)
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(PATIENCE_S):
             await enough.wait()
         children = psutil.Process(link.process_id).children()
         assert len(children) == 1
@@ -126,7 +127,7 @@ async def test_the_microphones_process_ends_with_the_link_s_however_that_ends(
     await link.start()
     try:
         link.demand("microphones", True)
-        async with asyncio.timeout(30):
+        async with asyncio.timeout(PATIENCE_S):
             await heard.wait()
             assert link.process_id is not None
             (child,) = psutil.Process(link.process_id).children()
