@@ -16,6 +16,7 @@ import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from tempfile import TemporaryFile
 
 if sys.version_info < (3, 11):
     sys.exit(
@@ -50,7 +51,9 @@ class SetupFailed(Exception):
 def main() -> int:
     """Do what the Makefile's target asks for."""
     parser = argparse.ArgumentParser(prog="scripts/dev.py", description=__doc__)
-    parser.add_argument("task", choices=["setup", "run", "test", "lint", "bench", "references", "clean"])
+    parser.add_argument(
+        "task", choices=["setup", "run", "test", "patient-tests", "lint", "bench", "references", "clean"]
+    )
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help="handed on to hbba run, pytest or the benchmarks")
     args = parser.parse_args()
     os.chdir(ROOT)
@@ -72,6 +75,8 @@ def main() -> int:
         if args.task == "bench":
             set_up({"test", "bench"}, debian=True)
             return run([PYTHON, "-m", "benchmarks", *args.arguments])
+        if args.task == "patient-tests":
+            return patient_tests()
         return test(args.arguments)
     except SetupFailed as failure:
         sys.stderr.write(f"\n{failure}\n")
@@ -240,7 +245,10 @@ def read_stamp() -> dict[str, object] | None:
         return None
 
 
-#: Tests that drive programs against the clock, or a browser: these have the computer to themselves.
+#: What starts a command that others go before: tests in virtual time take what those against the clock leave.
+GIVING_WAY = ("nice", "-n", "10")
+
+#: Tests that drive programs against the clock, or a browser: these go first, one after another.
 HURRIED = (
     "tests/browser",
     "tests/commands/test_body.py",
@@ -286,33 +294,47 @@ def lint() -> int:
 
 
 def test(arguments: list[str]) -> int:
-    """Set up, lint, the page's own tests, then pytest, whose closing line comes last."""
+    """Set up, lint, the page's own tests, and pytest."""
     began = time.monotonic()
     set_up({"test"}, debian=True)
-    set_up_s = time.monotonic() - began
-    with ThreadPoolExecutor(1) as beside:
-        page_tested = beside.submit(web_tests)
-        linted = lint()
-        web = page_tested.result()
-    say(f"running pytest (set-up took {set_up_s:.0f} s)")
-    tested = first_failure_of_tests(arguments)
-    for what, status in (("lint", linted), ("the page's tests", web)):
-        if status:
-            sys.stderr.write(f"{what}: failed, see above\n")
-    return tested or linted or web
-
-
-def first_failure_of_tests(arguments: list[str]) -> int:
-    """All tests, or those asked for: first those that processes may share, then those that run against the clock."""
-    pytest = [PYTHON, "-m", "pytest"]
+    say(f"set-up took {time.monotonic() - began:.0f} s")
     if arguments:
-        return run([*pytest, *arguments])
+        return run([PYTHON, "-m", "pytest", *arguments])
+    with TemporaryFile("w+", encoding="utf-8") as output:
+        said = subprocess.Popen(
+            [*GIVING_WAY, PYTHON, __file__, "patient-tests"],
+            stdin=subprocess.DEVNULL,
+            stdout=output,
+            stderr=subprocess.STDOUT,
+        )
+        try:
+            say("running the tests that run against the clock; beside them lint, the page's tests and all others")
+            hurried = run([PYTHON, "-m", "pytest", *HURRIED])
+            if said.poll() is None:
+                say("waiting for the others")
+            patient = said.wait()
+        finally:
+            if said.poll() is None:
+                said.kill()
+        output.seek(0)
+        shutil.copyfileobj(output, sys.stdout)
+    say(f"everything took {time.monotonic() - began:.0f} s")
+    return hurried or patient
+
+
+def patient_tests() -> int:
+    """All that takes the time it gets: lint, the page's tests, and those of pytest that several processes may share."""
+    linted = lint()
+    web = web_tests()
     workers = str(min(os.cpu_count() or 1, 4))
     # Files go to processes in the order that tests/conftest.py puts them in.
-    by_file = ["--dist", "loadfile", "--no-loadscope-reorder"]
-    shared = run([*pytest, "-n", workers, *by_file, *(f"--ignore={room}" for room in HURRIED), "tests"])
-    say("running the tests that run against the clock")
-    return run([*pytest, *HURRIED]) or shared
+    by_file = ["-n", workers, "--dist", "loadfile", "--no-loadscope-reorder", "-p", "no:cacheprovider"]
+    others = [f"--ignore={room}" for room in HURRIED]
+    tested = run([PYTHON, "-m", "pytest", *by_file, *others, "tests"])
+    for what, status in (("lint", linted), ("the page's tests", web)):
+        if status:
+            sys.stdout.write(f"{what}: failed, see above\n")
+    return tested or linted or web
 
 
 def web_tests() -> int:

@@ -98,7 +98,7 @@ def may_decide(
     near = np.flatnonzero(np.abs(reach2 - (low + high) / 2) <= (high - low) / 2)
     if distance < 1e-6 or len(near) < 4 * evidence:
         return near
-    around, reach2 = around[near], reach2[near]
+    around, reach2 = around[near], np.maximum(reach2[near], 1e-18)  # one at the very centre has no direction
     # How far each has to go around the centre to where the base's origin is, and before that to the discs.
     to_go = np.angle(around * (1j if centre > 0 else -1j))
     to_go = to_go if angular > 0 else -to_go

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from app.modules.actuation.swept_footprint import Points, Polygon, contact_times, may_decide
@@ -65,6 +65,7 @@ def _place(linear: float, angular: float, time: float) -> complex:
 
 
 @given(st.sampled_from(SHAPES), points, linears, angulars, st.integers(1, 3))
+@example(TRIANGLE, np.array([0j, 0j, 0j, 0.5j]), -2.0, -4.0, 1)  # a point where the body turns around
 def test_a_closer_look_at_few_finds_the_same_first_contacts(
     corners: tuple[tuple[float, float], ...], cloud: Points, linear: float, angular: float, evidence: int
 ) -> None:

@@ -16,6 +16,7 @@ from app.robots.simulated.image_ring import (
     create_memory,
     memory_bytes,
 )
+from tests.robots.simulated.shared_memory import shared_memory
 
 WIDTH, HEIGHT = 32, 24
 FORMATS = {
@@ -108,10 +109,9 @@ def test_each_camera_has_slots_of_its_own(both: tuple[ImageRings, ImageRings]) -
 
 
 def test_the_memory_has_no_name_and_goes_with_its_last_user() -> None:
-    before = set(os.listdir("/dev/shm")) if os.path.isdir("/dev/shm") else set()
+    before = shared_memory()
     memory = create_memory(memory_bytes(FORMATS))
     rings = ImageRings(memory, FORMATS)
-    after = set(os.listdir("/dev/shm")) if os.path.isdir("/dev/shm") else set()
-    assert after - before == set()
+    assert shared_memory() - before == set()
     os.close(memory)
     rings.close()

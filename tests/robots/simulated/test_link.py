@@ -27,6 +27,7 @@ from app.robots.simulated.link import SimulatedLink
 from app.robots.simulated.world_config import WorldConfig
 from tests.patience import PATIENCE_S
 from tests.robots.conftest import needs_gl
+from tests.robots.simulated.shared_memory import shared_memory
 
 OFFSET = time.time() - time.monotonic()
 SENSORS = ("kinect", "imv", "hokuyo", "ground_truth", "scene_truth", "microphones")
@@ -149,10 +150,11 @@ async def test_every_stream_runs_at_its_rate_in_real_time_and_unwanted_ones_not(
 
         for name in SENSORS:
             link.demand(name, False)
-        await listener.next("status", 4)
-        marks = {name: len(listener.messages[name]) for name in SENSORS}
-        await listener.next("status", 6)
-        assert {name: len(listener.messages[name]) for name in SENSORS} == marks
+        # On a busy computer some are under way for long: the last one has come when none comes for a while.
+        marks: dict[str, int] = {}
+        while marks != (counts := {name: len(listener.messages[name]) for name in SENSORS}):
+            marks = counts
+            await listener.next("status", 6)
         assert link.images_overwritten == 0
     finally:
         await link.stop()
@@ -200,7 +202,7 @@ async def test_a_command_that_is_no_number_stops_the_wheels_and_is_reported(blin
 
 
 async def test_stop_leaves_nothing_behind_and_is_idempotent(robot: RobotConfig, hall: WorldConfig) -> None:
-    before = set(os.listdir("/dev/shm"))
+    before = shared_memory()
     descriptors = psutil.Process().num_fds()
     link = SimulatedLink(without_camera(robot), hall, OFFSET)
     for _ in range(2):  # and it can be started again
@@ -209,7 +211,7 @@ async def test_stop_leaves_nothing_behind_and_is_idempotent(robot: RobotConfig, 
         await link.stop()
         await link.stop()
         assert not process.is_running()
-    assert set(os.listdir("/dev/shm")) - before == set()
+    assert shared_memory() - before == set()
     await asyncio.sleep(0)
     assert psutil.Process().num_fds() <= descriptors + 1
 
