@@ -197,6 +197,22 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]], right: Collection[
     ]
 
 
+def recordings_document(found: Sequence[Recording], folder: Path, free_bytes: int) -> dict[str, Any]:
+    """The same list for programs, with the fields that REST gives."""
+    recordings = [
+        {
+            "name": each.name,
+            "bytes": each.bytes,
+            "duration_s": each.duration_s,
+            "began": each.begin,
+            "state": each.state,
+            "robot": each.robot,
+        }
+        for each in found
+    ]
+    return {"folder": str(folder), "free_bytes": free_bytes, "recordings": recordings}
+
+
 def print_recordings(found: Sequence[Recording], folder: Path, free_bytes: int) -> None:
     """The list of what was found in ``folder``, on a disk with ``free_bytes`` left, to standard output."""
     if not found:
