@@ -1,8 +1,9 @@
-"""The OpenAPI description and a page to read it on, both served without anything from elsewhere."""
+"""REST and the live stream described for tools, and a page to read, all served without anything from elsewhere."""
 
 from __future__ import annotations
 
 import asyncio
+from functools import partial
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -11,6 +12,8 @@ from fastapi.responses import HTMLResponse, Response
 from fastapi.routing import APIRoute
 
 from app.console.description_page import page
+from app.console.json_schema import with_plain_lists
+from app.console.live.description import description as live_description
 from app.console.problems import ProblemDocument
 from app.console.rest.answers import Json, problem_content
 from app.console.security import COOKIE, OPEN_PATHS
@@ -72,7 +75,7 @@ def operation_id(route: APIRoute) -> str:
 
 
 def describe(app: FastAPI, prefix: str, *, token_needed: bool = False) -> None:
-    """Serve ``openapi.json`` and ``docs`` under ``prefix``; must come after the routes it describes.
+    """Serve ``openapi.json``, ``live.json`` and ``docs`` under ``prefix``; must come after the routes it describes.
 
     ``token_needed``: nobody enters without the token. ``app.openapi()`` takes a fifth of a second the first time, long
     enough to be felt by who drives: call it off the event loop.
@@ -90,6 +93,12 @@ def describe(app: FastAPI, prefix: str, *, token_needed: bool = False) -> None:
     @app.get(f"{prefix}/openapi.json", include_in_schema=False)
     async def openapi(request: Request) -> Response:
         return Json(await asyncio.to_thread(request.app.openapi))
+
+    @app.get(f"{prefix}/live.json", include_in_schema=False)
+    async def live(request: Request) -> Response:
+        secure = request.url.scheme == "https"
+        told = partial(live_description, request.url.netloc, secure=secure, token_needed=token_needed)
+        return Json(await asyncio.to_thread(told))
 
     @app.get(f"{prefix}/docs", include_in_schema=False)
     async def docs(request: Request) -> Response:
@@ -121,7 +130,7 @@ def _document(app: FastAPI, token_needed: bool) -> dict[str, Any]:
     for path, operations in schema["paths"].items():
         for method, operation in operations.items():
             _complete(path, method, operation)
-    _with_plain_lists(schema)
+    with_plain_lists(schema)
     return schema
 
 
@@ -145,15 +154,3 @@ def _complete(path: str, method: str, operation: dict[str, Any]) -> None:
     for name, status, _ in common:
         responses.setdefault(status, {"$ref": f"#/components/responses/{name}"})
     operation["responses"] = dict(sorted(responses.items()))
-
-
-def _with_plain_lists(schema: Any) -> None:
-    """Say that a list has N values of one type in the older words of JSON Schema, which every tool understands."""
-    inside = schema.values() if isinstance(schema, dict) else schema if isinstance(schema, list) else ()
-    for each in inside:
-        _with_plain_lists(each)
-    if isinstance(schema, dict) and isinstance(places := schema.get("prefixItems"), list):
-        first = places[0]
-        if all(place == first for place in places):
-            del schema["prefixItems"]
-            schema["items"] = first

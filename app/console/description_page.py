@@ -208,5 +208,6 @@ background:#0c1016}}code,pre{{background:#1c2430;padding:.1em .4em;border-radius
 a{{color:#7db7ff}}summary{{cursor:pointer;padding:.3em 0}}details{{border-bottom:1px solid #223}}
 .answer{{margin:.6em 0 0}}ul{{margin:.2em 0;padding-left:1.4em}}</style>
 <h1>HBBA over REST</h1>{about}
-<p>The same for tools: <a href="openapi.json">openapi.json</a></p>{sections}</html>
+<p>The same for tools: <a href="openapi.json">openapi.json</a>;
+the live stream: <a href="live.json">live.json</a></p>{sections}</html>
 """
