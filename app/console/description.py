@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from functools import partial
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -13,7 +12,6 @@ from fastapi.routing import APIRoute
 
 from app.console.description_page import page
 from app.console.json_schema import with_plain_lists
-from app.console.live.description import description as live_description
 from app.console.problems import ProblemDocument
 from app.console.rest.answers import Json, problem_content
 from app.console.security import COOKIE, OPEN_PATHS
@@ -96,8 +94,11 @@ def describe(app: FastAPI, prefix: str, *, token_needed: bool = False) -> None:
 
     @app.get(f"{prefix}/live.json", include_in_schema=False)
     async def live(request: Request) -> Response:
-        secure = request.url.scheme == "https"
-        told = partial(live_description, request.url.netloc, secure=secure, token_needed=token_needed)
+        def told() -> dict[str, Any]:
+            from app.console.live.description import description  # seldom asked for: not at the program's start
+
+            return description(request.url.netloc, secure=request.url.scheme == "https", token_needed=token_needed)
+
         return Json(await asyncio.to_thread(told))
 
     @app.get(f"{prefix}/docs", include_in_schema=False)
