@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import datetime
 from pathlib import Path
 from typing import Any, Literal
 
+from app.commands.output import print_json
 from app.recording.catalog import Recording
 from app.recording.foreign.remap import Remap
 from app.recording.log import LogError
@@ -137,7 +137,7 @@ def _unreadable(path: Path, failure: LogError, progress: Progress) -> Contents:
 def print_contents(contents: Contents, *, as_json: bool) -> None:
     """To standard output."""
     if as_json:
-        print(json.dumps(asdict(contents), indent=2, ensure_ascii=False))
+        print_json(asdict(contents))
         return
     facts = contents.facts
     rows = [("format", contents.format)]

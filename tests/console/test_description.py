@@ -79,6 +79,15 @@ def test_every_refusal_is_described_as_a_problem_document(app: FastAPI) -> None:
         assert "401" in told or path == "/api/v1/health" or (path, method) == ("/api/v1/session", "delete")
 
 
+def test_what_is_done_in_somebodys_name_says_so(app: FastAPI) -> None:
+    named = {
+        operation["operationId"]
+        for _, _, operation in operations(app.openapi())
+        if any(each["name"] == "X-HBBA-Operator" for each in operation.get("parameters", ()))
+    }
+    assert named == {"create_desire", "change_resource", "latch_e_stop", "set_goal", "start_recording"}
+
+
 def test_the_server_is_the_one_that_was_asked(app: FastAPI) -> None:
     assert [server["url"] for server in app.openapi()["servers"]] == ["/"]
 

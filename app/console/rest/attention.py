@@ -11,7 +11,7 @@ from app.attention.serialize import event_to_json, intention_to_json, resource_t
 from app.attention.timeline import EventKind
 from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
-from app.console.rest.desires import source_of
+from app.console.rest.desires import IN_SOMEBODYS_NAME, source_of
 from app.console.rest.models import (
     EventList,
     IntentionModel,
@@ -62,6 +62,7 @@ def attention_router(system: System) -> APIRouter:
         "/resources/{name}",
         response_model=ResourceModel,
         summary="Change a budget",
+        openapi_extra=IN_SOMEBODYS_NAME,
         responses=problems(400, 404, 422),
     )
     async def change_resource(

@@ -31,6 +31,18 @@ if TYPE_CHECKING:
 DesireId = Annotated[str, Path(min_length=1, description="Id of the desire.", examples=["d-3f0c81a2b4"])]
 
 OPERATOR_HEADER = "X-HBBA-Operator"
+#: For the OpenAPI description of what is done in somebody's name.
+IN_SOMEBODYS_NAME = {
+    "parameters": [
+        {
+            "name": OPERATOR_HEADER,
+            "in": "header",
+            "schema": {"type": "string"},
+            "description": "The person in whose name it is done, percent-encoded, of at most 40 characters; left out: "
+            "a program does it.",
+        }
+    ]
+}
 
 #: What can be done next with a desire that was created, for the OpenAPI description.
 DESIRE_LINKS = {
@@ -60,6 +72,7 @@ def desires_router(system: System) -> APIRouter:
         response_model=DesireModel,
         status_code=201,
         summary="Create a desire",
+        openapi_extra=IN_SOMEBODYS_NAME,
         responses={
             201: {
                 "headers": {

@@ -12,7 +12,7 @@ from app.console.goals import GO_TO, asked_here, withdraw
 from app.console.live.hub import Hub
 from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
-from app.console.rest.desires import source_of
+from app.console.rest.desires import IN_SOMEBODYS_NAME, source_of
 from app.console.rest.map_models import GoalModel, GoalRequest
 from app.console.rest.models import DesireModel
 from app.console.rest.routing import router as api_router
@@ -42,7 +42,11 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
         return Json({"desire": None if desire is None else desire_to_json(desire), "navigation": way.navigation()})
 
     @router.put(
-        "/goal", response_model=DesireModel, summary="Send the robot somewhere", responses=problems(400, 409, 422)
+        "/goal",
+        response_model=DesireModel,
+        summary="Send the robot somewhere",
+        openapi_extra=IN_SOMEBODYS_NAME,
+        responses=problems(400, 409, 422),
     )
     async def set_goal(goal: GoalRequest, request: Request) -> Response:
         """Creates a desire of class GoTo, or changes the one that was created so before: there is one goal of people at

@@ -16,7 +16,7 @@ from app.console.live.hub import Hub
 from app.console.playback import rate
 from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
-from app.console.rest.desires import source_of
+from app.console.rest.desires import IN_SOMEBODYS_NAME, source_of
 from app.console.rest.program_models import (
     ChannelList,
     EStopModel,
@@ -60,7 +60,11 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
         )
 
     @router.post(
-        "/robot/e-stop", response_model=EStopModel, summary="Stop, and stay stopped", responses=problems(409, 504)
+        "/robot/e-stop",
+        response_model=EStopModel,
+        summary="Stop, and stay stopped",
+        openapi_extra=IN_SOMEBODYS_NAME,
+        responses=problems(409, 504),
     )
     async def latch_e_stop(request: Request) -> Response:
         """Latches the emergency stop in the guard: the wheels are commanded to zero until it is released here or on the

@@ -15,7 +15,7 @@ from app.console.problems import Problem
 from app.console.recordings import RecorderReport, record, withdraw
 from app.console.replays import ReplayFailed, ReplayReplaced, Replays, reached_by
 from app.console.rest.answers import BYTES, Json, problems
-from app.console.rest.desires import DESIRE_LINKS, source_of
+from app.console.rest.desires import DESIRE_LINKS, IN_SOMEBODYS_NAME, source_of
 from app.console.rest.download import MCAP, Download
 from app.console.rest.idempotency import KEY_LIMITS, IdempotencyStore
 from app.console.rest.models import DesireModel
@@ -70,6 +70,7 @@ def recordings_router(system: System, replays: Replays, played: FilePath | None 
         response_model=DesireModel,
         status_code=201,
         summary="Record",
+        openapi_extra=IN_SOMEBODYS_NAME,
         responses={
             201: {
                 "headers": {"Location": {"schema": {"type": "string"}, "description": "Where the desire is."}},
