@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 from benchmarks.document import document
-from benchmarks.report import read_rows, write_json
+from benchmarks.report import json_text, read_rows, write_json
 
 FOLDER = Path(__file__).resolve().parent
 
@@ -31,27 +31,31 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="hbba bench", description=__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"which: {', '.join(known)} (default: all)")
     parser.add_argument("--quick", action="store_true", help="rough figures, in seconds instead of minutes")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="also write all rows here")
+    parser.add_argument("--json", action="store_true", help="print all rows as one JSON document instead")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="write that JSON document here")
     parser.add_argument("--markdown", type=Path, metavar="FILE", help="also write them as a page (docs/benchmarks.md)")
     args = parser.parse_args()
     if unknown := sorted(set(args.names) - set(known)):
         parser.error(f"there is no benchmark {', '.join(unknown)}; there are {', '.join(known)}")
     chosen = args.names or known
     failed, rows = [], []
+    told = sys.stderr if args.json else sys.stdout
     with tempfile.TemporaryDirectory() as folder:
         for number, name in enumerate(chosen, 1):
-            print(f"== {name} ({number} of {len(chosen)})", flush=True)
+            print(f"== {name} ({number} of {len(chosen)})", file=told, flush=True)
             began = time.perf_counter()
             result = Path(folder) / f"{name}.json"
-            command = [sys.executable, "-m", f"benchmarks.{name}", "--json", str(result)]
-            done = subprocess.run([*command, *(["--quick"] if args.quick else [])], check=False)
+            command = [sys.executable, "-m", f"benchmarks.{name}", "--out", str(result)]
+            done = subprocess.run([*command, *(["--quick"] if args.quick else [])], stdout=told, check=False)
             if done.returncode or not result.is_file():
                 failed.append(name)
             else:
                 rows += read_rows(json.loads(result.read_text(encoding="utf-8")))
-            print(f"   {time.perf_counter() - began:.0f} s\n", flush=True)
+            print(f"   {time.perf_counter() - began:.0f} s\n", file=told, flush=True)
     if args.json:
-        write_json(rows, args.json)
+        print(json_text(rows))
+    if args.out:
+        write_json(rows, args.out)
     if args.markdown:
         args.markdown.write_text(document(rows), encoding="utf-8")
     if failed:

@@ -1,4 +1,4 @@
-"""What the simulated microphones cost: ``python -m benchmarks.acoustics [--quick] [--json FILE]``.
+"""What the simulated microphones cost: ``python -m benchmarks.acoustics [--quick] [--json] [--out FILE]``.
 
 CPU of one thread, in % of a core, to give eight channels of 48 kHz in real time: no sound at all, one to three talkers
 in a reverberant room, standing and walking while the robot drives and turns, with and without the torso between the

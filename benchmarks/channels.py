@@ -1,4 +1,4 @@
-"""Channels beside what else passes messages in one process: ``python -m benchmarks.channels [--quick] [--json FILE]``.
+"""Channels beside what else passes messages in one process: ``python -m benchmarks.channels [--quick] [--json]``.
 
 Ours (filter, bounded inbox and counters included), a bare ``asyncio.Queue`` (one per consumer), anyio's memory object
 streams (one per consumer) and ezmsg (its own threads and graph server; zero-copy receive). One producer, 1 or 10

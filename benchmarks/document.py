@@ -21,7 +21,7 @@ work: trust the ratios. Of throughput and of *times real time* more is better, o
 - Machine: {machine}
 - Versions: {versions}
 
-One of them alone: `hbba bench NAME`, rough figures in seconds: `--quick`, for machines: `--json FILE`.
+One of them alone: `hbba bench NAME`, rough figures in seconds: `--quick`, for machines: `--json`, or `--out FILE`.
 """
 
 

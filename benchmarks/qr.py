@@ -1,4 +1,4 @@
-"""Reading QR codes beside OpenCV's detector and ZBar: ``python -m benchmarks.qr [--quick] [--json FILE]``.
+"""Reading QR codes beside OpenCV's detector and ZBar: ``python -m benchmarks.qr [--quick] [--json] [--out FILE]``.
 
 *Photographs*: ZXing's black-box sets 1 to 3 with their truths, where they are (``HBBA_REFERENCE_DATA``); read is a text
 that is equal. *Kinect*: posters traced at 57 degrees and 640 x 480, blur 0.7 px and noise of 5 levels, face on and

@@ -98,15 +98,20 @@ def versions() -> dict[str, str]:
 
 
 def benchmark_main(description: str | None, measure: Callable[[bool], Sequence[Row]]) -> int:
-    """The command line of one benchmark: measure (roughly if ``--quick``), print the table, write ``--json FILE``."""
+    """The command line of one benchmark: measure (roughly if ``--quick``), print the table or ``--json``, write
+    ``--out FILE``."""
     parser = argparse.ArgumentParser(description=(description or "").strip().splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="rough figures in a few seconds")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="also write the rows here")
+    parser.add_argument("--json", action="store_true", help="print the rows as one JSON document instead")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="write that JSON document here")
     args = parser.parse_args()
     rows = measure(args.quick)
-    print_table(rows)
     if args.json:
-        write_json(rows, args.json)
+        print(json_text(rows))
+    else:
+        print_table(rows)
+    if args.out:
+        write_json(rows, args.out)
     return 0
 
 
@@ -138,10 +143,15 @@ def print_table(rows: Sequence[Row], stream: TextIO = sys.stdout) -> None:
         print("  ".join(aligned).rstrip(), file=stream)
 
 
-def write_json(rows: Sequence[Row], path: Path) -> None:
-    """Write ``rows`` and what they come from to ``path`` (JSON: ``{machine, versions, rows: [...]}``)."""
+def json_text(rows: Sequence[Row]) -> str:
+    """``rows`` and what they come from as JSON: ``{machine, versions, rows: [...]}``."""
     content = {"machine": machine(), "versions": versions(), "rows": [asdict(r) for r in rows]}
-    path.write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    return json.dumps(content, indent=1, ensure_ascii=False)
+
+
+def write_json(rows: Sequence[Row], path: Path) -> None:
+    """Write :func:`json_text` to ``path``."""
+    path.write_text(json_text(rows) + "\n", encoding="utf-8")
 
 
 def read_rows(content: Mapping[str, Sequence[Mapping[str, object]]]) -> list[Row]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 import resource
 import subprocess
@@ -13,6 +14,8 @@ import pytest
 
 from app import cli, paths
 from app.commands import COMMANDS
+from app.commands.completion import leaves
+from app.commands.parser import build_parser
 from tests.patience import PATIENCE_S
 
 HBBA = Path(sys.executable).with_name("hbba")
@@ -41,7 +44,7 @@ def test_linear_algebra_computes_in_the_calling_thread_unless_told_otherwise(mon
     with pytest.raises(SystemExit):
         cli.main(["--version"])
     assert (os.environ["OPENBLAS_NUM_THREADS"], os.environ["MKL_NUM_THREADS"]) == ("3", "1")
-    code = "import sys; import app.cli; app.cli.build_parser(); sys.exit('numpy' in sys.modules)"
+    code = "import sys; import app.cli; app.commands.parser.build_parser(); sys.exit('numpy' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], cwd=Path(cli.__file__).parents[1], check=False).returncode == 0
 
 
@@ -55,7 +58,10 @@ def test_version_is_the_distributions(capsys: pytest.CaptureFixture[str]) -> Non
     ("arguments", "sentence"),
     [
         ([], "required: COMMAND"),
-        (["dance"], "invalid choice: 'dance'"),
+        (["dance"], "invalid choice: 'dance' (choose from run, replay, log,"),
+        (["slove", "x.yaml"], "argument COMMAND: invalid choice: 'slove'; did you mean solve? (choose from run,"),
+        (["detect", "face", "x.jpg"], "invalid choice: 'face'; did you mean faces? (choose from faces, qr, voices)"),
+        (["log", "exprot", "tour", "png"], "invalid choice: 'exprot'; did you mean export?"),
         (["run", "--port", "70000"], "a port is a number from 0 to 65535, not '70000'"),
         (["run", "--port", "http"], "a port is a number from 0 to 65535, not 'http'"),
         (["run", "--token", "short"], "a token has at least 8 characters"),
@@ -92,6 +98,15 @@ def test_what_a_command_does_not_know_is_told_with_its_own_usage(
     assert left.value.code == 2
     assert said.startswith(f"usage: {usage} [-h]")
     assert sentence in said
+
+
+@pytest.mark.parametrize("command", list(leaves(build_parser())), ids=lambda parser: parser.prog)
+def test_json_means_the_same_in_every_command_that_reports(command: argparse.ArgumentParser) -> None:
+    reports = command.prog not in ("hbba run", "hbba completion")
+    options = {option: action for action in command._actions for option in action.option_strings}
+    assert ("--json" in options) == reports
+    if reports:
+        assert options["--json"].nargs == 0
 
 
 def test_a_configuration_that_is_not_there_is_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from app.commands import bench, calibrate, check, detect, doctor, experiment, log, replay, run, slam, solve
+from app.commands import bench, calibrate, check, completion, detect, doctor, experiment, log, replay, run, slam, solve
 
 #: What ``argparse`` gives for adding a command; its own type is private and generic.
 Subparsers = Any
@@ -36,4 +36,5 @@ COMMANDS: Mapping[str, Command] = {
     "experiment": experiment,
     "slam": slam,
     "bench": bench,
+    "completion": completion,
 }

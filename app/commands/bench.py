@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from app import paths
+from app.commands.output import add_json
 from app.errors import ConfigError
 
 
@@ -22,7 +23,8 @@ def add_parser(subparsers: Any) -> None:
     )
     parser.add_argument("names", nargs="*", metavar="NAME", help="which (default: all; a wrong name lists them)")
     parser.add_argument("--quick", action="store_true", help="rough figures, in seconds instead of minutes")
-    parser.add_argument("--json", metavar="FILE", help="also write all rows here")
+    add_json(parser, "print all rows as one JSON document instead")
+    parser.add_argument("--out", metavar="FILE", help="write that JSON document here")
     parser.add_argument("--markdown", metavar="FILE", help="also write them as a page (docs/benchmarks.md)")
 
 
@@ -31,8 +33,8 @@ def run(args: argparse.Namespace) -> int:
     checkout = paths.checkout_dir()
     if checkout is None or not (checkout / "benchmarks").is_dir():
         raise ConfigError("the benchmarks come with the source: run this in a checkout of the project")
-    options = ["--quick"] if args.quick else []
-    for option in ("json", "markdown"):
+    options = [f"--{option}" for option in ("quick", "json") if getattr(args, option)]
+    for option in ("out", "markdown"):
         if getattr(args, option):
             options += [f"--{option}", str(Path(getattr(args, option)).absolute())]
     command = [sys.executable, "-m", "benchmarks", *args.names, *options]

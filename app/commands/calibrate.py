@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from app import paths
 from app.commands.arguments import find_log, names, number, whole
+from app.commands.output import add_json, print_json
 from app.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -56,8 +57,9 @@ def add_parser(subparsers: Any) -> None:
     )
     parser.add_argument("--fresh", action="store_true", help="measure anew what an interrupted run had measured")
     parser.add_argument(
-        "--output", type=Path, metavar="FILE", help="write here (default: calibration/<host>.yaml of the program)"
+        "--out", type=Path, metavar="FILE", help="write here (default: calibration/<host>.yaml of the program)"
     )
+    add_json(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -84,7 +86,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log) -> int:
-    from app.commands.calibrate_report import relations_table, strategies_table
+    from app.commands.calibrate_report import relations_table, strategies_document, strategies_table
     from app.replay.calibration import Progress, plan
 
     info = log.info
@@ -110,11 +112,11 @@ def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log)
         "log": [info.path.name, info.bytes, info.begin], "from": args.begin, "seconds": seconds, "version": version,
         "program": configuration.program.model_dump_json(include={"modules"}),
     }  # fmt: skip
-    output = args.output or configuration.calibration_file
+    output = args.out or configuration.calibration_file
     progress = Progress(output.with_suffix(".partial.json"), key)
     if not args.fresh and (taken_up := progress.load()):
-        print(f"{taken_up} runs were made before and are taken up (--fresh measures them anew)")
-    print(f"{len(runs)} runs of {seconds:.0f} s of {info.path.name}; Ctrl-C keeps what is measured")
+        print(f"{taken_up} runs were made before and are taken up (--fresh measures them anew)", file=sys.stderr)
+    print(f"{len(runs)} runs of {seconds:.0f} s of {info.path.name}; Ctrl-C keeps what is measured", file=sys.stderr)
     for doubt in _doubts(configuration, info, runs):
         print(f"hbba calibrate: {doubt}", file=sys.stderr)
     for file in (output, output.with_suffix(".png")):
@@ -130,8 +132,19 @@ def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log)
             f"cannot be written: {failure.strerror or failure}", str(failure.filename or output)
         ) from None
     measured = {run.relation for run in results}
+    table, modules = _table(configuration), configuration.program.modules
+    if args.json:
+        print_json(
+            {
+                "written": [output, output.with_suffix(".png")],
+                "measured": sorted(measured),
+                "calibration": calibration.model_dump(mode="json"),
+                "strategies": strategies_document(table, calibration, measured, modules),
+            }
+        )
+        return 0
     print(relations_table(calibration, measured))
-    print(strategies_table(_table(configuration), calibration, measured, configuration.program.modules))
+    print(strategies_table(table, calibration, measured, modules))
     print(f"Written: {output} and {output.with_suffix('.png').name}")
     return 0
 
@@ -255,7 +268,7 @@ def _check_writable(output: Path) -> None:
         if output.stat().st_size == 0:
             output.unlink()
     except OSError as failure:
-        raise ConfigError(f"cannot be written: {failure.strerror}; choose another with --output", str(output)) from None
+        raise ConfigError(f"cannot be written: {failure.strerror}; choose another with --out", str(output)) from None
 
 
 def _write(calibration: Calibration, output: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Set
+from typing import Any
 
 from app.attention.calibration import RESOURCE, Calibration, relation_name
 from app.attention.strategies import CLOSED, Strategy, StrategyTable
@@ -33,6 +34,22 @@ def strategies_table(
 
     An input that was not measured (its channel is not in the recording) is named: the measured cost is without it.
     """
+    rows = strategies_document(declared, calibration, measured, modules)
+    if not rows:
+        return ""
+    width = max(len("strategy"), *(len(row["name"]) for row in rows))
+    lines = [f"\n{'strategy':{width}}  declared  measured   ({RESOURCE}, % of one core)"]
+    for row in rows:
+        without = f"   (without {', '.join(row['without'])})" if row["without"] else ""
+        lines.append(f"{row['name']:{width}}  {row['declared']:8.2f}  {row['measured']:8.2f}{without}")
+    return "\n".join(lines)
+
+
+def strategies_document(
+    declared: StrategyTable, calibration: Calibration, measured: Set[str], modules: Mapping[str, ModuleSpec]
+) -> list[dict[str, Any]]:
+    """The same for programs, costs in % of one core: ``name``, ``declared``, ``measured``, and the inputs that the
+    measured cost is ``without``."""
     rows = []
     for strategy in declared.strategies:
         wanted = _relations(strategy, modules)
@@ -40,14 +57,9 @@ def strategies_table(
         if cost is None or not measured & set(wanted.values()):
             continue
         lacking = [name for name, relation in wanted.items() if relation not in calibration.relations]
-        without = f"   (without {', '.join(lacking)})" if lacking else ""
-        rows.append((strategy.name, strategy.costs.get(RESOURCE, 0.0), cost, without))
-    if not rows:
-        return ""
-    width = max(len("strategy"), *(len(name) for name, *_ in rows))
-    lines = [f"\n{'strategy':{width}}  declared  measured   ({RESOURCE}, % of one core)"]
-    lines += [f"{name:{width}}  {before:8.2f}  {after:8.2f}{without}" for name, before, after, without in rows]
-    return "\n".join(lines)
+        before = strategy.costs.get(RESOURCE, 0.0)
+        rows.append({"name": strategy.name, "declared": before, "measured": cost, "without": lacking})
+    return rows
 
 
 def _relations(strategy: Strategy, modules: Mapping[str, ModuleSpec]) -> dict[str, str]:

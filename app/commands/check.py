@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from app.commands.output import add_json, print_json
 from app.errors import ConfigError
 
 
@@ -20,18 +21,25 @@ def add_parser(subparsers: Any) -> None:
         "Each mistake is said as FILE:LINE: what is wrong and what is allowed. Exit code 2 if there is any.",
     )
     parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="a file of config/")
+    add_json(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Check each file; say all mistakes, not only the first file's."""
-    failed = False
+    results: list[dict[str, str | None]] = []
     for path in args.files:
+        kind = mistake = None
         try:
-            print(f"{path}: {check_file(path)}, no mistake found")
+            kind = check_file(path)
         except ConfigError as failure:
-            failed = True
-            print(failure, file=sys.stderr)
-    return 2 if failed else 0
+            mistake = str(failure)
+            print(mistake, file=sys.stderr)
+        if kind is not None and not args.json:
+            print(f"{path}: {kind}, no mistake found")
+        results.append({"file": str(path), "kind": kind, "mistake": mistake})
+    if args.json:
+        print_json({"files": results})
+    return 2 if any(result["mistake"] for result in results) else 0
 
 
 def check_file(path: Path) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import importlib.util
-import json
 import os
 import shutil
 import socket
@@ -16,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from app import paths
+from app.commands.output import add_json, print_json
 
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 PYTHON_MINIMUM = (3, 11)
@@ -46,14 +46,14 @@ def add_parser(subparsers: Any) -> None:
         description="Check this computer and say what is missing. Exit code 1 if `hbba run` would not work here.",
     )
     parser.add_argument("--port", type=int, default=8080, metavar="N", help="the console's port (default 8080)")
-    parser.add_argument("--json", action="store_true", help="print the findings as JSON")
+    add_json(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Look at everything, print the findings."""
     findings = [look() for look in checks(args.port)]
     if args.json:
-        print(json.dumps([asdict(finding) for finding in findings], indent=2, ensure_ascii=False))
+        print_json([asdict(finding) for finding in findings])
     else:
         print(table(findings))
     return int(any(finding.required and not finding.ok for finding in findings))

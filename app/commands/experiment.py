@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from pathlib import Path
 from typing import Any
 
 from app.commands import experiment_barn, experiment_goals
 from app.commands.arguments import number, recording_name
+from app.commands.output import add_json, print_json
 from app.errors import ConfigError
 
 
@@ -35,7 +35,7 @@ def add_parser(subparsers: Any) -> None:
     overload.add_argument(
         "--budget", type=_budget, default=100.0, metavar="PERCENT", help="how much of one core (default 100, least 10)"
     )
-    overload.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    add_json(overload)
     overload.add_argument("--plot", type=Path, metavar="FILE", help="draw it there (PNG or SVG)")
     trial = experiments.add_parser(
         "trial",
@@ -53,7 +53,7 @@ def add_parser(subparsers: Any) -> None:
         action="store_true",
         help="in virtual time: every sensor keeps its rate however slow this computer is",
     )
-    trial.add_argument("--json", action="store_true", help="print JSON instead of the story")
+    add_json(trial)
     experiment_barn.add_parser(experiments)
     experiment_goals.add_parser(experiments)
 
@@ -91,7 +91,7 @@ def _trial(args: argparse.Namespace) -> int:
         )
     if args.json:
         told = [{"at": round(event.at, 3), "subject": event.subject, "text": event.text} for event in events]
-        print(json.dumps(document((outcome,), {"events": told}), indent=1))
+        print_json(document((outcome,), {"events": told}))
         return 0
     for event in events:
         print(f"{event.at:7.1f} s  {event.text}")
@@ -122,7 +122,7 @@ def _overload(args: argparse.Namespace) -> int:
         without, kept = run_both(what, lambda condition, part: progress(round(1000 * part), 1000, condition))
     if args.json:
         settings = {"seconds": args.seconds, "budget": args.budget}
-        print(json.dumps(document((without, kept), settings), indent=1))
+        print_json(document((without, kept), settings))
     else:
         print(table(without, kept))
     for doubt in doubts((without, kept), args.budget):

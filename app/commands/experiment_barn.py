@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.commands.arguments import whole
+from app.commands.output import add_json, print_json
 from app.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -40,13 +40,7 @@ def add_parser(experiments: Any) -> None:
     parser.add_argument("--jobs", type=whole(1, 256), metavar="N", help="worlds at a time (default: one a core)")
     parser.add_argument("--out", type=Path, metavar="FOLDER", help="where results are kept (default: your data folder)")
     parser.add_argument("--fresh", action="store_true", help="begin anew; earlier results are moved aside")
-    parser.add_argument(
-        "--json",
-        nargs="?",
-        const="-",
-        metavar="FILE",
-        help="write results as JSON; without FILE, instead of the table",
-    )
+    add_json(parser)
     parser.add_argument("--plot", action="append", default=[], metavar="ID", help="draw this world and the way driven")
 
 
@@ -67,8 +61,6 @@ def run(args: argparse.Namespace) -> int:
     for named in args.plot:
         if named not in {world.name for world in what.chosen}:
             raise ConfigError(f"world {named!r} is not among those to run", "--plot")
-    if args.json not in (None, "-") and not Path(args.json).absolute().parent.is_dir():
-        raise ConfigError("there is no such folder", str(Path(args.json).parent))
     kept = KeptResults(args.out or default_folder("barn"), what.of(), fresh=args.fresh)
     if kept.moved and not args.fresh:
         print(f"hbba experiment barn: other results were there; they are in {kept.moved} now", file=sys.stderr)
@@ -104,21 +96,15 @@ def _tell(args: argparse.Namespace, what: BarnPlan, kept: KeptResults, results: 
     from app.robots.factory import load_body
     from app.yaml_source import load_yaml
 
-    if args.json is not None:
-        document = {
-            "of": what.of(),
-            "summary": Summary.of(results).document(),
-            "worlds": [result.document() for result in results],
-        }
-        text = json.dumps(document, indent=1)
-        if args.json == "-":
-            print(text)
-        else:
-            try:
-                Path(args.json).write_text(text + "\n", encoding="utf-8")
-            except OSError as failure:
-                raise ConfigError(f"cannot be written: {failure.strerror or failure}", args.json) from None
-    if args.json != "-":
+    if args.json:
+        print_json(
+            {
+                "of": what.of(),
+                "summary": Summary.of(results).document(),
+                "worlds": [result.document() for result in results],
+            }
+        )
+    else:
         print(table(results))
         if failed := failures(results):
             print("\n" + "\n".join(failed))

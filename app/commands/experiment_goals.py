@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.commands.arguments import whole
+from app.commands.output import add_json, print_json
 from app.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def add_parser(experiments: Any) -> None:
     )
     parser.add_argument("--out", type=Path, metavar="FOLDER", help="where results are kept (default: your data folder)")
     parser.add_argument("--fresh", action="store_true", help="begin anew; earlier results are moved aside")
-    parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    add_json(parser)
 
 
 def run(args: argparse.Namespace) -> int:
@@ -85,12 +85,13 @@ def run(args: argparse.Namespace) -> int:
 
         results = run_goals(what, kept, told, lambda stage: progress(len(before), args.count, stage))
     if args.json:
-        document = {
-            "of": what.of(),
-            "summary": Summary.of(results).document(),
-            "goals": [result.document() for result in results],
-        }
-        print(json.dumps(document, indent=1))
+        print_json(
+            {
+                "of": what.of(),
+                "summary": Summary.of(results).document(),
+                "goals": [result.document() for result in results],
+            }
+        )
     else:
         print(table(results))
         if lines := failures(results):

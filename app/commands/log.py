@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 from app.commands.arguments import TIMES, find_log, moment, names, whole
+from app.commands.output import add_json, print_json
 from app.errors import ConfigError
 
 
@@ -21,7 +23,11 @@ def add_parser(subparsers: Any) -> None:
         "one of your recordings. Without anything, list these.",
     )
     actions = parser.add_subparsers(dest="action", metavar="ACTION")
-    actions.add_parser("list", help="list your recordings", description="List your recordings, the newest first.")
+    add_json(parser)
+    listing = actions.add_parser(
+        "list", help="list your recordings", description="List your recordings, the newest first."
+    )
+    _add_json(listing)
     _add_info(actions)
     _add_cut(actions)
     _add_repair(actions)
@@ -45,7 +51,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _list(args: argparse.Namespace) -> int:
-    from app.commands.log_report import print_recordings
+    from app.commands.log_report import print_recordings, recordings_document
     from app.recording.catalog import Catalog
     from app.recording.library import RecordingLibrary, default_folder
 
@@ -54,7 +60,10 @@ def _list(args: argparse.Namespace) -> int:
         recordings, free = Catalog(library).recordings(), library.free_bytes()
     except OSError as failure:
         raise ConfigError(f"{library.folder}: cannot be read: {failure.strerror or failure}") from None
-    print_recordings(recordings, library.folder, free)
+    if args.json:
+        print_json(recordings_document(recordings, library.folder, free))
+    else:
+        print_recordings(recordings, library.folder, free)
     return 0
 
 
@@ -65,7 +74,7 @@ def _add_info(actions: Any) -> None:
         description="Say what is in a log. Exit code 1 if it was not closed or is damaged: `hbba log repair` helps.",
     )
     _add_file(parser)
-    parser.add_argument("--json", action="store_true", help="print it as JSON")
+    _add_json(parser)
     parser.add_argument("--remap", type=Path, metavar="FILE", help="which topics of a ROS bag are which channels")
 
 
@@ -94,6 +103,7 @@ def _add_cut(actions: Any) -> None:
     _add_times(parser)
     _add_channels(parser, "only these channels or topics")
     _add_out(parser, "the new log (default: FILE-cut.mcap)", "OUT")
+    _add_json(parser)
 
 
 def _cut(args: argparse.Namespace) -> int:
@@ -107,6 +117,9 @@ def _cut(args: argparse.Namespace) -> int:
     begin, end = _times(args, first, last)
     with shown(f"cut {path.name}") as progress:
         report = cut(path, out, begin, end, args.channels, force=args.force, progress=progress)
+    if args.json:
+        print_json(asdict(report))
+        return 0
     standing = f", {report.standing} of them state that stood at the begin" if report.standing else ""
     print(
         f"{out}: {clock(report.end - report.begin)} from {clock(report.begin - first)} to {clock(report.end - first)}, "
@@ -125,6 +138,7 @@ def _add_repair(actions: Any) -> None:
     _add_file(parser)
     _add_out(parser, "the new log (default: FILE-repaired.mcap)", "OUT")
     parser.add_argument("--in-place", action="store_true", help="replace FILE itself, once the new one is whole")
+    _add_json(parser)
 
 
 def _repair(args: argparse.Namespace) -> int:
@@ -138,7 +152,10 @@ def _repair(args: argparse.Namespace) -> int:
     out = args.out or path.with_name(f"{path.stem}-repaired.mcap")
     with shown(f"repair {path.name}") as progress:
         report = repair(path, out, force=args.force, progress=progress, in_place=args.in_place)
-    print("\n".join(repair_lines(report)))
+    if args.json:
+        print_json(asdict(report))
+    else:
+        print("\n".join(repair_lines(report)))
     return 0
 
 
@@ -162,6 +179,7 @@ def _add_export(actions: Any) -> None:
     parser.add_argument("--every", type=whole(1), default=1, metavar="N", help="only one of N messages; not for wav")
     parser.add_argument("--remap", type=Path, metavar="FILE", help="which topics of a ROS bag are which channels")
     _add_out(parser, "the folder (default: FILE-export, here)", "FOLDER")
+    _add_json(parser)
 
 
 def _export(args: argparse.Namespace) -> int:
@@ -179,6 +197,9 @@ def _export(args: argparse.Namespace) -> int:
             result = export(log, wish, progress)
     finally:
         log.close()
+    if args.json:
+        print_json(asdict(result))
+        return 0
     for line in result.lines():
         print(line)
     return 0
@@ -214,6 +235,11 @@ def _add_channels(parser: argparse.ArgumentParser, text: str) -> None:
 def _add_out(parser: argparse.ArgumentParser, text: str, metavar: str) -> None:
     parser.add_argument("-o", "--out", type=Path, metavar=metavar, help=text)
     parser.add_argument("--force", action="store_true", help="replace what is there")
+
+
+def _add_json(parser: argparse.ArgumentParser) -> None:
+    # Left out here, it is what `hbba log` itself was given.
+    add_json(parser, default=argparse.SUPPRESS)
 
 
 def _times(args: argparse.Namespace, first: float, last: float) -> tuple[float, float]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import datetime
 from pathlib import Path
 from typing import Any, Literal
 
+from app.commands.output import print_json
 from app.recording.catalog import Recording
 from app.recording.foreign.remap import Remap
 from app.recording.log import LogError
@@ -137,7 +137,7 @@ def _unreadable(path: Path, failure: LogError, progress: Progress) -> Contents:
 def print_contents(contents: Contents, *, as_json: bool) -> None:
     """To standard output."""
     if as_json:
-        print(json.dumps(asdict(contents), indent=2, ensure_ascii=False))
+        print_json(asdict(contents))
         return
     facts = contents.facts
     rows = [("format", contents.format)]
@@ -195,6 +195,22 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]], right: Collection[
         ).rstrip()
         for row in (head, *rows)
     ]
+
+
+def recordings_document(found: Sequence[Recording], folder: Path, free_bytes: int) -> dict[str, Any]:
+    """The same list for programs, with the fields that REST gives."""
+    recordings = [
+        {
+            "name": each.name,
+            "bytes": each.bytes,
+            "duration_s": each.duration_s,
+            "began": each.begin,
+            "state": each.state,
+            "robot": each.robot,
+        }
+        for each in found
+    ]
+    return {"folder": str(folder), "free_bytes": free_bytes, "recordings": recordings}
 
 
 def print_recordings(found: Sequence[Recording], folder: Path, free_bytes: int) -> None:

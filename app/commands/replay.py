@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from app import logs
 from app.commands.arguments import TIMES, find_log, moment, names, number, recording_name, whole
+from app.commands.output import add_json, check_writable, json_text, print_json, write_text
 from app.commands.run import Stopping, add_console_options, announcer, until_stopped
 from app.errors import ConfigError
 
@@ -63,7 +64,8 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--remap", type=Path, metavar="FILE", help="which topics of a ROS bag are which channels")
     parser.add_argument("--record", type=recording_name, metavar="NAME", help="record the replay under this name")
     parser.add_argument("--headless", action="store_true", help="without the console; prints what came of it")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="with --headless: also write what came of it here")
+    add_json(parser, "with --headless: print what came of it as one JSON document instead")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="with --headless: write that JSON document here")
     parser.add_argument(
         "--exit-when-unwatched", type=_seconds, metavar="S", help="end S seconds after the last viewer left"
     )
@@ -77,10 +79,10 @@ def run(args: argparse.Namespace) -> int:
     from app.recording.log import LogError
     from app.recording.open import open_log
 
-    if args.json is not None and not args.headless:
-        raise ConfigError("--json says what came of a replay without the console: add --headless")
-    if args.json is not None and not args.json.absolute().parent.is_dir():
-        raise ConfigError("there is no such folder", str(args.json.parent))
+    if not args.headless and (args.json or args.out is not None):
+        option = "--json" if args.json else "--out"
+        raise ConfigError(f"{option} says what came of a replay without the console: add --headless")
+    check_writable(args.out)
     path = find_log(args.file)
     try:
         remap = load_remap(args.remap) if args.remap is not None else None
@@ -138,12 +140,12 @@ def _headless(args: argparse.Namespace, log: Log, options: ReplayOptions) -> int
     with shown(f"replay {log.info.path.name}") as progress:
         watch = Watch(lambda position: progress(position - begin, end - begin))
         report = run_headless(log, options, speed=_finite(args.speed), watch=watch)
-    print_report(report)
-    if args.json is not None:
-        try:
-            args.json.write_text(report.to_json(), encoding="utf-8")
-        except OSError as failure:
-            raise ConfigError(f"cannot be written: {failure.strerror or failure}", str(args.json)) from None
+    if args.json:
+        print_json(report.document())
+    else:
+        print_report(report)
+    if args.out is not None:
+        write_text(args.out, json_text(report.document()) + "\n")
     return 0
 
 

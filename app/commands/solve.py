@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from app.commands.output import add_json, print_json
 from app.errors import ConfigError
 
 
@@ -22,7 +22,7 @@ def add_parser(subparsers: Any) -> None:
         "desire gets what it gets. The format is in docs/solve.md.",
     )
     parser.add_argument("file", nargs="?", metavar="FILE", help="the problem; - reads standard input")
-    parser.add_argument("--json", action="store_true", help="print the answer as JSON")
+    add_json(parser)
     parser.add_argument("--schema", action="store_true", help="print the JSON Schema of the problem format and leave")
     parser.add_argument(
         "--time-limit", type=float, default=10.0, metavar="S", help="keep the best found after S seconds (default 10)"
@@ -35,7 +35,7 @@ def run(args: argparse.Namespace) -> int:
     from app.yaml_source import load_text, load_yaml
 
     if args.schema:
-        print(json.dumps(problem_schema(), indent=2, ensure_ascii=False))
+        print_json(problem_schema())
         return 0
     if args.file is None:
         raise ConfigError("name the file of a problem, or - for standard input (see `hbba solve --help`)")
@@ -74,7 +74,7 @@ def run(args: argparse.Namespace) -> int:
             divisors=divisors,
             reasons=reasons,
         )
-        print(json.dumps({**answer, "parameters": parameters}, indent=2, ensure_ascii=False))
+        print_json({**answer, "parameters": parameters})
     else:
         from app.commands.solve_report import report
 

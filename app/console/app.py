@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from fastapi import APIRouter, FastAPI, WebSocket
 
 from app import paths
-from app.console.description import describe
+from app.console.description import describe, operation_id
 from app.console.live.endpoint import live
 from app.console.live.hub import Hub
 from app.console.live.protocol import COSTMAP
@@ -71,7 +71,13 @@ def create_app(
             await asyncio.gather(replays.close(), view.close())
 
     # FastAPI's own documentation pages load scripts from elsewhere; ours need nothing but this server.
-    app = FastAPI(lifespan=lifespan, openapi_url=None, docs_url=None, redoc_url=None)
+    app = FastAPI(
+        lifespan=lifespan,
+        openapi_url=None,
+        docs_url=None,
+        redoc_url=None,
+        generate_unique_id_function=operation_id,
+    )
     app.state.hub = hub
     app.state.view = view
     app.state.replays = replays
@@ -98,7 +104,7 @@ def create_app(
 
     app.include_router(api)
     app.include_router(view_router(view))
-    describe(app, API)
+    describe(app, API, token_needed=token is not None)
 
     install_page(app, static_dir or paths.static_dir())
     app.add_middleware(Guarded, door=door)

@@ -1,4 +1,4 @@
-"""The OpenAPI description and a page to read it on, both served without anything from elsewhere."""
+"""REST and the live stream described for tools, and a page to read, all served without anything from elsewhere."""
 
 from __future__ import annotations
 
@@ -8,17 +8,21 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.openapi.utils import get_openapi
 from fastapi.responses import HTMLResponse, Response
+from fastapi.routing import APIRoute
 
 from app.console.description_page import page
-from app.console.problems import MEDIA_TYPE, ProblemDocument
-from app.console.rest.answers import Json
+from app.console.json_schema import with_plain_lists
+from app.console.problems import ProblemDocument
+from app.console.rest.answers import Json, problem_content
+from app.console.security import COOKIE, OPEN_PATHS
 
 _ABOUT = """Desires in, intentions out: create a desire and see which strategies attention selects for it, which
 filters move, and why. Every refusal is a problem document (RFC 9457). Stamps are the robot's clock in seconds; angles
 are radians.
 
-Beyond loopback every request needs the console's token as `Authorization: Bearer`. What changes faster than is worth
-polling goes over the WebSocket `/api/v1/live`.
+Beyond loopback every request needs the console's token as `Authorization: Bearer`, or the cookie that `POST
+/api/v1/session` gives for it. What changes faster than is worth polling goes over the WebSocket `/api/v1/live`, which
+`/api/v1/live.json` describes (AsyncAPI).
 """
 
 _TAGS = [
@@ -33,16 +37,51 @@ _TAGS = [
 ]
 
 
-def describe(app: FastAPI, prefix: str) -> None:
-    """Serve ``openapi.json`` and ``docs`` under ``prefix``; must come after the routes it describes.
+#: How a client shows that it may.
+_SCHEMES = {
+    "token": {"type": "http", "scheme": "bearer", "description": "The token printed when the console was started."},
+    "session": {
+        "type": "apiKey",
+        "in": "cookie",
+        "name": COOKIE,
+        "description": "What `POST /api/v1/session` gives a browser for the token.",
+    },
+}
 
-    ``app.openapi()`` takes a fifth of a second the first time, long enough to be felt by who drives: call it off the
-    event loop.
+#: Refusals by the door or the router, which any operation may meet before it is asked: name, status, when.
+_LOGIN_NEEDED = ("LoginNeeded", "401", "The console's token is needed.")
+_FOREIGN_ORIGIN = ("ForeignOrigin", "403", "A web page of another origin asks for a change.")
+_METHOD_NOT_ALLOWED = ("MethodNotAllowed", "405", "Another method, or with an empty name another path; see `Allow`.")
+_LENGTH_REQUIRED = ("LengthRequired", "411", "The body's size must be stated in `Content-Length`.")
+_BODY_TOO_LARGE = ("BodyTooLarge", "413", "A body has at most 64 KiB.")
+_WRONG_HOST = ("WrongHost", "421", "Without a token, the console answers to this computer's own names only.")
+_TOO_MANY_LOGINS = ("TooManyLogins", "429", "Too many wrong tokens: wait as long as `Retry-After` says.")
+_COMMON = (
+    _LOGIN_NEEDED,
+    _FOREIGN_ORIGIN,
+    _METHOD_NOT_ALLOWED,
+    _LENGTH_REQUIRED,
+    _BODY_TOO_LARGE,
+    _WRONG_HOST,
+    _TOO_MANY_LOGINS,
+)
+
+
+def operation_id(route: APIRoute) -> str:
+    """The name of an operation: its function's, which client generators make their own functions' of."""
+    return route.name
+
+
+def describe(app: FastAPI, prefix: str, *, token_needed: bool = False) -> None:
+    """Serve ``openapi.json``, ``live.json`` and ``docs`` under ``prefix``; must come after the routes it describes.
+
+    ``token_needed``: nobody enters without the token. ``app.openapi()`` takes a fifth of a second the first time, long
+    enough to be felt by who drives: call it off the event loop.
     """
 
     def document() -> dict[str, Any]:
         if app.openapi_schema is None:
-            app.openapi_schema = _document(app)
+            app.openapi_schema = _document(app, token_needed)
         return app.openapi_schema
 
     # mypy takes a method for something that cannot be replaced.
@@ -53,31 +92,66 @@ def describe(app: FastAPI, prefix: str) -> None:
     async def openapi(request: Request) -> Response:
         return Json(await asyncio.to_thread(request.app.openapi))
 
+    @app.get(f"{prefix}/live.json", include_in_schema=False)
+    async def live(request: Request) -> Response:
+        def told() -> dict[str, Any]:
+            from app.console.live.description import description  # seldom asked for: not at the program's start
+
+            return description(request.url.netloc, secure=request.url.scheme == "https", token_needed=token_needed)
+
+        return Json(await asyncio.to_thread(told))
+
     @app.get(f"{prefix}/docs", include_in_schema=False)
     async def docs(request: Request) -> Response:
         return HTMLResponse(page(await asyncio.to_thread(request.app.openapi)))
 
 
-def _document(app: FastAPI) -> dict[str, Any]:
+def _document(app: FastAPI, token_needed: bool) -> dict[str, Any]:
     schema = get_openapi(
         title="HBBA console",
         version="1",
         summary="A robot with selective attention.",
         description=_ABOUT,
         tags=_TAGS,
+        # Relative to where the description was had: under whatever name and port this console was reached.
+        servers=[{"url": "/", "description": "The console that serves this description."}],
         routes=app.routes,
     )
-    components = schema.setdefault("components", {}).setdefault("schemas", {})
+    components = schema.setdefault("components", {})
+    models = components.setdefault("schemas", {})
     problem = ProblemDocument.model_json_schema(ref_template="#/components/schemas/{model}")
-    components.update(problem.pop("$defs", {}))
-    components["ProblemDocument"] = problem
+    models.update(problem.pop("$defs", {}))
+    models["ProblemDocument"] = problem
     # FastAPI describes its own shape of a refused body, which never leaves this console.
     for name in ("HTTPValidationError", "ValidationError"):
-        components.pop(name, None)
-    reference = {"$ref": "#/components/schemas/ProblemDocument"}
-    for path in schema["paths"].values():
-        for operation in path.values():
-            for status, response in operation["responses"].items():
-                if status.startswith("4"):
-                    response["content"] = {MEDIA_TYPE: {"schema": reference}}
+        models.pop(name, None)
+    components["responses"] = {name: {"description": when, "content": problem_content()} for name, _, when in _COMMON}
+    components["securitySchemes"] = _SCHEMES
+    schema["security"] = [{name: []} for name in _SCHEMES] + ([] if token_needed else [{}])
+    for path, operations in schema["paths"].items():
+        for method, operation in operations.items():
+            _complete(path, method, operation)
+    with_plain_lists(schema)
     return schema
+
+
+def _complete(path: str, method: str, operation: dict[str, Any]) -> None:
+    """Say of an operation what its route does not: who may ask, and what the door and the router answer."""
+    responses = operation["responses"]
+    for status, response in responses.items():
+        if status >= "400":
+            response["content"] = problem_content()
+    common = [_WRONG_HOST]
+    if path in OPEN_PATHS:
+        operation["security"] = []
+    else:
+        common.append(_LOGIN_NEEDED)
+    if "{" in path:
+        common.append(_METHOD_NOT_ALLOWED)
+    if method != "get":
+        common += [_FOREIGN_ORIGIN, _LENGTH_REQUIRED, _BODY_TOO_LARGE]
+    if operation["operationId"] == "log_in":
+        common.append(_TOO_MANY_LOGINS)
+    for name, status, _ in common:
+        responses.setdefault(status, {"$ref": f"#/components/responses/{name}"})
+    operation["responses"] = dict(sorted(responses.items()))

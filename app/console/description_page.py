@@ -29,6 +29,7 @@ def page(document: Schema) -> str:
     problem = document["components"]["schemas"].get("ProblemDocument", {})
     sections.append(
         f"<h2>refusals</h2><p>{_marked(problem.get('description', ''))}</p>{fields(document, problem, asked=False)}"
+        f"{_common(document)}"
     )
     return _PAGE.format(about=_paragraphs(document["info"]["description"]), sections="".join(sections))
 
@@ -96,6 +97,8 @@ def _row(document: Schema, path: str, method: str, operation: Schema) -> str:
     if body := operation.get("requestBody"):
         parts.append(_body(document, body))
     for status, response in operation["responses"].items():
+        if "$ref" in response:
+            continue  # what any operation may be answered is told once, among the refusals
         shape = response.get("content", {}).get(_JSON, {}).get("schema")
         inner = "" if shape is None else "".join(fields(document, each, asked=False) for each in _inside(shape))
         about = response.get("description", "").replace(_UNSAID, "")
@@ -103,6 +106,22 @@ def _row(document: Schema, path: str, method: str, operation: Schema) -> str:
     return (
         f"<details><summary>{_code(f'{method.upper()} {path}')} {_marked(operation.get('summary', ''))}"
         f"</summary>{''.join(parts)}</details>"
+    )
+
+
+def _common(document: Schema) -> str:
+    """Refusals that several operations share, each told once."""
+    statuses = {
+        response["$ref"].rpartition("/")[2]: status
+        for methods in document["paths"].values()
+        for operation in methods.values()
+        for status, response in operation["responses"].items()
+        if "$ref" in response
+    }
+    shared = document["components"].get("responses", {})
+    return "".join(
+        f"<p class=answer>Answer {_code(status)} {_marked(shared[name]['description'])}</p>"
+        for name, status in sorted(statuses.items(), key=lambda pair: pair[1])
     )
 
 
@@ -189,5 +208,6 @@ background:#0c1016}}code,pre{{background:#1c2430;padding:.1em .4em;border-radius
 a{{color:#7db7ff}}summary{{cursor:pointer;padding:.3em 0}}details{{border-bottom:1px solid #223}}
 .answer{{margin:.6em 0 0}}ul{{margin:.2em 0;padding-left:1.4em}}</style>
 <h1>HBBA over REST</h1>{about}
-<p>The same for tools: <a href="openapi.json">openapi.json</a></p>{sections}</html>
+<p>The same for tools: <a href="openapi.json">openapi.json</a>;
+the live stream: <a href="live.json">live.json</a></p>{sections}</html>
 """

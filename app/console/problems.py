@@ -130,12 +130,11 @@ def install_problem_handlers(app: FastAPI) -> None:
 
 async def _methods(request: Request) -> list[str]:
     """Every method that the requested path takes; Starlette names only those of the first route it finds."""
-    methods: set[str] = set()
-    document = await asyncio.to_thread(request.app.openapi)
-    for path, operations in document["paths"].items():
-        if compile_path(path)[0].match(request.url.path):
-            methods.update(operation.upper() for operation in operations)
-    return sorted(methods)
+    paths = (await asyncio.to_thread(request.app.openapi))["paths"]
+    # OpenAPI: a path without names in it goes before those with, whatever else would match.
+    of_path = [paths[request.url.path]] if request.url.path in paths else []
+    matching = of_path or [each for path, each in paths.items() if compile_path(path)[0].match(request.url.path)]
+    return sorted({method.upper() for operations in matching for method in operations})
 
 
 def _validation_problem(error: RequestValidationError, model: type[BaseModel] | None) -> Problem:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -97,16 +96,16 @@ class ReplayReport:
             "notes": list(self.notes),
         }
 
-    def to_json(self) -> str:
-        """The outcome, the file, and what it cost, as JSON."""
+    def document(self) -> dict[str, Any]:
+        """The outcome, the file, and what it cost, JSON-able."""
         cost = {
             "wall_s": round(self.wall_s, 3),
             "cpu_s": round(self.cpu_s, 3),
             "times_real_time": round(self.times_real_time, 2),
             "modules": {name: round(module.cpu_s, 6) for name, module in self.modules.items()},
         }
-        whole = {"file": str(self.file), "format": self.format, **self.outcome(), "cost": cost}
-        return json.dumps(whole, indent=2, ensure_ascii=False) + "\n"
+        whole = {"file": str(self.file), "format": self.format, **self.outcome()}
+        return {**whole, "recorded": self.recorded or None, "cost": cost}
 
 
 def _without_times(module: ModuleReport) -> dict[str, Any]:

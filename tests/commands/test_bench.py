@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -35,5 +36,13 @@ def test_results_are_written_where_the_person_stands(monkeypatch: pytest.MonkeyP
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("subprocess.run", lambda command, **_: ran.append(command) or Done())
-    assert cli.main(["bench", "solver", "--json", "rows.json", "--quick"]) == 0
-    assert ran[0][3:] == ["solver", "--quick", "--json", str(tmp_path / "rows.json")]
+    assert cli.main(["bench", "solver", "--out", "rows.json", "--quick"]) == 0
+    assert ran[0][3:] == ["solver", "--quick", "--out", str(tmp_path / "rows.json")]
+
+
+def test_rows_are_the_only_thing_on_standard_output_for_programs(capfd: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["bench", "solver", "--quick", "--json"]) == 0
+    out, err = capfd.readouterr()
+    told = json.loads(out)
+    assert {row["benchmark"] for row in told["rows"]} == {"solver"}
+    assert "== solver (1 of 1)" in err

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -37,7 +38,7 @@ def test_strategies_cost_what_was_measured(program: Path, log_file: Path, capsys
     assert cli.main(["calibrate", str(log_file), "--config", str(program), "--only", "CameraStream,Teleop"]) == 0
     said = capsys.readouterr()
     assert "CameraStream.images" in said.out
-    assert "4 runs of 6 s" in said.out
+    assert "4 runs of 6 s" in said.err
     assert "CameraStream.images\n" in said.out
     assert "strategy        declared  measured" in said.out
     assert "kinect was recorded at 10.0 Hz of 15; what is measured on it holds for that" in said.err
@@ -55,6 +56,12 @@ def test_strategies_cost_what_was_measured(program: Path, log_file: Path, capsys
     once_more = ["calibrate", str(log_file), "--config", str(program), "--only", "PointCloudBuilder", "--seconds", "5"]
     assert cli.main(once_more) == 0
     assert "CameraStream.images (measured before, kept)" in capsys.readouterr().out
+    assert cli.main([*once_more, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["measured"] == ["PointCloudBuilder.images"]
+    assert told["written"][0] == str(folder / f"{paths.host_name()}.yaml")
+    assert set(told["calibration"]["relations"]) == {"CameraStream.images", "PointCloudBuilder.images"}
+    assert all(row["measured"] > 0 for row in told["strategies"])
     both = load_calibration(folder, paths.host_name())
     assert both is not None
     assert both.relations["CameraStream.images"] == relation
@@ -77,9 +84,9 @@ def test_each_mistake_is_one_sentence(
     assert "no input 'CameraStream.picture' is fed" in said(str(log_file), "--phi", "CameraStream.picture=2-3")
     whole = "--phi: odometry, the channel of QRCodeDetector.odometry, may not be decimated: only"
     assert whole in said(str(log_file), "--phi", "QRCodeDetector.odometry=1-3")
-    assert "cannot be written" in said(str(log_file), "--output", "/proc/nowhere/here.yaml")
+    assert "cannot be written" in said(str(log_file), "--out", "/proc/nowhere/here.yaml")
     (tmp_path / "here.png").mkdir()
-    assert "here.png: cannot be written" in said(str(log_file), "--output", str(tmp_path / "here.yaml"))
+    assert "here.png: cannot be written" in said(str(log_file), "--out", str(tmp_path / "here.yaml"))
     monkeypatch.setattr(opening, "open_log", lambda path, remap=None: MemoryLog(numbered(100)))
     assert "no strategy filters an input that this recording could feed; it has odometry" in said(str(log_file))
 
@@ -89,7 +96,7 @@ def test_a_disk_that_fails_meanwhile_is_one_sentence(
 ) -> None:
     # What is measured is written here after each run.
     (tmp_path / "here.partial.json.new").mkdir()
-    options = ["--config", str(program), "--only", "CameraStream", "--output", str(tmp_path / "here.yaml")]
+    options = ["--config", str(program), "--only", "CameraStream", "--out", str(tmp_path / "here.yaml")]
     assert cli.main(["calibrate", str(log_file), *options]) == 2
     assert "cannot be written" in capsys.readouterr().err
 

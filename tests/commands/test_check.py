@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -31,6 +34,28 @@ def replace(file: Path, old: str, new: str) -> int:
 def test_what_the_project_ships_is_right(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["check", str(file)]) == 0, capsys.readouterr().err
     assert capsys.readouterr().out.endswith("no mistake found\n")
+
+
+def test_what_this_computer_lacks_is_no_result(capfd: pytest.CaptureFixture[str]) -> None:
+    """The file is looked at, not the computer: that is what `hbba doctor` is for."""
+    code = "import sys; sys.modules['sounddevice'] = None; from app.cli import main; sys.exit(main(sys.argv[1:]))"
+    files = [str(CONFIG / name) for name in ("webcam.yaml", "robots/webcam.yaml", "channels.yaml")]
+    done = subprocess.run([sys.executable, "-c", code, "check", *files], timeout=60, check=False)
+    out, err = capfd.readouterr()
+    assert (done.returncode, err) == (0, "")
+    assert [line.split(":")[0] for line in out.splitlines()] == files
+
+
+def test_programs_are_told_each_files_kind_or_mistake(config: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    line = replace(config / "lab.yaml", "  port: 8080", "  port: 80800")
+    files = [str(config / name) for name in ("lab.yaml", "worlds/lab.yaml")]
+    assert cli.main(["check", "--json", *files]) == 2
+    out, err = capsys.readouterr()
+    wrong, right = json.loads(out)["files"]
+    assert wrong["kind"] is None
+    assert wrong["mistake"].startswith(f"{files[0]}:{line}: ")
+    assert err == wrong["mistake"] + "\n"
+    assert right == {"file": files[1], "kind": "world", "mistake": None}
 
 
 def kind(file: Path, capsys: pytest.CaptureFixture[str]) -> str:

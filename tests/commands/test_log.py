@@ -17,6 +17,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import datetime
 from pathlib import Path
+from typing import Any
 
 import pytest
 from mcap.reader import SeekingReader
@@ -94,6 +95,51 @@ def test_the_list_says_size_length_and_state(
     assert rows["tour"].endswith("IRL-1/TR  complete")
     assert rows["killed"].endswith("unfinished")
     assert f"2 in {library}" in out
+
+
+@pytest.mark.parametrize("arguments", [("--json",), ("list", "--json"), ("--json", "list")])
+def test_the_list_is_told_to_programs(
+    arguments: tuple[str, ...], library: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert hbba(*arguments) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["folder"] == str(library)
+    assert told["free_bytes"] > 0
+    (tour,) = told["recordings"]
+    assert tour == {
+        "name": "tour",
+        "bytes": (library / "tour.mcap").stat().st_size,
+        "duration_s": pytest.approx(2.0, abs=0.1),
+        "began": pytest.approx(BEGIN, abs=0.1),
+        "state": "complete",
+        "robot": "IRL-1/TR",
+    }
+
+
+def test_what_was_done_is_told_to_programs(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def told(*arguments: str) -> dict[str, Any]:
+        assert hbba(*arguments, "--json") == 0
+        document: dict[str, Any] = json.loads(capsys.readouterr().out)
+        return document
+
+    cut = told("cut", "tour", "--to", "1")
+    assert cut["out"] == str(library / "tour-cut.mcap")
+    assert cut["bytes"] == (library / "tour-cut.mcap").stat().st_size
+    exported = told("export", "tour", "csv", "--channels", "odometry")
+    assert exported["folder"] == "tour-export"
+    assert len(exported["written"]) == 1
+    assert told("repair", "tour")["healthy"]
+    damage(library / "tour.mcap")
+    repaired = told("repair", "tour")
+    assert repaired["out"] == str(library / "tour-repaired.mcap")
+    assert [loss for loss in repaired["losses"] if not loss["index"]]
+
+
+def test_a_mistake_leaves_standard_output_empty_for_programs(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert hbba("cut", "none", "--json") == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "there is no file none" in err
 
 
 @pytest.mark.parametrize("arguments", [[], ["info", "tour"]])

@@ -39,7 +39,7 @@ def test_headless_prints_tables_and_writes_json(
     recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     told = tmp_path / "told.json"
-    assert main(["replay", str(recording), "--headless", "--json", str(told)]) == 0
+    assert main(["replay", str(recording), "--headless", "--out", str(told)]) == 0
     printed = capsys.readouterr().out
     assert re.search(r"qr_codes +│ +\d+ │ [0-9a-f]{32}", printed)
     assert re.search(r"QRCodeDetector +│ +\d+\.\d{3} │ images \d+, panorama 0, ", printed)
@@ -59,7 +59,7 @@ def test_two_runs_write_the_same(recording: Path, tmp_path: Path, capsys: pytest
     for run in range(2):
         file = tmp_path / f"{run}.json"
         options = ["--phi", "QRCodeDetector.images=3", "--offset", "2", "--from", "0.5", "--to", "0:02.5"]
-        assert main(["replay", str(recording), "--headless", "--json", str(file), *options]) == 0
+        assert main(["replay", str(recording), "--headless", "--out", str(file), *options]) == 0
         values = json.loads(file.read_text())
         del values["cost"]
         told.append(values)
@@ -76,7 +76,7 @@ def test_behind_damage_it_goes_on_and_says_what_is_missing(
     told = []
     for run in range(2):
         file = tmp_path / f"{run}.json"
-        assert main(["replay", str(path), "--headless", "--json", str(file)]) == 0
+        assert main(["replay", str(path), "--headless", "--out", str(file)]) == 0
         values = json.loads(file.read_text())
         del values["cost"]
         told.append(values)
@@ -100,9 +100,11 @@ def test_a_replay_can_be_recorded_and_replayed_by_its_name(
     assert capsys.readouterr().out.splitlines()[-1] == "recorded as again"
     assert main(["replay", str(recording), "--headless", "--record", "again"]) == 0
     assert capsys.readouterr().out.splitlines()[-1] == "recorded as again-2"
-    told = tmp_path / "told.json"
-    assert main(["replay", "again", "--headless", "--json", str(told)]) == 0
-    assert json.loads(told.read_text())["channels"]["odometry"]["messages"] == 150
+    assert main(["replay", str(recording), "--headless", "--record", "again", "--to", "1", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["recorded"] == "again-3"
+    assert main(["replay", "again", "--headless", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)  # and nothing else is printed
+    assert told["channels"]["odometry"]["messages"] == 150
 
 
 @pytest.mark.parametrize(
@@ -117,7 +119,9 @@ def test_a_replay_can_be_recorded_and_replayed_by_its_name(
         ),
         (["{log}", "--headless", "--from", "9"], "the log has"),
         (["{log}", "--headless", "--from", "2", "--to", "1"], "must be later"),
-        (["{log}", "--json", "x.json"], "add --headless"),
+        (["{log}", "--json"], "--json says what came of a replay without the console: add --headless"),
+        (["{log}", "--out", "x.json"], "--out says what came of a replay without the console: add --headless"),
+        (["{log}", "--headless", "--out", "{here}/none/x.json"], "there is no such folder"),
         (["{here}", "--headless"], "is no log this program can read"),
     ],
 )

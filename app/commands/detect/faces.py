@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from app.commands.arguments import file_named
 from app.commands.detect.images import FACES_DRAWN, each_image, find_images
 from app.commands.detect.outputs import make_folder, unused
+from app.commands.output import add_json, print_json
 from app.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def add_parser(kinds: Any) -> None:
         metavar="FILE",
         help="an image, or a folder of images (no copies of --draw)",
     )
-    parser.add_argument("--json", action="store_true", help="print JSON: also landmarks, and files without faces")
+    add_json(parser, "print one JSON document instead: also landmarks, and files without faces")
     parser.add_argument(
         "--threshold", type=_share, default=None, metavar="S", help="least score of a face, 0 to 1 (default 0.8)"
     )
@@ -64,7 +64,7 @@ def run(args: argparse.Namespace) -> int:
         if drawing is not None and color is not None:
             drawing.write(path, color, faces)
     if args.json:
-        print(json.dumps({"threshold": round(finder.threshold, 6), "files": documents}, indent=2, ensure_ascii=False))
+        print_json({"threshold": round(finder.threshold, 6), "files": documents})
     else:
         _print_table(documents)
     if any("error" in document for document in documents):

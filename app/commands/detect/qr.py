@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from app.commands.arguments import file_named
 from app.commands.detect.images import CODES_DRAWN, each_image, find_images
 from app.commands.detect.outputs import make_folder, unused
+from app.commands.output import add_json, print_json
 from app.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ def add_parser(kinds: Any) -> None:
         metavar="FILE",
         help="an image, or a folder of images (no copies of --draw)",
     )
-    parser.add_argument("--json", action="store_true", help="print JSON: also corners, and files without codes")
+    add_json(parser, "print one JSON document instead: also corners, and files without codes")
     parser.add_argument("--fisheye", action="store_true", help="images of a lens that fills them with a hemisphere")
     parser.add_argument("--draw", type=Path, metavar="FOLDER", help="write copies with the codes framed into FOLDER")
 
@@ -57,7 +58,7 @@ def run(args: argparse.Namespace) -> int:
         if args.draw is not None and color is not None:
             _draw(args.draw / f"{unused(path.stem, names)}{CODES_DRAWN}", color, codes)
     if args.json:
-        print(json.dumps({"files": documents}, indent=2, ensure_ascii=False))
+        print_json({"files": documents})
     else:
         _print_table(documents)
     if any("error" in document for document in documents):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from app.commands.arguments import file_named, number, whole
 from app.commands.detect.outputs import make_folder, unused
 from app.commands.detect.voices_report import Heard, Writer, percept, print_tables, summary
+from app.commands.output import add_json, print_json
 from app.commands.progress import Progress, shown
 from app.errors import ConfigError
 
@@ -54,7 +54,7 @@ def add_parser(kinds: Any) -> None:
     parser.add_argument(
         "--height", type=_height, metavar="M", help="of the array's middle above the floor (m): tells also distances"
     )
-    parser.add_argument("--json", action="store_true", help="print JSON: also what was heard when")
+    add_json(parser, "print one JSON document instead: also what was heard when")
     parser.add_argument("--separate", type=Path, metavar="FOLDER", help="write each source by itself into FOLDER")
 
 
@@ -82,7 +82,7 @@ def run(args: argparse.Namespace) -> int:
                 print(f"{COMMAND}: {failure}", file=sys.stderr)
                 documents.append({"file": str(path), "error": str(failure).removeprefix(f"{path}: "), "tracks": []})
     if args.json:
-        print(json.dumps({"array": str(args.array), "files": documents}, indent=1, ensure_ascii=False))
+        print_json({"array": args.array, "files": documents})
     else:
         print_tables(documents)
     if any("error" in document for document in documents):

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
-import sys
 from pathlib import Path
 from typing import Any
 
 from app.commands.arguments import number, whole
+from app.commands.output import add_json, print_json
 from app.errors import ConfigError
 
 
@@ -38,7 +37,7 @@ def add_parser(subparsers: Any) -> None:
     parser.add_argument("--reference", type=Path, metavar="FILE", help="a CARMEN log with corrected poses")
     parser.add_argument("--phi", type=whole(1), default=1, metavar="N", help="take only one scan of N (default: all)")
     parser.add_argument("--out", type=Path, metavar="FOLDER", help="write map, pose graph and trajectory into FOLDER")
-    parser.add_argument("--json", action="store_true", help="print JSON")
+    add_json(parser)
     laser = parser.add_argument_group("the laser of an .npz, where its number of rays does not say enough")
     laser.add_argument("--angle-min", type=_finite, metavar="DEG", help="of the first ray (default: by their number)")
     laser.add_argument("--angle-step", type=_finite, metavar="DEG", help="from ray to ray (default: by their number)")
@@ -75,8 +74,7 @@ def run(args: argparse.Namespace) -> int:
 
         document["written"] = write(args.out, log)
     if args.json:
-        json.dump(document, sys.stdout, indent=1, ensure_ascii=False)
-        print()
+        print_json(document)
     else:
         print_figures(document)
     return 0

@@ -25,8 +25,10 @@ VOICE = 17
 VOICE_RATES = (48_000, 16_000)
 LONGEST_VOICE_S = 0.04
 
-_PICTURE_HEADER = struct.Struct("<B3xIdHH4x")
-_SOUND_HEADER = struct.Struct("<B3xIdHHI")
+PICTURE_HEADER = struct.Struct("<B3xIdHH4x")
+PICTURE_FIELDS = ("kind", "seq", "stamp", "width", "height")
+SOUND_HEADER = struct.Struct("<B3xIdHHI")
+SOUND_FIELDS = ("kind", "seq", "stamp", "samples", "channels", "rate")
 
 
 class DriveMessage(msgspec.Struct, tag="drive"):
@@ -111,13 +113,13 @@ def picture_frame(kind: int, image: EncodedImage, sequence: int) -> bytes:
 
 def picture_header(kind: int, sequence: int, stamp: float, width: int, height: int) -> bytes:
     """The 24 bytes before every picture; ``width`` and ``height`` in pixels, at most 65,535."""
-    return _PICTURE_HEADER.pack(kind, sequence & 0xFFFFFFFF, stamp, width, height)
+    return PICTURE_HEADER.pack(kind, sequence & 0xFFFFFFFF, stamp, width, height)
 
 
 def sound_frame(audio: Audio, sequence: int) -> bytes:
     """A frame of one channel of sound with its 24-byte header."""
     samples = audio.samples[:, 0]
-    header = _SOUND_HEADER.pack(SOUND, sequence & 0xFFFFFFFF, audio.stamp, len(samples), 1, audio.rate)
+    header = SOUND_HEADER.pack(SOUND, sequence & 0xFFFFFFFF, audio.stamp, len(samples), 1, audio.rate)
     return header + samples.astype("<i2").tobytes()
 
 
@@ -133,18 +135,18 @@ class Voice:
 
 def decode_voice(frame: bytes) -> Voice:
     """A frame of kind 17. Raises ValueError, in words for people, for one that cannot be."""
-    if len(frame) < _SOUND_HEADER.size:
-        raise ValueError(f"a frame of speech has a header of {_SOUND_HEADER.size} bytes, not {len(frame)} in all")
-    _, seq, stamp, count, channels, rate = _SOUND_HEADER.unpack_from(frame)
+    if len(frame) < SOUND_HEADER.size:
+        raise ValueError(f"a frame of speech has a header of {SOUND_HEADER.size} bytes, not {len(frame)} in all")
+    _, seq, stamp, count, channels, rate = SOUND_HEADER.unpack_from(frame)
     if channels != 1:
         raise ValueError(f"speech has 1 channel, not {channels}")
     if rate not in VOICE_RATES:
         raise ValueError(f"speech has {' or '.join(map(str, VOICE_RATES))} samples a second, not {rate}")
     if count > rate * LONGEST_VOICE_S:
         raise ValueError(f"a frame of speech has at most {1e3 * LONGEST_VOICE_S:.0f} ms, not {1e3 * count / rate:.0f}")
-    if len(frame) != _SOUND_HEADER.size + 2 * count:
-        raise ValueError(f"{count} samples take {2 * count} bytes, not {len(frame) - _SOUND_HEADER.size}")
+    if len(frame) != SOUND_HEADER.size + 2 * count:
+        raise ValueError(f"{count} samples take {2 * count} bytes, not {len(frame) - SOUND_HEADER.size}")
     if not math.isfinite(stamp) or stamp < 0:
         raise ValueError(f"a stamp is a time in seconds, not {stamp}")
-    samples = np.frombuffer(frame, "<i2", offset=_SOUND_HEADER.size).astype(np.int16)
+    samples = np.frombuffer(frame, "<i2", offset=SOUND_HEADER.size).astype(np.int16)
     return Voice(seq, stamp, read_only(samples), rate)

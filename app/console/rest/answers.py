@@ -9,6 +9,9 @@ from fastapi.responses import Response
 from app.console.problems import MEDIA_TYPE
 from app.console.wire import encode
 
+#: Of an answer that is a file.
+BYTES = {"type": "string", "format": "binary"}
+
 
 class Json(Response):
     """``content`` as JSON, by the same fast path as the live stream."""
@@ -26,7 +29,6 @@ _WORDS = {
     404: "There is no such thing.",
     409: "It cannot be done now.",
     416: "The file has no such part.",
-    421: "The console does not answer to this host name.",
     422: "Something in the request is not allowed; `errors` says which field.",
     502: "What was started for it failed.",
     504: "The robot's body did not confirm it in time.",
@@ -34,7 +36,11 @@ _WORDS = {
 }
 
 
+def problem_content() -> dict[str, Any]:
+    """OpenAPI's description of a problem document as the content of an answer."""
+    return {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/ProblemDocument"}}}
+
+
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
     """OpenAPI's description of these refusals."""
-    schema = {"$ref": "#/components/schemas/ProblemDocument"}
-    return {status: {"description": _WORDS[status], "content": {MEDIA_TYPE: {"schema": schema}}} for status in statuses}
+    return {status: {"description": _WORDS[status], "content": problem_content()} for status in statuses}

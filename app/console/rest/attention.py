@@ -11,7 +11,7 @@ from app.attention.serialize import event_to_json, intention_to_json, resource_t
 from app.attention.timeline import EventKind
 from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
-from app.console.rest.desires import source_of
+from app.console.rest.desires import IN_SOMEBODYS_NAME, source_of
 from app.console.rest.models import (
     EventList,
     IntentionModel,
@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 
 MOST_EVENTS = 1000
 KINDS = get_args(EventKind)
+_KIND = rf"\s*({'|'.join(KINDS)})?\s*"
+#: A list of kinds; what stands between two commas may be empty.
+KINDS_PATTERN = f"^{_KIND}(,{_KIND})*$"
 
 
 def attention_router(system: System) -> APIRouter:
@@ -59,10 +62,11 @@ def attention_router(system: System) -> APIRouter:
         "/resources/{name}",
         response_model=ResourceModel,
         summary="Change a budget",
+        openapi_extra=IN_SOMEBODYS_NAME,
         responses=problems(400, 404, 422),
     )
     async def change_resource(
-        name: Annotated[str, Path(examples=["cpu"])], change: ResourceChange, request: Request
+        name: Annotated[str, Path(min_length=1, examples=["cpu"])], change: ResourceChange, request: Request
     ) -> Response:
         """Attention chooses anew within the new budget at once; it lasts until changed again or the program ends."""
         if name not in system.table.resources:
@@ -80,7 +84,12 @@ def attention_router(system: System) -> APIRouter:
             float | None, Query(allow_inf_nan=False, description="Robot's clock (s); events before then.")
         ] = None,
         kinds: Annotated[
-            str | None, Query(description=f"Comma-separated: {', '.join(KINDS)}.", examples=["desire,intention"])
+            str | None,
+            Query(
+                description=f"Comma-separated: {', '.join(KINDS)}.",
+                examples=["desire,intention"],
+                json_schema_extra={"pattern": KINDS_PATTERN},
+            ),
         ] = None,
         after_id: Annotated[int, Query(ge=0, description="Only events with a greater id.")] = 0,
         limit: Annotated[int, Query(ge=1, le=MOST_EVENTS, description="At most so many, the newest.")] = 200,

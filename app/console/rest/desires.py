@@ -14,7 +14,7 @@ from app.console import reports
 from app.console.live.endpoint import operator_name
 from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
-from app.console.rest.idempotency import IdempotencyStore
+from app.console.rest.idempotency import KEY_LIMITS, IdempotencyStore
 from app.console.rest.models import (
     DesireChange,
     DesireClassList,
@@ -28,9 +28,27 @@ from app.console.rest.routing import router as api_router
 if TYPE_CHECKING:
     from app.system import System
 
-DesireId = Annotated[str, Path(description="Id of the desire.", examples=["d-3f0c81a2b4"])]
+DesireId = Annotated[str, Path(min_length=1, description="Id of the desire.", examples=["d-3f0c81a2b4"])]
 
 OPERATOR_HEADER = "X-HBBA-Operator"
+#: For the OpenAPI description of what is done in somebody's name.
+IN_SOMEBODYS_NAME = {
+    "parameters": [
+        {
+            "name": OPERATOR_HEADER,
+            "in": "header",
+            "schema": {"type": "string"},
+            "description": "The person in whose name it is done, percent-encoded, of at most 40 characters; left out: "
+            "a program does it.",
+        }
+    ]
+}
+
+#: What can be done next with a desire that was created, for the OpenAPI description.
+DESIRE_LINKS = {
+    operation: {"operationId": operation, "parameters": {"desire_id": "$response.body#/id"}}
+    for operation in ("get_desire", "change_desire", "remove_desire")
+}
 
 
 def source_of(request: Request) -> Source:
@@ -54,6 +72,7 @@ def desires_router(system: System) -> APIRouter:
         response_model=DesireModel,
         status_code=201,
         summary="Create a desire",
+        openapi_extra=IN_SOMEBODYS_NAME,
         responses={
             201: {
                 "headers": {
@@ -62,7 +81,8 @@ def desires_router(system: System) -> APIRouter:
                         "schema": {"type": "string"},
                         "description": "`true` where the answer to an earlier request is repeated.",
                     },
-                }
+                },
+                "links": DESIRE_LINKS,
             },
             **problems(400, 422),
         },
@@ -72,7 +92,10 @@ def desires_router(system: System) -> APIRouter:
         request: Request,
         idempotency_key: Annotated[
             str | None,
-            Header(description="Any string of your own; a repeated request with the same key creates nothing new."),
+            Header(
+                description="Any string of your own; a repeated request with the same key creates nothing new.",
+                json_schema_extra=KEY_LIMITS,
+            ),
         ] = None,
     ) -> Response:
         """Attention weighs it at once: the intention that follows is on the live stream and in `GET /intention`.
@@ -133,7 +156,7 @@ def desires_router(system: System) -> APIRouter:
         return Response(status_code=204)
 
     @router.get("/desire-classes", response_model=DesireClassList, summary="What can be desired")
-    async def list_classes() -> Response:
+    async def list_desire_classes() -> Response:
         """Each class with the JSON Schema of its parameters: enough to build a form from."""
         classes = [reports.class_json(system, name) for name in system.classes]
         return Json({"classes": classes, "scale": reports.scale_json()})
@@ -141,7 +164,7 @@ def desires_router(system: System) -> APIRouter:
     @router.get(
         "/desire-classes/{name}", response_model=DesireClassModel, summary="One desire class", responses=problems(404)
     )
-    async def get_class(name: Annotated[str, Path(examples=["FindQRCodes"])]) -> Response:
+    async def get_desire_class(name: Annotated[str, Path(min_length=1, examples=["FindQRCodes"])]) -> Response:
         if name not in system.classes:
             known = ", ".join(system.classes)
             raise Problem(404, "no-such-desire-class", f"No desire class is called {name}; there are: {known}.")

@@ -12,7 +12,7 @@ from app.console.goals import GO_TO, asked_here, withdraw
 from app.console.live.hub import Hub
 from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
-from app.console.rest.desires import source_of
+from app.console.rest.desires import IN_SOMEBODYS_NAME, source_of
 from app.console.rest.map_models import GoalModel, GoalRequest
 from app.console.rest.models import DesireModel
 from app.console.rest.routing import router as api_router
@@ -42,9 +42,13 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
         return Json({"desire": None if desire is None else desire_to_json(desire), "navigation": way.navigation()})
 
     @router.put(
-        "/goal", response_model=DesireModel, summary="Send the robot somewhere", responses=problems(400, 409, 422)
+        "/goal",
+        response_model=DesireModel,
+        summary="Send the robot somewhere",
+        openapi_extra=IN_SOMEBODYS_NAME,
+        responses=problems(400, 409, 422),
     )
-    async def put_goal(goal: GoalRequest, request: Request) -> Response:
+    async def set_goal(goal: GoalRequest, request: Request) -> Response:
         """Creates a desire of class GoTo, or changes the one that was created so before: there is one goal of people at
         a time, and a second takes the first one's place. Attention weighs it as any other; how the robot does is in
         `navigation` of GET /goal and of the live stream. The same goal again changes nothing."""
@@ -82,7 +86,7 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
         return Json(desire_to_json(desire))
 
     @router.delete("/goal", status_code=204, summary="Cancel the goal")
-    async def delete_goal() -> Response:
+    async def cancel_goal() -> Response:
         """Withdraws every desire of class GoTo that came over the console; a goal that the robot gave up is told no
         more. May be repeated."""
         withdraw(workspace)

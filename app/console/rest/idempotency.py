@@ -11,6 +11,8 @@ from app.console.problems import Problem
 from app.console.wire import encode
 
 LONGEST_KEY = 255
+#: The rule for keys as JSON Schema, for the OpenAPI description.
+KEY_LIMITS = {"minLength": 1, "maxLength": LONGEST_KEY}
 KEPT = 1000
 KEPT_FOR_S = 24 * 3600.0
 

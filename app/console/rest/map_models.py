@@ -7,7 +7,13 @@ from typing import Annotated, Literal
 from pydantic import ConfigDict, Field
 
 from app.console.rest.models import Answer, DesireModel, Request, Stamp
+from app.maps.library import NAME
 from app.maps.zones import FURTHEST_M
+
+#: What a map may be called, for the OpenAPI description; the library itself refuses others, in its own words.
+NAME_PATTERN = f"^{NAME.pattern}$"
+#: More would not fit into a body.
+MOST_ZONES = 500
 
 Metres = Annotated[float, Field(ge=-FURTHEST_M, le=FURTHEST_M)]
 Radians = Annotated[float, Field(ge=-1000, le=1000, description="Heading on the map, left positive.")]
@@ -72,7 +78,7 @@ class RenameRequest(Request):
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"name": "ground-floor"}]})
 
-    name: str = Field(description="What it is called from now on.")
+    name: str = Field(description="What it is called from now on.", json_schema_extra={"pattern": NAME_PATTERN})
 
 
 class ZoneModel(Request):
@@ -99,7 +105,7 @@ class ZonesModel(Request):
         }
     )
 
-    zones: list[ZoneModel] = Field(max_length=1000)
+    zones: list[ZoneModel] = Field(max_length=MOST_ZONES)
 
 
 class GoalRequest(Request):

@@ -14,8 +14,9 @@ from pydantic import ValidationError
 
 from app.console.goals import withdraw_all
 from app.console.problems import Problem
-from app.console.rest.answers import Json, problems
+from app.console.rest.answers import BYTES, Json, problems
 from app.console.rest.map_models import (
+    NAME_PATTERN,
     CurrentMap,
     LoadRequest,
     MapList,
@@ -38,7 +39,9 @@ if TYPE_CHECKING:
     from app.system import System
 
 T = TypeVar("T")
-Name = Annotated[str, Path(description="The map's name.", examples=["ground-floor"])]
+Name = Annotated[
+    str, Path(description="The map's name.", examples=["ground-floor"], json_schema_extra={"pattern": NAME_PATTERN})
+]
 PNG = "image/png"
 
 
@@ -126,11 +129,11 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
         response_class=Response,
         summary="A map's picture",
         responses={
-            200: {"content": {PNG: {}}, "description": "PNG: free white, occupied black, unknown grey."},
+            200: {"content": {PNG: {"schema": BYTES}}, "description": "PNG: free white, occupied black, unknown grey."},
             **problems(404, 409, 422),
         },
     )
-    async def get_picture(name: Name) -> Response:
+    async def get_map_picture(name: Name) -> Response:
         """One pixel a cell; its top row has the greatest y."""
         await _existing(name)
         return Response(await _on_disk(library.picture, name), media_type=PNG)
@@ -149,7 +152,7 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
         summary="Say where the robot is",
         responses=problems(400, 409, 422),
     )
-    async def put_pose(pose: PoseRequest) -> Response:
+    async def place_robot(pose: PoseRequest) -> Response:
         """On the map in use, within 1 m and 0.5 rad; from there its pose is refined by what the laser sees."""
         async with _keeper() as keeper:
             await keeper.place(_pose(pose))
@@ -158,7 +161,7 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
     @router.post(
         "/map/search", response_model=CurrentMap, summary="Have the robot look for itself", responses=problems(409)
     )
-    async def search() -> Response:
+    async def search_robot() -> Response:
         """It is somewhere on the map in use, and finds out where. Needs no body."""
         async with _keeper() as keeper:
             await keeper.search()
@@ -174,7 +177,7 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
         summary="Draw the zones of the map in use",
         responses=problems(400, 409, 422),
     )
-    async def put_zones(zones: ZonesModel) -> Response:
+    async def set_zones(zones: ZonesModel) -> Response:
         """All of them: what is not named is gone. They are kept with the map at once if it has a name."""
         marked = _zones(zones)
         async with _keeper() as keeper:

@@ -55,6 +55,12 @@ class DesireList(Answer):
     desires: list[DesireModel]
 
 
+def never_null(schema: dict[str, Any]) -> None:
+    """Take null out of ``schema``: of a member that may be left out, which the model says by None, but not be null."""
+    schema.update(next(choice for choice in schema.pop("anyOf") if choice.get("type") != "null"))
+    schema.pop("default")
+
+
 class NewDesire(Request):
     """A desire to create."""
 
@@ -88,10 +94,14 @@ class DesireChange(Request):
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"intensity": 5, "ttl": 60}]})
 
-    intensity: float | None = Field(None, gt=0, le=8)
-    utility: float | None = Field(None, ge=0, le=8)
-    security: bool | None = None
-    params: dict[str, Any] | None = Field(None, description="All parameters anew; those left out take their default.")
+    intensity: float | None = Field(None, gt=0, le=8, json_schema_extra=never_null)
+    utility: float | None = Field(None, ge=0, le=8, json_schema_extra=never_null)
+    security: bool | None = Field(None, json_schema_extra=never_null)
+    params: dict[str, Any] | None = Field(
+        None,
+        description="All parameters anew; those left out take their default.",
+        json_schema_extra=never_null,
+    )
     ttl: float | None = Field(None, gt=0, le=LONGEST_TTL_S, description="Seconds from now; null: it stays.")
 
 

@@ -60,7 +60,7 @@ def playback_router(playback: Playback | None) -> APIRouter:
         summary="On to the next image, then stand",
         responses=problems(404, 409),
     )
-    async def step() -> Response:
+    async def step_playback() -> Response:
         """To the next image of the first camera; in a recording without images to the next scan, without scans by
         0.1 s. Answers once the modules have done with it."""
         player = played()

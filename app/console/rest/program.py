@@ -16,7 +16,7 @@ from app.console.live.hub import Hub
 from app.console.playback import rate
 from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
-from app.console.rest.desires import source_of
+from app.console.rest.desires import IN_SOMEBODYS_NAME, source_of
 from app.console.rest.program_models import (
     ChannelList,
     EStopModel,
@@ -60,9 +60,13 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
         )
 
     @router.post(
-        "/robot/e-stop", response_model=EStopModel, summary="Stop, and stay stopped", responses=problems(409, 504)
+        "/robot/e-stop",
+        response_model=EStopModel,
+        summary="Stop, and stay stopped",
+        openapi_extra=IN_SOMEBODYS_NAME,
+        responses=problems(409, 504),
     )
-    async def e_stop(request: Request) -> Response:
+    async def latch_e_stop(request: Request) -> Response:
         """Latches the emergency stop in the guard: the wheels are commanded to zero until it is released here or on the
         page. Answers once the guard has confirmed it. Needs no body. May be repeated."""
         _refuse_recording(hub)
@@ -91,7 +95,7 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
     @router.delete(
         "/robot/e-stop", response_model=EStopModel, summary="Release the emergency stop", responses=problems(409)
     )
-    async def clear_e_stop() -> Response:
+    async def release_e_stop() -> Response:
         """The base stays still until the next fresh command. Answers once the guard has confirmed it, or half a second
         later: a goal that is given next is not refused for a latch that is gone."""
         _refuse_recording(hub)
@@ -130,7 +134,7 @@ def program_router(system: System, hub: Hub) -> APIRouter:
         )
 
     @router.get("/modules/{name}", response_model=ModuleModel, summary="One module", responses=problems(404))
-    async def get_module(name: Annotated[str, Path(examples=["QRCodeDetector"])]) -> Response:
+    async def get_module(name: Annotated[str, Path(min_length=1, examples=["QRCodeDetector"])]) -> Response:
         slot = system.graph.modules.get(name)
         if slot is None:
             known = ", ".join(system.graph.modules)

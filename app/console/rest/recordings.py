@@ -14,10 +14,10 @@ from app.attention.serialize import desire_to_json
 from app.console.problems import Problem
 from app.console.recordings import RecorderReport, record, withdraw
 from app.console.replays import ReplayFailed, ReplayReplaced, Replays, reached_by
-from app.console.rest.answers import Json, problems
-from app.console.rest.desires import source_of
+from app.console.rest.answers import BYTES, Json, problems
+from app.console.rest.desires import DESIRE_LINKS, IN_SOMEBODYS_NAME, source_of
 from app.console.rest.download import MCAP, Download
-from app.console.rest.idempotency import IdempotencyStore
+from app.console.rest.idempotency import KEY_LIMITS, IdempotencyStore
 from app.console.rest.models import DesireModel
 from app.console.rest.recording_models import (
     NewRecording,
@@ -30,13 +30,17 @@ from app.console.rest.recording_models import (
 from app.console.rest.routing import router as api_router
 from app.recording.catalog import Catalog, Recording
 from app.recording.control import RecorderUnavailable
+from app.recording.library import NAME
 from app.recording.log import LogError
 
 if TYPE_CHECKING:
     from app.system import System
 
 T = TypeVar("T")
-Name = Annotated[str, Path(description="The recording's name.", examples=["tour"])]
+Name = Annotated[
+    str,
+    Path(description="The recording's name.", examples=["tour"], json_schema_extra={"pattern": f"^{NAME.pattern}$"}),
+]
 
 
 def recordings_router(system: System, replays: Replays, played: FilePath | None = None) -> APIRouter:
@@ -66,8 +70,12 @@ def recordings_router(system: System, replays: Replays, played: FilePath | None 
         response_model=DesireModel,
         status_code=201,
         summary="Record",
+        openapi_extra=IN_SOMEBODYS_NAME,
         responses={
-            201: {"headers": {"Location": {"schema": {"type": "string"}, "description": "Where the desire is."}}},
+            201: {
+                "headers": {"Location": {"schema": {"type": "string"}, "description": "Where the desire is."}},
+                "links": DESIRE_LINKS,
+            },
             **problems(400, 409, 422),
         },
     )
@@ -75,7 +83,11 @@ def recordings_router(system: System, replays: Replays, played: FilePath | None 
         request: Request,
         new: NewRecording | None = None,
         idempotency_key: Annotated[
-            str | None, Header(description="As of POST /desires: a repeated request with the same key is done once.")
+            str | None,
+            Header(
+                description="As of POST /desires: a repeated request with the same key is done once.",
+                json_schema_extra=KEY_LIMITS,
+            ),
         ] = None,
     ) -> Response:
         """Creates a desire of class Record; attention weighs it as any other. Whether it records, and if not why, is in
@@ -148,8 +160,8 @@ def recordings_router(system: System, replays: Replays, played: FilePath | None 
         response_class=Download,
         summary="Download a recording",
         responses={
-            200: {"content": {MCAP: {}}, "description": "The MCAP file."},
-            206: {"content": {MCAP: {}}, "description": "The part of it asked for with `Range`."},
+            200: {"content": {MCAP: {"schema": BYTES}}, "description": "The MCAP file."},
+            206: {"content": {MCAP: {"schema": BYTES}}, "description": "The part of it asked for with `Range`."},
             **problems(404, 409, 416, 422),
         },
     )

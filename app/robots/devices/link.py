@@ -35,11 +35,9 @@ class DevicesLink:
         self._tasks: list[asyncio.Task[None]] = []
         self._failure: asyncio.Future[LinkFailed] | None = None
         self._player = None
-        if config.loudspeaker is not None:
-            if missing := no_sound_card():
-                log.warning("%s is mute: %s", config.name, missing)
-            else:
-                self._player = Player(config.loudspeaker)
+        self._mute = no_sound_card() if config.loudspeaker is not None else ""
+        if config.loudspeaker is not None and not self._mute:
+            self._player = Player(config.loudspeaker)
         self._e_stop: str | None = None
         streams = {
             "odometry": StreamDescription("odometry", Odometry, ODOMETRY_HZ),
@@ -78,6 +76,8 @@ class DevicesLink:
 
     async def start(self) -> None:
         """Open the devices. One that cannot be opened is said and tried again; LinkFailed if none can."""
+        if self._mute:
+            log.warning("%s is mute: %s", self._config.name, self._mute)
         self._failure = asyncio.get_running_loop().create_future()
         problems = await asyncio.gather(*(reader.start() for reader in self._readers.values()))
         if problems and all(problems):

@@ -149,7 +149,7 @@ async def test_a_busy_loop_loses_the_newest_instead_of_queueing_without_bound() 
 
 
 @pytest.mark.parametrize("missing", ["", "sound cards need the library PortAudio"])
-def test_a_computer_without_sound_cards_makes_a_mute_body(
+async def test_a_computer_without_sound_cards_makes_a_mute_body(
     missing: str, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     """Or the page would take in what is said, and nobody hear it."""
@@ -157,4 +157,9 @@ def test_a_computer_without_sound_cards_makes_a_mute_body(
     config = DevicesConfig(kind="devices", name="A desk", model=MODEL, loudspeaker=SpeakerConfig())
     body = DevicesLink(config, DESK, 0.0)
     assert body.description.loudspeaker == (not missing)
+    # Who only looks at the body, as `hbba check` does, has not asked about this computer.
+    assert caplog.messages == []
+    monkeypatch.setattr("app.robots.devices.link.Player.start", lambda _: None)
+    await body.start()
+    await body.stop()
     assert caplog.messages == ([f"A desk is mute: {missing}"] if missing else [])

@@ -1,0 +1,53 @@
+"""``--json``, which means the same in every command: one JSON document on standard output, and nothing else there."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from app.errors import ConfigError
+
+
+def add_json(parser: argparse.ArgumentParser, text: str = "print one JSON document instead", **options: Any) -> None:
+    """Declare ``--json``; ``options`` are those of ``add_argument``."""
+    parser.add_argument("--json", action="store_true", help=text, **options)
+
+
+def json_text(document: Any) -> str:
+    """``document`` as standard output can show it: paths as text, what is no number (NaN, ∞) as null."""
+    unicode = (sys.stdout.encoding or "").lower().startswith("utf")
+    return json.dumps(_plain(document), indent=2, ensure_ascii=not unicode, allow_nan=False)
+
+
+def print_json(document: Any) -> None:
+    """To standard output."""
+    print(json_text(document))
+
+
+def check_writable(file: Path | None) -> None:
+    """What ``--out FILE`` names, before the work rather than after it. Raises ConfigError."""
+    if file is not None and not file.absolute().parent.is_dir():
+        raise ConfigError("there is no such folder", str(file.parent))
+
+
+def write_text(file: Path, text: str) -> None:
+    """To what ``--out FILE`` names. Raises ConfigError."""
+    try:
+        file.write_text(text, encoding="utf-8")
+    except OSError as failure:
+        raise ConfigError(f"cannot be written: {failure.strerror or failure}", str(file)) from None
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(key): _plain(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    if isinstance(value, Path):
+        return str(value)
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,62 @@
+"""The command line as argparse reads it: every command, and refusals that say what was probably meant."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from app.commands import COMMANDS
+
+
+class _Version(argparse.Action):
+    """``--version``, which looks the number up only when asked."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str, **_: Any) -> None:
+        super().__init__(option_strings, dest, nargs=0, help="print the version and leave")
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
+        from importlib.metadata import version
+
+        print(f"hbba {version('hbba')}")
+        parser.exit()
+
+
+class _Parser(argparse.ArgumentParser):
+    """Refuses what it does not know itself, with its own usage: argparse leaves that to the parser of all commands."""
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
+        """Nothing is left unknown."""
+        known, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            options = [option[2:] for option in self._option_string_actions if option.startswith("--")]
+            given = next((each[2:].partition("=")[0] for each in unknown if each.startswith("--")), "")
+            self.error(f"unrecognized arguments: {' '.join(unknown)}{_hint(given, options, '--')}")
+        return known, unknown
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """As argparse, which suggests nothing before Python 3.14."""
+        if action.choices is not None and value not in action.choices:
+            known = [str(choice) for choice in action.choices]
+            words = f"invalid choice: {value!r}{_hint(str(value), known)} (choose from {', '.join(known)})"
+            raise argparse.ArgumentError(action, words)
+
+
+def _hint(given: str, known: Iterable[str], before: str = "") -> str:
+    close = difflib.get_close_matches(given, known, n=1)
+    return f"; did you mean {before}{close[0]}?" if close else ""
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """The parser of the whole command line."""
+    parser = _Parser(
+        prog="hbba",
+        description="A robot runtime with selective attention and a web operator console.",
+        epilog="Start with `hbba run`, and with `hbba doctor` where something does not work.",
+    )
+    parser.add_argument("--version", action=_Version)
+    subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    for command in COMMANDS.values():
+        command.add_parser(subparsers)
+    return parser

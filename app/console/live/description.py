@@ -1,0 +1,124 @@
+"""The live stream described for tools (AsyncAPI 3): every kind of message both ways, with its JSON Schema."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any, Literal, get_args
+
+import msgspec
+from pydantic import BaseModel
+from pydantic.json_schema import models_json_schema
+
+from app.console.json_schema import with_plain_lists
+from app.console.live import protocol
+from app.console.live.messages import FROM_ROBOT
+from app.console.security import COOKIE
+
+_REFERENCE = "#/components/schemas/{}"
+_ABOUT = """One WebSocket carries everything that changes faster than is worth polling, and the operator's hands and
+voice the other way. Text frames are JSON objects that their `type` tells apart; binary frames, by their first byte
+`kind`, are pictures and sound. More types and members may come with the same `protocol`: ignore what you do not know.
+In words, with rates and what follows from each message: docs/live-stream.md.
+"""
+
+_PICTURE = "A header of 24 bytes, then the picture: kind 1 camera and 2 panorama (JPEG), 3 map and 4 costmap (PNG)."
+_SOUND = "What the robot hears, kind 16: a header of 24 bytes, then `samples` of int16, little-endian."
+_VOICE = "An operator's voice, kind 17: a header of 24 bytes, then `samples` of int16, at most 40 ms."
+
+
+@functools.cache
+def _channel_and_components() -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    """Channels, operations and components: the same on every console."""
+    _, models = models_json_schema(
+        [(model, "validation") for model in FROM_ROBOT], ref_template=_REFERENCE.format("{model}")
+    )
+    told = {_kind(model): _text(model.__name__, model.__doc__) for model in FROM_ROBOT}
+    told["picture"] = _binary(_PICTURE, protocol.PICTURE_HEADER.format, protocol.PICTURE_FIELDS)
+    told["sound"] = _binary(_SOUND, protocol.SOUND_HEADER.format, protocol.SOUND_FIELDS)
+
+    structs = get_args(protocol.FromPage)
+    _, asked_schemas = msgspec.json.schema_components(structs, ref_template=_REFERENCE.format("{name}"))
+    asked = {str(struct.__struct_config__.tag): _text(struct.__name__, struct.__doc__) for struct in structs}
+    asked["voice"] = _binary(_VOICE, protocol.SOUND_HEADER.format, protocol.SOUND_FIELDS)
+
+    schemas = {**models["$defs"], **asked_schemas}
+    with_plain_lists(schemas)
+    channel = {
+        "address": "/api/v1/live",
+        "messages": {name: {"$ref": f"#/components/messages/{name}"} for name in (*told, *asked)},
+        "bindings": {
+            "ws": {
+                "query": {
+                    "type": "object",
+                    "properties": {
+                        "operator": {
+                            "type": "string",
+                            "maxLength": 40,
+                            "description": "What people call whoever sits there.",
+                        }
+                    },
+                }
+            }
+        },
+    }
+    operations = {
+        "tell": _operation("send", "The robot to the page.", told),
+        "ask": _operation("receive", "The page to the robot.", asked),
+    }
+    components = {
+        "messages": {**told, **asked},
+        "schemas": schemas,
+        "securitySchemes": {
+            "token": {"type": "http", "scheme": "bearer"},
+            "session": {"type": "httpApiKey", "in": "cookie", "name": COOKIE},
+        },
+    }
+    return {"live": channel}, operations, components
+
+
+def description(host: str, *, secure: bool = False, token_needed: bool = False) -> dict[str, Any]:
+    """The AsyncAPI document of the console that is reached as ``host`` (name and port). The first takes a fifth of a
+    second: call it off the event loop."""
+    channels, operations, components = _channel_and_components()
+    server: dict[str, Any] = {"host": host, "protocol": "wss" if secure else "ws"}
+    if token_needed:
+        server["security"] = [
+            {"$ref": f"#/components/securitySchemes/{name}"} for name in components["securitySchemes"]
+        ]
+    return {
+        "asyncapi": "3.0.0",
+        "info": {"title": "HBBA live stream", "version": str(protocol.PROTOCOL), "description": _ABOUT},
+        "defaultContentType": "application/json",
+        "servers": {"console": server},
+        "channels": channels,
+        "operations": operations,
+        "components": components,
+    }
+
+
+def _kind(model: type[BaseModel]) -> str:
+    (kind,) = get_args(model.model_fields["type"].annotation)
+    return str(kind)
+
+
+def _text(schema: str, about: str | None) -> dict[str, Any]:
+    return {"summary": (about or "").strip(), "payload": {"$ref": _REFERENCE.format(schema)}}
+
+
+def _binary(about: str, layout: str, fields: tuple[str, ...]) -> dict[str, Any]:
+    """A message with a header: ``layout`` is that of Python's struct, of ``fields``."""
+    return {
+        "summary": about,
+        "contentType": "application/octet-stream",
+        "payload": {"type": "string", "format": "binary"},
+        "x-header": {"struct": layout, "fields": list(fields)},
+    }
+
+
+def _operation(action: Literal["send", "receive"], about: str, messages: dict[str, Any]) -> dict[str, Any]:
+    return {
+        "action": action,
+        "channel": {"$ref": "#/channels/live"},
+        "summary": about,
+        "messages": [{"$ref": f"#/channels/live/messages/{name}"} for name in messages],
+    }

@@ -1,0 +1,312 @@
+"""The shapes of what the robot tells over the live stream, for its description; in words they are in
+docs/live-stream.md.
+
+What REST tells too has REST's shapes. :mod:`app.console.live.protocol` declares what pages say.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from app.attention.timeline import EventKind
+from app.console.rest.map_models import NavigationModel, ZoneModel
+from app.console.rest.models import Answer, DesireClassModel, DesireModel, Divisor, EventModel, IntentionModel, Stamp
+from app.console.rest.percepts import PerceptsModel
+from app.console.rest.playback_models import PlaybackModel
+from app.console.rest.program_models import GuardModel, LandmarkModel, ModuleModel, OdometryModel
+from app.console.rest.recording_models import RecorderModel
+from app.runtime.freshness import FreshnessState
+
+Sequence = Annotated[int, Field(ge=0, description="Grows.")]
+LaneState = Literal["fulfilled", "degraded", "unfulfilled", "inhibited", "undesired", "needed"]
+
+
+class LimitsOfBase(Answer):
+    """What `linear` and `angular` of 1 in `drive` are, and how fast that may change."""
+
+    linear_mps: float
+    angular_radps: float
+    linear_mps2: float
+    angular_radps2: float
+
+
+class RobotFacts(Answer):
+    """What the body is."""
+
+    name: str
+    simulated: bool
+    replayed: bool = Field(description="Whether it lives a recording again.")
+    limits: LimitsOfBase
+
+
+class Comes(Answer):
+    """Whether there are such pictures, scans and clouds."""
+
+    camera: bool
+    panorama: bool
+    map: bool
+    costmap: bool
+    scan: bool
+    point_cloud: bool
+
+
+class AudioFacts(Answer):
+    """Whether the robot can be listened to, and be spoken through."""
+
+    listen: bool
+    speak: bool
+
+
+class Hello(Answer):
+    """Once, first: what can be seen and done here."""
+
+    type: Literal["hello"]
+    protocol: Literal[1]
+    session: str = Field(description="Id of this connection.")
+    stamp: Stamp
+    robot: RobotFacts
+    scale: dict[str, float]
+    classes: list[DesireClassModel]
+    channels: Comes
+    drive: bool = Field(description="Whether hands can drive here.")
+    audio: AudioFacts
+    playback: PlaybackModel | None = Field(description="null: a robot lives.")
+
+
+class SpeakerModel(Answer):
+    """Who speaks through the robot."""
+
+    operator: str
+    mine: bool = Field(description="Whether it is this page's operator.")
+
+
+class DriverModel(SpeakerModel):
+    """Who has the wheel."""
+
+    holds: bool = Field(description="Whether they hold a drive command just now.")
+
+
+class SourceState(Answer):
+    """How fresh a channel is, measured beside commanded."""
+
+    channel: str
+    state: FreshnessState
+    age_ms: float | None
+    rate_hz: float | None
+    expected_hz: float | None
+
+
+class Status(Answer):
+    """20 times a second: guard, pose, who drives, how fresh everything is."""
+
+    type: Literal["status"]
+    seq: Sequence
+    stamp: Stamp
+    guard: GuardModel
+    world_rate: float
+    odometry: OdometryModel | None
+    driver: DriverModel | None
+    speaker: SpeakerModel | None
+    exploited: str | None = Field(description="The behavior that drives.")
+    limited: str = Field(description="Why the collision monitor slowed or stopped it, in words.")
+    sources: list[SourceState]
+
+
+class LaneValues(Answer):
+    """A desire class: how much it is desired, what attention gives it, and why."""
+
+    intensity: float | None
+    utility: float | None
+    divisor: Divisor
+    divisors: dict[str, Divisor] = Field(description="By filter, `Module.port`.")
+    state: LaneState
+    text: str
+
+
+class LaneRow(LaneValues):
+    """A lane now."""
+
+    cls: str = Field(alias="class")
+    rate: float | None = Field(description="Messages let through over messages offered, in the last second.")
+
+
+class Lanes(Answer):
+    """20 times a second: one row for each desire class."""
+
+    type: Literal["lanes"]
+    seq: Sequence
+    stamp: Stamp
+    rows: list[LaneRow]
+
+
+class LaneSpell(LaneValues):
+    """What a lane was, from one sample until the next spell's."""
+
+    at: int = Field(ge=0, description="Number of the sample.")
+
+
+class LanePast(Answer):
+    """A lane before now."""
+
+    cls: str = Field(alias="class")
+    rate: list[float | None] = Field(description="One for each stamp.")
+    spells: list[LaneSpell]
+
+
+class LanesHistory(Answer):
+    """Once, before the first `lanes`, and after a `jump`: what they were."""
+
+    type: Literal["lanes_history"]
+    stamps: list[float]
+    rows: list[LanePast]
+
+
+class Desires(Answer):
+    """On change: every desire."""
+
+    type: Literal["desires"]
+    desires: list[DesireModel]
+
+
+class Intention(Answer):
+    """On change: what attention chose; null before the first."""
+
+    type: Literal["intention"]
+    intention: IntentionModel | None
+
+
+class Event(EventModel):
+    """An event of the timeline."""
+
+    kind: EventKind
+
+
+class Events(Answer):
+    """As they come: events, oldest first."""
+
+    type: Literal["events"]
+    events: list[Event]
+
+
+class Load(Answer):
+    """Once a second: what the modules take of the computer."""
+
+    type: Literal["load"]
+    stamp: Stamp
+    process_cpu: float = Field(description="Per cent of one core.")
+    budget: float | None = Field(description="Per cent that attention may give; null: no limit.")
+    modules: list[ModuleModel]
+
+
+class Recorder(RecorderModel):
+    """On change, and about once a second while it records: what the Recorder does."""
+
+    type: Literal["recorder"]
+
+
+class Landmarks(Answer):
+    """On change: what was found, in `odom`."""
+
+    type: Literal["landmarks"]
+    landmarks: list[LandmarkModel]
+
+
+class Perceived(PerceptsModel):
+    """On change: what the robot sees and hears."""
+
+    type: Literal["perceived"]
+
+
+class Place(Answer):
+    """A pose: m and rad."""
+
+    x: float
+    y: float
+    theta: float
+
+
+class Localization(Place):
+    """Where the robot is on the map."""
+
+    type: Literal["localization"]
+    stamp: Stamp
+    state: Literal["mapping", "tracking", "searching", "lost"]
+    map: str = Field(description="Name of the map in use; empty while it has none.")
+    sigma: tuple[float, float, float] = Field(description="Standard deviations of x, y (m) and theta (rad).")
+    X_MO: Place = Field(description="Pose of `odom` on the map.")
+    overlap: float = Field(description="Share of the scan that fits the map, 0 to 1.")
+
+
+class Navigation(NavigationModel):
+    """On change: what the behavior that goes somewhere is about."""
+
+    type: Literal["navigation"]
+
+
+class Zones(Answer):
+    """On change: the zones of the map."""
+
+    type: Literal["zones"]
+    zones: list[ZoneModel]
+
+
+class GridInfo(Answer):
+    """What the picture that follows, of the same `seq`, shows."""
+
+    seq: Sequence
+    stamp: Stamp
+    frame: Literal["map", "odom"]
+    version: int
+    resolution_m: float = Field(description="Of a pixel.")
+    origin: tuple[float, float] = Field(description="x, y of the picture's lower left corner.")
+    width: int
+    height: int
+
+
+class MapInfo(GridInfo):
+    """Right before each picture of kind 3."""
+
+    type: Literal["map_info"]
+
+
+class CostmapInfo(GridInfo):
+    """Right before each picture of kind 4."""
+
+    type: Literal["costmap_info"]
+
+
+class Pong(Answer):
+    """The answer to `ping`."""
+
+    type: Literal["pong"]
+    t: float = Field(description="As it was sent.")
+    stamp: Stamp
+
+
+class Notice(Answer):
+    """Something for this viewer, in words to show."""
+
+    type: Literal["notice"]
+    level: Literal["info", "warning", "error"]
+    text: str
+
+
+class Playback(PlaybackModel):
+    """On a recording, at every change and ten times a second while it plays: its transport."""
+
+    type: Literal["playback"]
+
+
+class Jump(Answer):
+    """On a recording, at a seek: what came before is of another time and to be forgotten."""
+
+    type: Literal["jump"]
+    stamp: Stamp
+
+
+FROM_ROBOT: tuple[type[Answer], ...] = (
+    Hello, Status, Lanes, LanesHistory, Desires, Intention, Events, Load, Recorder, Landmarks, Perceived, Localization,
+    Navigation, Zones, MapInfo, CostmapInfo, Pong, Notice, Playback, Jump,
+)  # fmt: skip

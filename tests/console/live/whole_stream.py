@@ -1,0 +1,49 @@
+"""A program that has something to tell of every type, and a page that asks for all of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from app.attention.desires import Source
+from app.messages import Landmark, Landmarks, LoudNoise
+from app.system import System
+from tests.console.live_client import page, voice
+from tests.console.percepts import faces, sound_sources
+from tests.console.places import grid, localization, path, status, zones
+from tests.console.program import Body
+
+
+def say_everything(system: System, body: Body) -> None:
+    """Publish something on each channel that the stream tells of."""
+    now = system.clock.now()
+    system.graph.channel("landmarks").publish(Landmarks(now, (Landmark("door", (1.0, 2.0, 0.5), 0.1, 3, 1.0, 2.0),)))
+    body.emit_status(now)
+    system.graph.channel("faces").publish(faces(now))
+    system.graph.channel("sound_sources").publish(sound_sources(now))
+    system.graph.channel("loud_noises").publish(LoudNoise(now, 30.0, -12.0))
+    told = {"localization": localization, "zones": zones, "path": path, "navigation": status, "map": grid}
+    for channel, message in {**told, "local_costmap": grid}.items():
+        system.graph.channel(channel).publish(message(now))
+    system.workspace.add("Telepresence", intensity=2.0, utility=1.0, source=Source("rest", "rest"))
+
+
+async def heard(
+    url: str, system: System, wanted: set[str], check: Callable[[dict[str, Any]], None]
+) -> dict[str, dict[str, Any]]:
+    """The last frame of each type, once every type of ``wanted`` came and the page drives and speaks; ``check`` is
+    called with every frame."""
+    frames: dict[str, dict[str, Any]] = {}
+    async with page(url) as ann:
+        await ann.send("ping", t=1, rtt_ms=None)
+        await ann.send("view", map=True, costmap=True)
+        await ann.connection.send("{")
+        system.timeline.add("module", "Nobody", "said")
+        await ann.drive(0.1)
+        await ann.connection.send(voice(1))
+        while frames.keys() != wanted or None in (frames["status"]["driver"], frames["status"]["speaker"]):
+            frame = await ann.receive()
+            if isinstance(frame, dict):
+                check(frame)
+                frames[frame["type"]] = frame
+    return frames
