@@ -12,13 +12,10 @@ import pytest
 
 from app.attention.timeline import EventKind
 from app.console.live import protocol
-from app.messages import Landmark, Landmarks, LoudNoise
 from app.runtime.freshness import FreshnessState
 from app.runtime.supervisor import Status
 from app.system import System
-from tests.console.live_client import page, voice
-from tests.console.percepts import faces, sound_sources
-from tests.console.places import grid, localization, path, status, zones
+from tests.console.frames import of_each_type
 from tests.console.program import Body, build
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "live-stream.md"
@@ -60,29 +57,7 @@ async def test_every_type_and_field_from_the_robot_is_described(
     text: str, url: str, system: System, body: Body
 ) -> None:
     rows = table(text, "From the robot to the page")
-    system.graph.channel("landmarks").publish(
-        Landmarks(system.clock.now(), (Landmark("door", (1.0, 2.0, 0.5), 0.1, 3, 1.0, 2.0),))
-    )
-    body.emit_status(system.clock.now())
-    system.graph.channel("faces").publish(faces(system.clock.now()))
-    system.graph.channel("sound_sources").publish(sound_sources(system.clock.now()))
-    system.graph.channel("loud_noises").publish(LoudNoise(system.clock.now(), 30.0, -12.0))
-    told = {"localization": localization, "zones": zones, "path": path, "navigation": status, "map": grid}
-    for channel, message in {**told, "local_costmap": grid}.items():
-        system.graph.channel(channel).publish(message(system.clock.now()))
-    frames: dict[str, dict[str, Any]] = {}
-    async with page(url) as ann:
-        await ann.send("ping", t=1, rtt_ms=None)
-        await ann.send("view", map=True, costmap=True)
-        await ann.connection.send("{")
-        system.timeline.add("module", "Nobody", "said")
-        await ann.drive(0.1)
-        await ann.connection.send(voice(1))
-        while frames.keys() != rows.keys() or None in (frames["status"]["driver"], frames["status"]["speaker"]):
-            frame = await ann.receive()
-            if isinstance(frame, dict):
-                assert frame["type"] in rows
-                frames[frame["type"]] = frame
+    frames = await of_each_type(url, system, body, rows.keys())
     assert frames["perceived"]["faces"]
     assert frames["perceived"]["sounds"]
     assert frames["perceived"]["noises"]

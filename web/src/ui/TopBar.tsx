@@ -4,6 +4,7 @@ import type { ComponentChildren } from "preact";
 import { useApp } from "../state/context";
 import { Marker } from "../playback/Marker";
 import { RecordButton } from "../recordings/RecordButton";
+import { cautionWords } from "./cautions";
 import { EStop } from "./EStop";
 import { driverName, driverWords } from "./driver";
 import { millis } from "./format";
@@ -38,6 +39,7 @@ export function TopBar({ narrow }: { narrow: boolean }) {
   const stopped = store.stopped.value && !replay;
   const hello = store.hello.value;
   const rate = status?.world_rate ?? 1;
+  const caution = replay ? null : cautionWords(hello?.robot.cautions ?? []);
   const slow = live && !replay && rate < 0.99;
   return (
     <header class={`top-bar ${stopped ? "stopped" : ""} ${phase}`}>
@@ -72,6 +74,12 @@ export function TopBar({ narrow }: { narrow: boolean }) {
               <span class="roomy">World runs at </span>
               {rate.toFixed(2)}×<span class="roomy"> real time</span>
             </span>
+          </p>
+        )}
+        {caution && (
+          <p class="chip warn" role="status" data-testid="caution" title={caution.text}>
+            <WarnIcon />
+            {caution.title}
           </p>
         )}
         <dl class="metrics">
