@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -10,6 +11,8 @@ from pathlib import Path
 
 import pytest
 from importlinter import cli as import_linter
+
+from app.runtime.graph import find_cycle
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -27,6 +30,18 @@ def _logging_survives() -> Iterator[None]:
 def test_every_room_imports_only_rooms_below_it(capsys: pytest.CaptureFixture[str]) -> None:
     status = import_linter.lint_imports(str(ROOT / "pyproject.toml"), no_cache=True)
     assert status == import_linter.EXIT_STATUS_SUCCESS, capsys.readouterr().out
+
+
+def test_the_pages_files_import_each_other_in_no_circle() -> None:
+    source = ROOT / "web" / "src"
+    imports: dict[str, set[str]] = {}
+    for path in sorted([*source.rglob("*.ts"), *source.rglob("*.tsx")]):
+        named = re.findall(r"""(?:from|import) ["'](\.[^"']+)["']""", path.read_text("utf-8"))
+        beside = [(path.parent / name).resolve() for name in named]
+        there = [base.with_name(base.name + end) for base in beside for end in (".ts", ".tsx", "")]
+        imports[str(path)] = {str(found) for found in there if found.is_file()}
+    assert sum(map(len, imports.values())) > 100
+    assert find_cycle(imports) is None
 
 
 #: What must not be paid for by a person who only asks for help.
