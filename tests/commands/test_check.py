@@ -101,3 +101,23 @@ def test_all_files_are_checked_not_only_the_first_that_is_wrong(
     assert [line.split(":")[0] for line in err.splitlines()] == [str(broken), str(poem)]
     assert "is no known kind of configuration" in err
     assert out.startswith(str(config / "worlds" / "lab.yaml"))
+
+
+def test_a_base_without_scans_is_a_mistake_and_one_without_its_monitor_a_warning(
+    config: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = config / "lab.yaml"
+    base = file.read_text(encoding="utf-8").splitlines().index("  MobileBaseControl:") + 1
+    replace(file, "      scans: scan\n", "")
+    assert cli.main(["check", str(file)]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"{file}:{base + 2}: "), "at its inputs"
+    assert "say `collision_monitor: off`" in error
+    replace(file, "    settings:\n      behaviors:", "    settings:\n      collision_monitor: off\n      behaviors:")
+    assert cli.main(["check", str(file)]) == 0
+    said = capsys.readouterr()
+    assert said.err.startswith(f"{file}:{base}: IRL-1/TR runs with its collision monitor switched off")
+    assert said.out.endswith("no mistake found, 1 warning\n")
+    replace(file, "collision_monitor: off", "collision_monitor: perhaps")
+    assert cli.main(["check", str(file)]) == 2
+    assert "'on' or 'off'" in capsys.readouterr().err

@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 from app.robots.config import circle
+from app.runtime.module import Caution
 from app.system import System
 from tests.console.frames import of_each_type
 from tests.console.page_types import PageTypes
@@ -42,6 +43,7 @@ def built(tmp_path: Path) -> tuple[System, Body]:
     """A program with everything that the stream tells of, on a body with an outline."""
     system, body = build(tmp_path, recorder=True)
     body.description = replace(body.description, footprint=circle(0.28))
+    system.cautions = (Caution("A title", "a sentence", "lab.yaml:1"),)
     return system, body
 
 
@@ -76,6 +78,7 @@ async def test_the_console_sends_what_the_page_declares(
     frames = await of_each_type(url, system, body, kinds)
     assert {kind: said for kind, frame in frames.items() if (said := types.problems(frame, "FromRobot"))} == {}
     hello = frames["hello"]
+    assert hello["robot"]["cautions"] == [{"title": "A title", "text": "a sentence", "where": "lab.yaml:1"}]
     assert types.problems(hello, "Hello") == []
     assert hello["robot"]["footprint"] == [[round(x, 4), round(y, 4)] for x, y in circle(0.28)]
 
