@@ -32,6 +32,7 @@ from app.recording.manifest import Manifest
 from app.robots.factory import Body, create_link, load_body
 from app.runtime.channel_table import ChannelTable
 from app.runtime.clock import Clock, RealClock
+from app.runtime.filter import CLOSED
 from app.runtime.freshness import FreshnessWatch
 from app.runtime.graph import Graph, Pin
 from app.runtime.load import LoadMeter
@@ -197,22 +198,22 @@ class System:
 
     def _attend(self) -> tuple[Caution, ...]:
         """Hand filters over to attention, and with them every output that can move the body: one that no strategy
-        names stays closed. Returns what people must know of that, and of the modules."""
+        opens stays closed. Returns what people must know of that, and of the modules."""
         moving = self.graph.moving()
-        named = self.table.filters
-        self.graph.attend(named | moving.keys())
+        self.graph.attend(self.table.filters | moving.keys())
+        opened = {name for each in self.table.strategies for name, phi in each.filters.items() if phi != CLOSED}
         cautions = []
-        for output in sorted(moving.keys() - named):
+        for name, slot in self.graph.modules.items():
+            where = self.config.where("modules", name)
+            cautions += [replace(caution, where=where) for caution in slot.module.cautions()]
+        for output in sorted(moving.keys() - opened):
             module, port = output.split(".", 1)
             text = (
-                f"no strategy names {output}, which leads to {moving[output]} and can move the robot: it stays closed; "
+                f"no strategy opens {output}, which leads to {moving[output]} and can move the robot: it stays closed; "
                 "name it in `filters` of a strategy, and the file of that strategy in `strategies` of the program"
             )
             where = self.config.where("modules", module, "outputs", port)
             cautions.append(Caution(f"{self.graph.modules[module].title} stays closed", text, where))
-        for name, slot in self.graph.modules.items():
-            where = self.config.where("modules", name)
-            cautions += (replace(caution, where=where) for caution in slot.module.cautions())
         return tuple(cautions)
 
     def _load_table(self) -> StrategyTable:

@@ -121,3 +121,14 @@ def test_a_base_without_scans_is_a_mistake_and_one_without_its_monitor_a_warning
     replace(file, "collision_monitor: off", "collision_monitor: perhaps")
     assert cli.main(["check", str(file)]) == 2
     assert "'on' or 'off'" in capsys.readouterr().err
+
+
+def test_an_output_that_can_move_the_robot_and_is_only_ever_closed_is_a_warning(
+    config: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    replace(config / "strategies" / "lab.yaml", "GoToward.twist: 1", "GoToward.twist: off")
+    file = config / "lab.yaml"
+    text = file.read_text(encoding="utf-8")
+    line = text[: text.index("toward_twist, status: going_toward")].count("\n") + 1
+    assert cli.main(["check", str(file)]) == 0
+    assert capsys.readouterr().err.startswith(f"{file}:{line}: no strategy opens GoToward.twist, which leads to")

@@ -197,7 +197,7 @@ def test_a_reader_who_forgets_the_line_of_strategies_is_told_and_the_robot_stand
     said = capsys.readouterr()
     assert said.out.endswith("no mistake found, 1 warning\n")
     line = program.read_text("utf-8").splitlines().index("      twist: approach_twist") + 1
-    assert said.err.startswith(f"{program}:{line}: no strategy names Approach.twist")
+    assert said.err.startswith(f"{program}:{line}: no strategy opens Approach.twist")
     assert "MobileBaseControl.approach" in said.err
     assert "`strategies`" in said.err
     configuration, body = driving(program)

@@ -67,6 +67,12 @@ export function TopBar({ narrow }: { narrow: boolean }) {
             {known ? (GUARDS[known.state] ?? known.state) : "State unknown"}
           </p>
         )}
+        {caution && (
+          <p class="chip warn caution" role="status" data-testid="caution" title={caution.text}>
+            <WarnIcon />
+            {caution.title}
+          </p>
+        )}
         {slow && (
           <p class="chip warn world-rate" data-testid="world-rate" title="The simulated world runs slower than real time">
             <WarnIcon />
@@ -74,12 +80,6 @@ export function TopBar({ narrow }: { narrow: boolean }) {
               <span class="roomy">World runs at </span>
               {rate.toFixed(2)}×<span class="roomy"> real time</span>
             </span>
-          </p>
-        )}
-        {caution && (
-          <p class="chip warn" role="status" data-testid="caution" title={caution.text}>
-            <WarnIcon />
-            {caution.title}
           </p>
         )}
         <dl class="metrics">
