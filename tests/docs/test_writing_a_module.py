@@ -189,7 +189,7 @@ def test_the_pages_robot_stands_until_somebody_desires_and_the_monitor_stops_it(
 
 
 @pytest.mark.slow
-def test_a_reader_who_forgets_the_line_of_strategies_is_told_and_the_robot_stands(
+def test_a_reader_who_forgets_the_line_of_strategies_is_warned_and_the_robot_stands(
     checkout: Path, blocks: dict[str, str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     program = merged(checkout, without_strategies(blocks[PROGRAM]))
