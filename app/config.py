@@ -84,6 +84,10 @@ class Configuration:
         """A path of the configuration as an absolute one."""
         return self.folder / relative
 
+    def where(self, *key: str) -> str:
+        """File and line of ``key`` of the program."""
+        return f"{self.program_document.file}:{self.program_document.line(key)}"
+
     def wiring_error(self, message: str, key: tuple[str, ...]) -> ConfigError:
         """The ConfigError for a mistake in the graph, pointing into the file where ``key`` stands."""
         if key[0] == "channels":

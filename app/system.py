@@ -7,8 +7,10 @@ configuration found, before anything starts.
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable, Mapping
 from contextlib import AsyncExitStack
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 
@@ -30,15 +32,19 @@ from app.recording.manifest import Manifest
 from app.robots.factory import Body, create_link, load_body
 from app.runtime.channel_table import ChannelTable
 from app.runtime.clock import Clock, RealClock
+from app.runtime.filter import CLOSED
 from app.runtime.freshness import FreshnessWatch
 from app.runtime.graph import Graph, Pin
 from app.runtime.load import LoadMeter
+from app.runtime.module import Caution
 from app.runtime.replay_clock import ReplayClock
 from app.runtime.supervisor import Supervisor
 from app.runtime.watchdog import LoopWatchdog
 from app.self_report import SelfReport
 from app.snapshot import snapshot
 from app.timeline_feed import TimelineFeed
+
+log = logging.getLogger("hbba.system")
 
 LOAD_WINDOW_S = 1.0
 #: Real seconds for the solver and for reasons where nothing may depend on how fast this computer is.
@@ -106,7 +112,8 @@ class System:
         )
         services[Manifest] = snapshot(configuration, self.graph, self.link.description.name, body)
         self.table = self._load_table()
-        self.graph.attend(self.table.filters)
+        #: What people must know of how it is configured.
+        self.cautions = self._attend()
         for name, pin in (pins or {}).items():
             self.graph.filters.pin(name, pin)
         self.supervisor = Supervisor(self.graph.modules, self.clock, self.pace)
@@ -130,6 +137,8 @@ class System:
     async def __aenter__(self) -> System:
         """Bring the body up, then attention, then the modules. Raises LinkFailed, having released everything."""
         async with AsyncExitStack() as stack:
+            for caution in self.cautions:
+                log.warning("%s", caution)
             stack.push_async_callback(self.link.stop)
             await self.link.start()
             self.supervisor.observe(self._feed.module)
@@ -186,6 +195,26 @@ class System:
             return error if isinstance(error, Exception) else RuntimeError(f"{ended.get_name()} ended by itself")
         finally:
             body.cancel()
+
+    def _attend(self) -> tuple[Caution, ...]:
+        """Hand filters over to attention, and with them every output that can move the body: one that no strategy
+        opens stays closed. Returns what people must know of that, and of the modules."""
+        moving = self.graph.moving()
+        self.graph.attend(self.table.filters | moving.keys())
+        opened = {name for each in self.table.strategies for name, phi in each.filters.items() if phi != CLOSED}
+        cautions = []
+        for name, slot in self.graph.modules.items():
+            where = self.config.where("modules", name)
+            cautions += [replace(caution, where=where) for caution in slot.module.cautions()]
+        for output in sorted(moving.keys() - opened):
+            module, port = output.split(".", 1)
+            text = (
+                f"no strategy opens {output}, which leads to {moving[output]} and can move the robot: it stays closed; "
+                "name it in `filters` of a strategy, and the file of that strategy in `strategies` of the program"
+            )
+            where = self.config.where("modules", module, "outputs", port)
+            cautions.append(Caution(f"{self.graph.modules[module].title} stays closed", text, where))
+        return tuple(cautions)
 
     def _load_table(self) -> StrategyTable:
         table = load_strategies(

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-import ast
 import logging
+import re
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from importlinter import cli as import_linter
+
+from app.runtime.graph import find_cycle
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -28,14 +32,26 @@ def test_every_room_imports_only_rooms_below_it(capsys: pytest.CaptureFixture[st
     assert status == import_linter.EXIT_STATUS_SUCCESS, capsys.readouterr().out
 
 
+def test_the_pages_files_import_each_other_in_no_circle() -> None:
+    source = ROOT / "web" / "src"
+    imports: dict[str, set[str]] = {}
+    for path in sorted([*source.rglob("*.ts"), *source.rglob("*.tsx")]):
+        named = re.findall(r"""(?:from|import) ["'](\.[^"']+)["']""", path.read_text("utf-8"))
+        beside = [(path.parent / name).resolve() for name in named]
+        there = [base.with_name(base.name + end) for base in beside for end in (".ts", ".tsx", "")]
+        imports[str(path)] = {str(found) for found in there if found.is_file()}
+    assert sum(map(len, imports.values())) > 100
+    assert find_cycle(imports) is None
+
+
 #: What must not be paid for by a person who only asks for help.
 HEAVY = {"cv2", "fastapi", "mujoco", "numpy", "ortools", "psutil", "pydantic", "scipy", "uvicorn", "viser", "yaml"}
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "app" / "commands").glob("*.py")), ids=lambda path: path.stem)
-def test_commands_import_what_is_heavy_only_when_they_run(path: Path) -> None:
-    for node in ast.parse(path.read_text(encoding="utf-8")).body:
-        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-        if isinstance(node, ast.ImportFrom) and node.module:
-            names = [node.module]
-        assert not {name.split(".")[0] for name in names} & HEAVY
+def test_commands_import_what_is_heavy_only_when_they_run() -> None:
+    """All of them, in folders too: what the parser of the whole command line brings along."""
+    code = "import sys; from app.cli import build_parser; build_parser(); print(*sys.modules)"
+    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    loaded = set(ran.stdout.split())
+    assert {"app.commands.slam", "app.commands.detect"} <= loaded
+    assert {name.split(".")[0] for name in loaded} & HEAVY == set()

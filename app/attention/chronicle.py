@@ -3,7 +3,7 @@ sentence."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 from app.attention.desires import Desire, Source
@@ -58,12 +58,10 @@ def note_intention(timeline: Timeline, before: Intention | None, after: Intentio
     timeline.add("intention", "intention", f"{text} (Ω {selection.omega:g})", data)
 
 
-def note_filters(
-    timeline: Timeline, before: Mapping[str, float], after: Mapping[str, float], order: Sequence[str]
-) -> None:
-    """Note each filter whose φ moved, in the order they were set; one not known before was closed."""
-    for name in order:
-        was, phi = before.get(name, CLOSED), after[name]
+def note_filters(timeline: Timeline, before: Mapping[str, float], after: Mapping[str, float]) -> None:
+    """Note each filter of ``after`` whose φ moved; one not known ``before`` was closed."""
+    for name, phi in after.items():
+        was = before.get(name, CLOSED)
         if was != phi:
             data = {"before": divisor_json(was), "after": divisor_json(phi)}
             timeline.add("filter", name, f"{name}: φ {_words(was)} → {_words(phi)}", data)

@@ -16,7 +16,7 @@ class FilterBank(Protocol):
         ...
 
     def apply(self, divisors: Mapping[str, float]) -> object:
-        """Set these φ (math.inf: closed) in one step, in the order given."""
+        """Set these φ (math.inf: closed) in one step, those that open or speed up first."""
         ...
 
 

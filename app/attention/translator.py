@@ -21,7 +21,7 @@ from app.attention.ports import Clock, FilterBank, ParameterSink, Solver
 from app.attention.problem import Problem, Reason, Selection, Weights, assess, produced
 from app.attention.reasons import explain
 from app.attention.solver import CachedSolver, SolverFailed, solve
-from app.attention.strategies import CLOSED, MOST, StrategyTable
+from app.attention.strategies import MOST, StrategyTable
 from app.attention.timeline import Timeline
 from app.attention.workspace import IntentionWorkspace, WorkspaceChange
 
@@ -318,13 +318,12 @@ class IntentionTranslator:
         self._configure(before.parameters if before is not None else {}, intention.parameters)
         old = before.divisors if before is not None else {}
         changed = {name: phi for name, phi in intention.divisors.items() if old.get(name) != phi}
-        order = sorted(changed, key=lambda name: changed[name] > old.get(name, CLOSED) or changed[name] == CLOSED)
         if changed:
-            self._filters.apply({name: changed[name] for name in order})
+            self._filters.apply(changed)
         self._current = intention
         self._counts["applied"] += 1
         note_intention(self._timeline, before, intention)
-        note_filters(self._timeline, old, intention.divisors, order)
+        note_filters(self._timeline, old, changed)
         self._tell(intention)
 
     def _configure(self, before: Mapping[str, Mapping[str, Any]], after: Mapping[str, Mapping[str, Any]]) -> None:

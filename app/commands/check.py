@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from app.commands.output import add_json, print_json
 from app.errors import ConfigError
+
+#: Raises ConfigError for a mistake; returns what is allowed but should be known, if there can be any.
+_Check = Callable[[Path], "tuple[str, ...] | None"]
 
 
 def add_parser(subparsers: Any) -> None:
@@ -26,39 +29,47 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Check each file; say all mistakes, not only the first file's."""
-    results: list[dict[str, str | None]] = []
+    results: list[dict[str, object]] = []
     for path in args.files:
         kind = mistake = None
+        warnings: list[str] = []
         try:
-            kind = check_file(path)
+            kind, cautions = check_file(path)
+            warnings = list(cautions)
         except ConfigError as failure:
             mistake = str(failure)
             print(mistake, file=sys.stderr)
         if kind is not None and not args.json:
-            print(f"{path}: {kind}, no mistake found")
-        results.append({"file": str(path), "kind": kind, "mistake": mistake})
+            print(f"{path}: {kind}, no mistake found{_counted(warnings)}")
+        for warning in warnings:
+            print(warning, file=sys.stderr)
+        results.append({"file": str(path), "kind": kind, "mistake": mistake, "warnings": warnings})
     if args.json:
         print_json({"files": results})
     return 2 if any(result["mistake"] for result in results) else 0
 
 
-def check_file(path: Path) -> str:
-    """Validate one file, and everything it names; return what kind of configuration it is. Raises ConfigError."""
+def _counted(cautions: Sequence[str]) -> str:
+    return f", {len(cautions)} warning{'s' * (len(cautions) > 1)}" if cautions else ""
+
+
+def check_file(path: Path) -> tuple[str, Sequence[str]]:
+    """Validate one file, and everything it names; return what kind of configuration it is, and what is allowed but
+    should be known, in sentences. Raises ConfigError."""
     from app.yaml_source import load_yaml
 
     if path.suffix == ".urdf":
-        return _robot_model(path)
+        return _robot_model(path), ()
     document = load_yaml(path)
     if not isinstance(document.data, Mapping):
         raise document.error("is no configuration: it must be a mapping")
     kind, check = _kind_of(document.data)
     if check is None:
         raise document.error(f"is no known kind of configuration; it must have the keys of {kind}")
-    check(path)
-    return kind
+    return kind, check(path) or ()
 
 
-def _kind_of(data: Mapping[Any, Any]) -> tuple[str, Callable[[Path], None] | None]:
+def _kind_of(data: Mapping[Any, Any]) -> tuple[str, _Check | None]:
     """The kind of file by the keys that only this kind has, with its check; or all kinds for people, and None."""
     for kind, keys, check in _KINDS:
         if keys & data.keys():
@@ -69,14 +80,14 @@ def _kind_of(data: Mapping[Any, Any]) -> tuple[str, Callable[[Path], None] | Non
     return f"{', '.join(kinds)} or channels (a `type` each)", None
 
 
-def _program(path: Path) -> None:
-    """Read the whole program and wire it, without starting anything."""
+def _program(path: Path) -> tuple[str, ...]:
+    """Read the whole program and wire it, without starting anything; return its cautions."""
     from app.config import load_configuration
     from app.system import System
 
     configuration = load_configuration(path)
     _robot(configuration.path(configuration.program.robot))
-    System(configuration)
+    return tuple(str(caution) for caution in System(configuration).cautions)
 
 
 def _robot(path: Path) -> None:
@@ -124,14 +135,13 @@ def _problem(path: Path) -> None:
     read_problem(load_yaml(path), path.resolve().parent)
 
 
-def _strategies(path: Path) -> None:
+def _strategies(path: Path) -> tuple[str, ...]:
     """Check a table by itself, then every program in the folder above that uses it, for its modules and ports."""
     from app.attention.strategies import load_strategies
     from app.modules.desire_classes import desire_classes
 
     load_strategies([path], classes=[kind.name for kind in desire_classes()])
-    for program in _programs_naming(path):
-        _program(program)
+    return _programs(path)
 
 
 def _remap(path: Path) -> None:
@@ -140,7 +150,7 @@ def _remap(path: Path) -> None:
     load_remap(path)
 
 
-def _channels(path: Path) -> None:
+def _channels(path: Path) -> tuple[str, ...]:
     """Check a table by itself, then every program beside it that uses it."""
     from app.config import ChannelTable
     from app.yaml_source import load_yaml
@@ -151,8 +161,11 @@ def _channels(path: Path) -> None:
             _ = spec.message_type
         except KeyError:
             raise document.error(f"{name}.type: there is no message type {spec.message!r}", (name, "type")) from None
-    for program in _programs_naming(path):
-        _program(program)
+    return _programs(path)
+
+
+def _programs(path: Path) -> tuple[str, ...]:
+    return tuple(caution for program in _programs_naming(path) for caution in _program(program))
 
 
 def _programs_naming(path: Path) -> list[Path]:
@@ -183,7 +196,7 @@ def _calibration(path: Path) -> None:
 
 
 #: Kind, the keys by which it is known, its check.
-_KINDS: tuple[tuple[str, frozenset[str], Callable[[Path], None]], ...] = (
+_KINDS: tuple[tuple[str, frozenset[str], _Check], ...] = (
     ("program", frozenset({"modules", "robot"}), _program),
     ("robot", frozenset({"model", "world", "base"}), _robot),
     ("scenario", frozenset({"people", "sounds", "drive"}), _scenario),

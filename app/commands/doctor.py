@@ -112,7 +112,7 @@ def configuration() -> Finding:
 
     path = paths.config_dir() / "lab.yaml"
     try:
-        kind = check_file(path)
+        kind, _ = check_file(path)
     except ConfigError as failure:
         return Finding("configuration", False, True, str(failure), "correct it; `hbba check FILE` looks again")
     return Finding("configuration", True, True, f"{path} ({kind})")

@@ -14,15 +14,15 @@ Direction = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class SeenFace:
-    """A face in one image. ``direction`` is azimuth and elevation (rad) in the axes of B, seen from its camera;
-    ``panorama`` the same, seen from the panorama's. ``p_OF`` is its place and ``towards_O`` the heading (rad in O) in
-    which it has the robot; None before the pose at ``stamp`` is known.
+    """A face in one image of ``image`` px. ``direction`` is azimuth and elevation (rad) in the axes of B, seen from its
+    camera as that was at ``stamp``; ``panorama`` the same, seen from the panorama's. ``p_OF`` is its place and
+    ``towards_O`` the heading (rad in O) in which it has the robot; None before the pose at ``stamp`` is known.
     """
 
     track: int
     camera: str
     stamp: float
-    direction: Direction | None
+    direction: Direction
     panorama: Direction | None
     range_m: float
     range_sigma_m: float
@@ -30,7 +30,7 @@ class SeenFace:
     towards_O: float | None
     score: float
     box: tuple[float, float, float, float]
-    image: tuple[int, int] | None
+    image: tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ class SeenCode:
     camera: str
     stamp: float
     corners: tuple[tuple[float, float], ...]
-    image: tuple[int, int] | None
+    image: tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +93,7 @@ def perceived_json(perceived: Perceived) -> dict[str, Any]:
                 "camera": code.camera,
                 "stamp": code.stamp,
                 "corners": [[round(value, 1) for value in corner] for corner in code.corners],
-                "image": None if code.image is None else list(code.image),
+                "image": list(code.image),
             }
             for code in perceived.codes
         ],
@@ -108,7 +108,7 @@ def _face_json(face: SeenFace) -> dict[str, Any]:
         **_seen_json(face.direction, face.panorama, face.range_m, face.range_sigma_m, face.p_OF),
         "score": round(face.score, 3),
         "box": [round(value, 1) for value in face.box],
-        "image": None if face.image is None else list(face.image),
+        "image": list(face.image),
     }
 
 
@@ -126,9 +126,9 @@ def _sound_json(sound: HeardSound) -> dict[str, Any]:
 
 
 def _seen_json(
-    direction: Direction | None, panorama: Direction | None, range_m: float, sigma_m: float, p_O: Point | None
+    direction: Direction, panorama: Direction | None, range_m: float, sigma_m: float, p_O: Point | None
 ) -> dict[str, Any]:
-    azimuth, elevation = direction or (None, None)
+    azimuth, elevation = direction
     x, y, z = p_O or (None, None, None)
     return {
         "azimuth": _rounded(azimuth),

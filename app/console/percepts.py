@@ -20,7 +20,6 @@ from app.messages import (
     EncodedImage,
     Face,
     Faces,
-    Image,
     LoudNoise,
     Odometry,
     QRCode,
@@ -89,10 +88,10 @@ class Percepts:
     def forget(self) -> None:
         """Time has jumped: nothing of before is true."""
         self._poses = PoseBuffer(span_s=LONGEST_SEEN_S + 2.0, tolerance_s=0.0)
-        #: By track and camera, with the stamp of the image.
-        self._faces: dict[tuple[int, str], tuple[float, Face]] = {}
-        #: By text and camera, with the stamp of the image.
-        self._codes: dict[tuple[str, str], tuple[float, QRCode]] = {}
+        #: By track and camera, with all that was said of the image.
+        self._faces: dict[tuple[int, str], tuple[Faces, Face]] = {}
+        #: By text and camera, likewise.
+        self._codes: dict[tuple[str, str], tuple[QRCodes, QRCode]] = {}
         #: By what is looked for and camera: stamp of its last image, and the time between the last two.
         self._images: dict[tuple[str, str], tuple[float, float]] = {}
         self._sounds: dict[int, _Heard] = {}
@@ -108,13 +107,13 @@ class Percepts:
     def _on_faces(self, message: Faces) -> None:
         self._looked("faces", message)
         for face in message.faces:
-            self._faces[face.track, message.frame] = (message.stamp, face)
+            self._faces[face.track, message.frame] = (message, face)
         self._fade(message.stamp)
 
     def _on_codes(self, message: QRCodes) -> None:
         self._looked("codes", message)
         for code in message.codes:
-            self._codes[code.text, message.frame] = (message.stamp, code)
+            self._codes[code.text, message.frame] = (message, code)
         self._fade(message.stamp)
 
     def _looked(self, what: str, message: Faces | QRCodes) -> None:
@@ -143,25 +142,30 @@ class Percepts:
             return Perceived(now)
         panorama = self._panorama()
         faces = tuple(
-            self._face(track, frame, stamp, face, panorama)
-            for (track, frame), (stamp, face) in sorted(self._faces.items(), key=lambda item: item[0])
+            self._face(of, face, panorama) for _, (of, face) in sorted(self._faces.items(), key=lambda item: item[0])
         )
         # Nobody tells any more that they sound.
         sounding = self._sounding if now - self._sounds_stamp <= SILENCE_S else frozenset()
         sounds = tuple(self._sound(heard, track in sounding, panorama) for track, heard in sorted(self._sounds.items()))
         codes = tuple(
-            SeenCode(text, frame, stamp, tuple((float(u), float(v)) for u, v in code.corners), self._size(frame))
-            for (text, frame), (stamp, code) in sorted(self._codes.items(), key=lambda item: item[0])
+            SeenCode(
+                code.text,
+                of.frame,
+                of.stamp,
+                tuple((float(u), float(v)) for u, v in code.corners),
+                (of.width, of.height),
+            )
+            for _, (of, code) in sorted(self._codes.items(), key=lambda item: item[0])
         )
         return Perceived(now, faces, sounds, tuple(self._noises), codes)
 
     def _fade(self, now: float) -> None:
         """Forget what is over. With each message, too: for days nobody may ask."""
-        for face, (stamp, _) in tuple(self._faces.items()):
-            if now - stamp > self._told_for("faces", face[1]):
+        for face, (faces, _) in tuple(self._faces.items()):
+            if now - faces.stamp > self._told_for("faces", face[1]):
                 del self._faces[face]
-        for code, (stamp, _) in tuple(self._codes.items()):
-            if now - stamp > self._told_for("codes", code[1]):
+        for code, (codes, _) in tuple(self._codes.items()):
+            if now - codes.stamp > self._told_for("codes", code[1]):
                 del self._codes[code]
         for track, heard in tuple(self._sounds.items()):
             if now - heard.last_active > SOUND_S:
@@ -173,19 +177,14 @@ class Percepts:
         _, period_s = self._images[what, frame]
         return min(max(SEEN_S, SEEN_IMAGES * period_s), LONGEST_SEEN_S)
 
-    def _size(self, frame: str) -> tuple[int, int] | None:
-        image = self._image(frame)
-        return None if image is None else (image.color.shape[1], image.color.shape[0])
-
-    def _face(self, track: int, frame: str, stamp: float, face: Face, panorama: Pose3 | None) -> SeenFace:
+    def _face(self, of: Faces, face: Face, panorama: Pose3 | None) -> SeenFace:
         p_BF = np.array(face.p_BF)
-        image = self._image(frame)
-        X_OB = self._pose(stamp)
+        X_OB = self._pose(of.stamp)
         return SeenFace(
-            track,
-            frame,
-            stamp,
-            None if image is None else _direction(p_BF - image.X_BC.translation),
+            face.track,
+            of.frame,
+            of.stamp,
+            _direction(p_BF - of.X_BC.translation),
             None if panorama is None else _direction(p_BF - panorama.translation),
             face.range_m,
             face.range_sigma_m,
@@ -193,7 +192,7 @@ class Percepts:
             None if X_OB is None else _direction(X_OB.rotation @ -p_BF)[0],
             face.score,
             face.box,
-            self._size(frame),
+            (of.width, of.height),
         )
 
     def _sound(self, heard: _Heard, active: bool, panorama: Pose3 | None) -> HeardSound:
@@ -228,20 +227,11 @@ class Percepts:
                 del self._placed[next(iter(self._placed))]
         return X_OB
 
-    def _image(self, frame: str) -> Image | None:
-        """The newest image of the camera ``frame``."""
-        for channel in self._graph.channels.values():
-            if channel.message_type is Image and isinstance(channel.latest, Image) and channel.latest.frame == frame:
-                return channel.latest
-        return None
-
     def _panorama(self) -> Pose3 | None:
-        """Where the camera is (X_BC) that the panorama is made of."""
+        """Where the camera was (X_BC) when the panorama that is shown now was taken."""
         channel = self._graph.channels.get("panorama_jpeg")
-        if channel is None or not isinstance(channel.latest, EncodedImage):
-            return None
-        image = self._image(channel.latest.frame)
-        return None if image is None else image.X_BC
+        picture = None if channel is None else channel.latest
+        return picture.X_BC if isinstance(picture, EncodedImage) else None
 
 
 def _direction(v_B: FloatArray) -> Direction:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from app.attention.chronicle import divisor_json
 from app.attention.desires import SCALE
 from app.attention.serialize import desire_class_to_json
-from app.link import RobotLink
 from app.messages import Exploitation, Landmarks, LinkStatus, Odometry
 from app.runtime.channel import SubscriptionStatistics
 from app.runtime.freshness import Freshness, sources
@@ -23,9 +23,10 @@ EXPLOITATION_FRESH_S = 0.5
 SILENT_AFTER_S = 0.5
 
 
-def robot_json(link: RobotLink, *, replayed: bool = False) -> dict[str, Any]:
-    """What the body is; ``replayed``: it lives a recording again, and nobody can drive or stop it."""
-    description = link.description
+def robot_json(system: System, *, replayed: bool = False) -> dict[str, Any]:
+    """What the body is, and what people must know of how its program is configured; ``replayed``: it lives a recording
+    again, and nobody can drive or stop it."""
+    description = system.link.description
     limits = description.limits
     return {
         "name": description.name,
@@ -37,6 +38,8 @@ def robot_json(link: RobotLink, *, replayed: bool = False) -> dict[str, Any]:
             "linear_mps2": limits.linear_mps2,
             "angular_radps2": limits.angular_radps2,
         },
+        "footprint": [[round(x, 4), round(y, 4)] for x, y in description.footprint],
+        "cautions": [asdict(caution) for caution in system.cautions],
     }
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2
+from app.geometry import Pose2, Pose3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,10 +24,16 @@ class QRCode:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class QRCodes:
-    """All codes of one image (possibly none), ``frame`` being the camera's name."""
+    """All codes of one image (possibly none), ``frame`` being the camera's name.
+
+    The image is ``width`` x ``height`` px; ``X_BC`` is the camera's pose in ``base_link`` at ``stamp``.
+    """
 
     stamp: float
     frame: str
+    width: int
+    height: int
+    X_BC: Pose3
     codes: tuple[QRCode, ...]
 
 
@@ -69,13 +75,17 @@ class PointCloud:
 
 @dataclass(frozen=True, slots=True)
 class EncodedImage:
-    """A JPEG of a camera's image for people to look at, ``width`` x ``height`` px."""
+    """A JPEG of a camera's image for people to look at, ``width`` x ``height`` px.
+
+    ``X_BC`` is the camera's pose in ``base_link`` at ``stamp``.
+    """
 
     stamp: float
     frame: str
     jpeg: bytes
     width: int
     height: int
+    X_BC: Pose3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,10 +110,16 @@ class Face:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Faces:
-    """All faces of one image (possibly none), ``frame`` being the camera's name."""
+    """All faces of one image (possibly none), ``frame`` being the camera's name.
+
+    The image is ``width`` x ``height`` px; ``X_BC`` is the camera's pose in ``base_link`` at ``stamp``.
+    """
 
     stamp: float
     frame: str
+    width: int
+    height: int
+    X_BC: Pose3
     faces: tuple[Face, ...]
 
 

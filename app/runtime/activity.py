@@ -35,7 +35,9 @@ class Activity:
     async def quiet(self) -> None:
         """Wait until no task of the loop has anything to do but wait, and none of this is under way.
 
-        Tasks that never wait are not waited for: after :data:`LONGEST_SPIN` turns of the loop it is quiet enough.
+        Tasks that never wait are not waited for: after :data:`LONGEST_SPIN` turns of the loop it is quiet enough. What
+        the loop has left to do is read from its private ``_ready``, which asyncio's own loops have; on a loop without,
+        all those turns are taken each time.
         """
         # What is due in this turn of the loop or the next; empty, when it is asked for here, if everybody waits.
         ready = getattr(asyncio.get_running_loop(), "_ready", None)

@@ -1,7 +1,9 @@
 """The robot's clock: real, or virtual for tests and replay.
 
-Nothing outside this file reads the time. Stamps are seconds since the Unix epoch, but they never jump when the
-computer's wall clock is set: the offset between the monotonic clock and the epoch is taken once.
+What the robot senses, decides and does goes by it alone. The other files that read the computer's clock (time limits,
+how long something took, a body in a process of its own) are listed in ``tests/test_clocks.py``, each with its reason,
+and no others may. Stamps are seconds since the Unix epoch, but they never jump when the computer's wall clock is set:
+the offset between the monotonic clock and the epoch is taken once.
 """
 
 from __future__ import annotations

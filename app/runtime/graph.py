@@ -235,6 +235,11 @@ class Graph:
         for slot in self.modules.values():
             self._wire_inputs(slot)
         self._refuse_cycles()
+        for name, slot in self.modules.items():
+            try:
+                slot.module.check_wiring()
+            except ModuleFailed as failure:
+                raise error(str(failure), ("modules", name, "inputs")) from None
         self.attend(attended)
 
     def attend(self, names: Collection[str]) -> None:
@@ -283,6 +288,15 @@ class Graph:
             for name, slot in self.modules.items()
             for port in slot.context.inputs.values()
             if port.channel is not None
+        }
+
+    def moving(self) -> dict[str, str]:
+        """The outputs (``Module.port``) that can move the body, each with the input it leads to."""
+        return {
+            self.producers[port.channel.name]: f"{name}.{port.name}"
+            for name, slot in self.modules.items()
+            for port in slot.context.inputs.values()
+            if port.moves and port.channel is not None and port.channel.name in self.producers
         }
 
     def configure(self, module: str, parameters: Mapping[str, Any]) -> None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Coroutine, Mapping
+from dataclasses import dataclass
 from typing import Any, ClassVar, TypeVar
 
 from pydantic import BaseModel, ConfigDict
@@ -23,7 +24,7 @@ from app.runtime.load import CpuMeter, MeteredCoroutine
 from app.runtime.ports import Input, Output
 from app.runtime.worker import ModuleWorker
 
-__all__ = ["Input", "Module", "ModuleContext", "Output", "Settings"]
+__all__ = ["Caution", "Input", "Module", "ModuleContext", "Output", "Settings"]
 
 M = TypeVar("M", bound=Message)
 T = TypeVar("T")
@@ -35,6 +36,19 @@ class Settings(BaseModel):
     are refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Caution:
+    """What people must know of how a program is configured: a ``title`` of a few words, and a sentence that says why
+    and what to do. ``where``: its file and line, "" where it has none."""
+
+    title: str
+    text: str
+    where: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.where}: {self.text}" if self.where else self.text
 
 
 class ModuleContext:
@@ -116,11 +130,16 @@ class Module:
         capacity: int = 1,
         lossless: bool = False,
         always_open: bool = False,
+        moves: bool = False,
     ) -> Input[M]:
-        """Declare an input port of ``message_type`` with an inbox of ``capacity`` messages."""
+        """Declare an input port of ``message_type`` with an inbox of ``capacity`` messages.
+
+        ``moves``: what comes in by it can move the body. The output of another module that leads to it stays closed
+        unless a strategy names it.
+        """
         port = self._context.inputs.get(name)
         if port is None:
-            port = Input(self.name, name, message_type, capacity, lossless, always_open)
+            port = Input(self.name, name, message_type, capacity, lossless, always_open, moves)
             self._context.inputs[name] = port
         return port
 
@@ -153,6 +172,16 @@ class Module:
         return service
 
     # --- to be overridden ---
+
+    def check_wiring(self) -> None:
+        """Refuse what is wired so that it must not run: called once, with all ports wired and before anything starts.
+
+        Raises ModuleFailed with a sentence that says what to do.
+        """
+
+    def cautions(self) -> tuple[Caution, ...]:
+        """What people must know of how this module is configured; asked once, with all ports wired."""
+        return ()
 
     async def start(self) -> None:
         """Set up what takes time or can fail; called before the first message."""

@@ -19,11 +19,19 @@ log = logging.getLogger("hbba.module")
 class Input(Generic[M]):
     """An input port. Once wired, ``subscription`` is the module's end of a channel.
 
-    ``always_open`` inputs are not attention's to decimate: safety and self-motion, where a gap is a fault.
+    ``always_open`` inputs are not attention's to decimate: safety and self-motion, where a gap is a fault. What comes
+    in by an input that ``moves`` can move the body.
     """
 
     def __init__(
-        self, module: str, name: str, message_type: type[M], capacity: int, lossless: bool, always_open: bool
+        self,
+        module: str,
+        name: str,
+        message_type: type[M],
+        capacity: int,
+        lossless: bool,
+        always_open: bool,
+        moves: bool = False,
     ) -> None:
         self.module = module
         self.name = name
@@ -31,6 +39,7 @@ class Input(Generic[M]):
         self.capacity = capacity
         self.lossless = lossless
         self.always_open = always_open
+        self.moves = moves
         self.channel: Channel[M] | None = None
         self._subscription: Subscription[M] | None = None
 

@@ -39,7 +39,7 @@ async def test_desires_become_filters_and_parameters() -> None:
 
 
 @in_virtual_time
-async def test_only_what_changed_is_touched_and_opening_comes_first() -> None:
+async def test_only_what_changed_is_touched_in_one_call() -> None:
     s = Setting()
     async with s.running():
         codes = s.add("FindQRCodes", utility=4)
@@ -49,7 +49,7 @@ async def test_only_what_changed_is_touched_and_opening_comes_first() -> None:
         s.add("LocateFaces", utility=8)
         await s.translator.settled()
         assert s.selected == ("2", "5", "9")
-        assert list(s.bank.calls[0].items()) == [("FaceDetector.images", 1), ("QRCodeDetector.images", 2)]
+        assert s.bank.calls == [{"FaceDetector.images": 1, "QRCodeDetector.images": 2}]
         s.bank.calls.clear()
         s.workspace.change(codes, intensity=7.5)
         await s.translator.settled()

@@ -55,7 +55,7 @@ def test_programs_are_told_each_files_kind_or_mistake(config: Path, capsys: pyte
     assert wrong["kind"] is None
     assert wrong["mistake"].startswith(f"{files[0]}:{line}: ")
     assert err == wrong["mistake"] + "\n"
-    assert right == {"file": files[1], "kind": "world", "mistake": None}
+    assert right == {"file": files[1], "kind": "world", "mistake": None, "warnings": []}
 
 
 def kind(file: Path, capsys: pytest.CaptureFixture[str]) -> str:
@@ -126,3 +126,34 @@ def test_all_files_are_checked_not_only_the_first_that_is_wrong(
     assert [line.split(":")[0] for line in err.splitlines()] == [str(broken), str(poem)]
     assert "is no known kind of configuration" in err
     assert out.startswith(str(config / "worlds" / "lab.yaml"))
+
+
+def test_a_base_without_scans_is_a_mistake_and_one_without_its_monitor_a_warning(
+    config: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = config / "lab.yaml"
+    base = file.read_text(encoding="utf-8").splitlines().index("  MobileBaseControl:") + 1
+    replace(file, "      scans: scan\n", "")
+    assert cli.main(["check", str(file)]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"{file}:{base + 2}: "), "at its inputs"
+    assert "say `collision_monitor: off`" in error
+    replace(file, "    settings:\n      behaviors:", "    settings:\n      collision_monitor: off\n      behaviors:")
+    assert cli.main(["check", str(file)]) == 0
+    said = capsys.readouterr()
+    assert said.err.startswith(f"{file}:{base}: IRL-1/TR runs with its collision monitor switched off")
+    assert said.out.endswith("no mistake found, 1 warning\n")
+    replace(file, "collision_monitor: off", "collision_monitor: perhaps")
+    assert cli.main(["check", str(file)]) == 2
+    assert "'on' or 'off'" in capsys.readouterr().err
+
+
+def test_an_output_that_can_move_the_robot_and_is_only_ever_closed_is_a_warning(
+    config: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    replace(config / "strategies" / "lab.yaml", "GoToward.twist: 1", "GoToward.twist: off")
+    file = config / "lab.yaml"
+    text = file.read_text(encoding="utf-8")
+    line = text[: text.index("toward_twist, status: going_toward")].count("\n") + 1
+    assert cli.main(["check", str(file)]) == 0
+    assert capsys.readouterr().err.startswith(f"{file}:{line}: no strategy opens GoToward.twist, which leads to")

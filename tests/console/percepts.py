@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from app.geometry import FisheyeModel, Pose3
-from app.messages import EncodedImage, Face, Faces, Image, SoundSource, SoundSources
+from app.geometry import Pose3
+from app.messages import EncodedImage, Face, Faces, QRCode, QRCodes, SoundSource, SoundSources
 
 IMV = "imv_optical_frame"
 #: The panoramic camera looks ahead from 1.2 m over the ground.
@@ -15,11 +15,16 @@ X_BC = Pose3(np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]), np
 P_BA = (0.0, 0.0, 0.5)
 
 
-def faces(stamp: float, *places: tuple[float, float, float], frame: str = IMV, first: int = 1) -> Faces:
+def faces(
+    stamp: float, *places: tuple[float, float, float], frame: str = IMV, first: int = 1, X_BC: Pose3 = X_BC
+) -> Faces:
     """Faces at ``places`` (m in B; one 2 m ahead unless said), with tracks from ``first`` on."""
     return Faces(
         stamp,
         frame,
+        1024,
+        768,
+        X_BC,
         tuple(
             Face(track, 0.9, (400.0, 300.0, 40.0, 50.0), np.zeros((5, 2), np.float32), p, np.eye(3) * 0.01, 2.0, 0.1)
             for track, p in enumerate(places or ((2.0, 0.0, 1.2),), first)
@@ -40,12 +45,17 @@ def sound_sources(stamp: float, *sources: SoundSource) -> SoundSources:
     return SoundSources(stamp, P_BA, sources or (sound_source(),))
 
 
-def imv_image(stamp: float, *, width: int = 64, height: int = 48) -> Image:
-    """A small picture of the panoramic camera."""
-    camera = FisheyeModel.from_fov(width, height, math.pi, math.pi)
-    return Image(stamp, IMV, np.zeros((height, width, 3), np.uint8), None, camera, X_BC)
+def codes(stamp: float, *texts: str, frame: str = IMV) -> QRCodes:
+    """Codes read in one image ("stop 1" unless said), all in the same place of it."""
+    corners = np.array([[1, 2], [11, 2], [11, 12], [1, 12]], np.float32)
+    return QRCodes(stamp, frame, 1024, 768, X_BC, tuple(QRCode(text, corners, None) for text in texts or ("stop 1",)))
 
 
-def panorama(stamp: float, jpeg: bytes = b"\xff\xd8 a panorama") -> EncodedImage:
-    """What people see of it."""
-    return EncodedImage(stamp, IMV, jpeg, 640, 320)
+def no_codes(stamp: float) -> QRCodes:
+    """An image without any."""
+    return QRCodes(stamp, IMV, 1024, 768, X_BC, ())
+
+
+def panorama(stamp: float, jpeg: bytes = b"\xff\xd8 a panorama", X_BC: Pose3 = X_BC) -> EncodedImage:
+    """What people see of the panoramic camera."""
+    return EncodedImage(stamp, IMV, jpeg, 640, 320, X_BC)

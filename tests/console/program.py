@@ -103,6 +103,7 @@ microphones: {type: Audio, rate_hz: 93.75, decimable: false}
 robot_audio: {type: Audio, decimable: false, log: never}
 operator_voice: {type: Audio, decimable: false, external: true}
 faces: {type: Faces, external: true}
+qr_codes: {type: QRCodes, external: true}
 sound_sources: {type: SoundSources, external: true}
 loud_noises: {type: LoudNoise, decimable: false, external: true}
 imv: {type: Image, rate_hz: 10, external: true}

@@ -7,19 +7,18 @@ import sys
 from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from app.console.perceived import perceived_json
 from app.console.percepts import Percepts
-from app.geometry import Pose2
-from app.messages import LoudNoise, Odometry, QRCode, QRCodes
+from app.geometry import Pose2, Pose3
+from app.messages import LoudNoise, Odometry
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import VirtualClock
 from app.runtime.graph import Graph
-from tests.console.percepts import P_BA, faces, imv_image, panorama, sound_source, sound_sources
+from tests.console.percepts import P_BA, codes, faces, no_codes, panorama, sound_source, sound_sources
 
 CHANNELS = {
     "odometry": "Odometry",
@@ -27,7 +26,6 @@ CHANNELS = {
     "sound_sources": "SoundSources",
     "loud_noises": "LoudNoise",
     "qr_codes": "QRCodes",
-    "imv": "Image",
     "panorama_jpeg": "EncodedImage",
 }
 
@@ -74,11 +72,9 @@ def test_a_face_is_where_the_robot_was_when_it_was_seen(told: Told) -> None:
     told.odometry(10.2, Pose2(5.0, 5.0, math.pi))
     (face,) = told.at(10.2)["faces"]
     assert [face[name] for name in "xyz"] == pytest.approx([1.0 + math.sqrt(2), math.sqrt(2), 1.7], abs=1e-3)
-    assert (face["azimuth"], face["image"]) == (None, None), "nobody showed the camera's picture"
 
 
 def test_angles_are_seen_from_the_camera(told: Told) -> None:
-    told.say("imv", imv_image(9.9, width=1024, height=768))
     told.say("faces", faces(10.0, (1.1, 1.0, 2.2)))
     (face,) = told.at(10.0)["faces"]
     assert face["azimuth"] == pytest.approx(math.pi / 4, abs=1e-3)
@@ -88,6 +84,19 @@ def test_angles_are_seen_from_the_camera(told: Told) -> None:
     (face,) = told.at(10.0)["faces"]
     assert face["panorama"] == [face["azimuth"], face["elevation"]]
     assert (face["camera"], face["image"], face["box"]) == ("imv_optical_frame", [1024, 768], [400, 300, 40, 50])
+
+
+def test_a_face_is_seen_from_where_its_camera_was_when_it_was_seen(told: Told) -> None:
+    """The head moves on: a newer picture of the same camera, from elsewhere, changes nothing of what was seen."""
+    low, high = (Pose3.from_translation_rpy((0.0, 0.0, z), (0.0, 0.0, 0.0)) for z in (1.0, 3.0))
+    told.say("faces", faces(10.0, (2.0, 0.0, 1.0), X_BC=low))
+    assert told.at(10.0)["faces"][0]["elevation"] == 0.0
+    told.say("faces", faces(10.1, (2.0, 0.0, 1.0), first=2, X_BC=high))
+    told.say("panorama_jpeg", panorama(10.1, X_BC=high))
+    old, new = told.at(10.2)["faces"]
+    assert (old["elevation"], new["elevation"]) == (0.0, pytest.approx(-math.pi / 4, abs=1e-4))
+    # In the picture that is shown, both are where the camera of that picture sees them.
+    assert old["panorama"] == new["panorama"] == pytest.approx([0.0, -math.pi / 4], abs=1e-4)
 
 
 def test_a_face_is_told_until_it_was_not_seen_for_a_second(told: Told) -> None:
@@ -136,7 +145,6 @@ def test_a_sound_whose_track_died_or_of_which_nobody_speaks_is_silent(told: Told
 def test_a_sounds_place_and_direction(told: Told) -> None:
     told.odometry(9.9, Pose2(1.0, 2.0, math.pi / 2))
     told.odometry(10.1, Pose2(1.0, 2.0, math.pi / 2))
-    told.say("imv", imv_image(9.9))
     told.say("panorama_jpeg", panorama(9.9))
     told.say("sound_sources", sound_sources(10.0, sound_source(azimuth=0.0, range_m=2.0)))
     (sound,) = told.at(10.0)["sounds"]
@@ -197,9 +205,7 @@ def test_all_that_is_told_is_young_and_told_once(story: list[tuple[float, tuple[
 
 
 def test_a_code_is_told_as_it_was_read_until_it_is_gone(told: Told) -> None:
-    corners = np.array([[1, 2], [11, 2], [11, 12], [1, 12]], np.float32)
-    told.say("imv", imv_image(9.9, width=1024, height=768))
-    told.say("qr_codes", QRCodes(10.0, "imv_optical_frame", (QRCode("stop 1", corners, None),)))
+    told.say("qr_codes", codes(10.0))
     (code,) = told.at(10.5)["codes"]
     assert code == {
         "text": "stop 1",
@@ -208,7 +214,7 @@ def test_a_code_is_told_as_it_was_read_until_it_is_gone(told: Told) -> None:
         "corners": [[1, 2], [11, 2], [11, 12], [1, 12]],
         "image": [1024, 768],
     }
-    told.say("qr_codes", QRCodes(10.1, "imv_optical_frame", ()))
+    told.say("qr_codes", no_codes(10.1))
     assert told.at(11.05)["codes"] == []
 
 
@@ -216,13 +222,13 @@ def test_what_is_over_is_forgotten_though_nobody_asks(told: Told) -> None:
     """A robot that runs for days meets many people while no page is open."""
     seen = faces(10.0)
     heard = sound_sources(10.0)
-    read = QRCodes(10.0, "imv_optical_frame", (QRCode("stop 1", np.zeros((4, 2), np.float32), None),))
+    read = codes(10.0)
     told.say("faces", seen)
     told.say("sound_sources", heard)
     told.say("qr_codes", read)
     remembered = [sys.getrefcount(seen.faces[0]), sys.getrefcount(heard.sources[0]), sys.getrefcount(read.codes[0])]
     told.say("faces", faces(20.0, first=2))
     told.say("sound_sources", sound_sources(20.0, sound_source(2)))
-    told.say("qr_codes", QRCodes(20.0, "imv_optical_frame", ()))
+    told.say("qr_codes", no_codes(20.0))
     now = [sys.getrefcount(seen.faces[0]), sys.getrefcount(heard.sources[0]), sys.getrefcount(read.codes[0])]
     assert now == [count - 1 for count in remembered]

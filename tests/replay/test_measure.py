@@ -6,6 +6,7 @@ import pytest
 
 from app import paths
 from app.config import Configuration, load_configuration
+from app.geometry import Pose3
 from app.messages import Landmarks, QRCode, QRCodes, SoundSources, Twist
 from app.replay.calibration import Run
 from app.replay.measure import WARM_UP_S, Bench, percepts
@@ -48,7 +49,7 @@ def test_what_came_before_is_only_warmed_up_with(configuration: Configuration) -
 
 def test_percepts_are_counted_not_messages() -> None:
     code = QRCode("door", None, None)  # type: ignore[arg-type]
-    assert percepts(QRCodes(0.0, "camera", (code, code))) == 2
+    assert percepts(QRCodes(0.0, "camera", 640, 480, Pose3.identity(), (code, code))) == 2
     assert percepts(Landmarks(0.0, ())) == 0
     assert percepts(Twist(0.0, 1.0, 0.0)) == 1
     # A tuple of numbers is no percept.

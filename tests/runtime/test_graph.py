@@ -11,6 +11,7 @@ from pydantic import Field
 
 from app.messages import Message, Odometry, Twist
 from app.runtime.channel_table import ChannelSpec
+from app.runtime.errors import ModuleFailed
 from app.runtime.filter import CLOSED, RateFilter
 from app.runtime.graph import FilterBank, Graph, Pin, WiringError, find_cycle, load_class
 from app.runtime.module import Module, ModuleContext, Settings
@@ -55,6 +56,18 @@ class Collector(Module):
 
     def accept(self, name: str, message_type: type[Message]) -> None:
         self.input(name, message_type)
+
+
+class Wheels(Module):
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.driven = self.input("driven", Twist, moves=True)
+        self.pushed = self.input("pushed", Twist, moves=True)
+        self.brake = self.input("brake", Twist)
+
+    def check_wiring(self) -> None:
+        if not self.brake.connected:
+            raise ModuleFailed("wheels need a brake")
 
 
 class NeedsDict(Module):
@@ -124,6 +137,22 @@ def test_a_cycle_is_refused_with_its_path_and_allowed_through_a_feedback_channel
     assert "A -> B -> A" in said
     assert "feedback: true" in said
     assert build(modules, {"ab": {}, "ba": {"feedback": True}}).producers["ba"] == "B.relayed"
+
+
+def test_outputs_that_can_move_the_body_are_known_by_what_they_lead_to(build: Build) -> None:
+    modules: dict[str, Any] = {
+        "A": (Source, {}, {"numbers": "n"}),
+        "B": (Relay, {"numbers": "n"}, {"relayed": "r"}),
+        "W": (Wheels, {"driven": "r", "pushed": "hand", "brake": "n"}, {}),
+    }
+    graph = build(modules, {"n": {}, "r": {}, "hand": {"external": True}})
+    assert graph.moving() == {"B.relayed": "W.driven"}
+    assert build(*WIRED).moving() == {}
+
+
+def test_a_module_refuses_a_wiring_that_must_not_run(build: Build) -> None:
+    said = refused(build, {"W": (Wheels, {"driven": "hand"}, {})}, {"hand": {"external": True}})
+    assert said == "modules.W.inputs: wheels need a brake"
 
 
 def test_a_module_may_not_feed_itself(build: Build) -> None:

@@ -210,21 +210,26 @@ class Mock:
                     "state": state,
                     "utility": 8 / phi if phi else 0,
                     "wanted": wish["utility"],
+                    "best": 8,
                     "text": text,
                     "alternatives": [],
                 }
         used = sum(s["costs"]["cpu"] for s in strategies)
+        omega = sum(d["intensity"] for d in self.desires.values()) + sum(s["utility"] for s in strategies)
         return {
             "stamp": self.now(),
             "strategies": strategies,
             "fulfilled": [n for n, (_, state, _) in share.items() if state == "fulfilled"],
-            "omega": sum(d["intensity"] for d in self.desires.values()) + sum(s["utility"] for s in strategies),
+            "omega": omega,
             "use": {"cpu": {"used": used, "capacity": 100, "unit": "%"}},
             "filters": {k: v for s in strategies for k, v in s["filters"].items()},
             "proven": True,
             "solve_ms": 1.7,
             "relaxed": [],
             "reasons": reasons,
+            "bound": omega,
+            "parameters": {},
+            "desires": {name: wish["id"] for name in share if (wish := self.strongest(name))},
         }
 
     def advance(self, dt: float) -> None:
@@ -306,6 +311,7 @@ class Mock:
                 "restarts": 0,
                 "problem": None,
                 "inputs": inputs if "Detector" in n else [],
+                "outputs": [],
             }
             for n, t, c in figures
         ]

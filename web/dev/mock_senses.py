@@ -19,7 +19,7 @@ FRAME = 960
 def perceived(mock: Mock) -> dict[str, Any]:
     """The live stream's message."""
     now = mock.now()
-    message: dict[str, Any] = {"type": "perceived", "stamp": now, "faces": [], "sounds": [], "noises": []}
+    message: dict[str, Any] = {"type": "perceived", "stamp": now, "faces": [], "sounds": [], "noises": [], "codes": []}
     if mock.mode.get("alone"):
         return message
     clap = now - now % 6

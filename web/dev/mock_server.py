@@ -31,6 +31,12 @@ from mock_senses import panorama, perceived, sound
 
 STATIC = Path(__file__).parents[2] / "app" / "console" / "static"
 FOOTPRINT = [[0.3 * math.cos(a), 0.3 * math.sin(a)] for a in (i * math.pi / 8 for i in range(16))]
+UNMONITORED = {
+    "title": "No collision monitor",
+    "text": "IRL-1/TR runs with its collision monitor switched off (collision_monitor: off): nothing keeps it from "
+    "driving into things",
+    "where": "config/lab.yaml:101",
+}
 SCENE = Path(__file__).parent / "mock_scene.html"
 
 
@@ -162,6 +168,7 @@ def greet(mock: Mock, viewer: Viewer, playback: MockPlayback | None, place: Mock
             "name": n,
             "title": "",
             "description": d,
+            "served": True,
             "schema": {"type": "object", "properties": p, "required": [k for k, v in p.items() if "default" not in v]},
         }
         for n, d, _, p in CLASSES
@@ -172,7 +179,14 @@ def greet(mock: Mock, viewer: Viewer, playback: MockPlayback | None, place: Mock
             "protocol": 1,
             "session": viewer.session,
             "stamp": mock.now(),
-            "robot": {"name": "IRL-1/TR", "simulated": True, "limits": limits, "footprint": FOOTPRINT},
+            "robot": {
+                "name": "IRL-1/TR",
+                "simulated": True,
+                "replayed": playback is not None,
+                "limits": limits,
+                "footprint": FOOTPRINT,
+                "cautions": [UNMONITORED] if mock.mode.get("unmonitored") else [],
+            },
             "scale": {"intensity": 8, "utility": 8},
             "classes": classes,
             "channels": {

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from urllib.parse import unquote
 
 import msgspec
 from fastapi import WebSocket
@@ -13,18 +12,12 @@ from app.console import control
 from app.console.live import protocol
 from app.console.live.hub import Hub
 from app.console.live.viewer import Viewer
+from app.console.operators import operator_name
 from app.console.wire import encode_text
 from app.runtime.clock import Clock
 
-LONGEST_NAME = 40
 #: How a binary frame of an operator's voice begins.
 VOICE = bytes([protocol.VOICE])
-
-
-def operator_name(given: str | None) -> str:
-    """What people call an operator: printable, at most 40 characters, ``operator`` where nothing was said."""
-    name = "".join(c for c in unquote(given or "") if c.isprintable()).strip()
-    return name[:LONGEST_NAME] or "operator"
 
 
 async def live(websocket: WebSocket, hub: Hub, clock: Clock) -> None:

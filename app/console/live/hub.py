@@ -319,7 +319,7 @@ class Hub:
                 "protocol": PROTOCOL,
                 "session": viewer.session,
                 "stamp": system.clock.now(),
-                "robot": reports.robot_json(system.link, replayed=self._playback is not None),
+                "robot": reports.robot_json(system, replayed=self._playback is not None),
                 "scale": reports.scale_json(),
                 "classes": [reports.class_json(system, name) for name in system.classes],
                 "channels": {

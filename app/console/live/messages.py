@@ -32,13 +32,25 @@ class LimitsOfBase(Answer):
     angular_radps2: float
 
 
+class CautionModel(Answer):
+    """What people must know of how the program is configured, such as a collision monitor that is off."""
+
+    title: str = Field(description="In a few words.")
+    text: str = Field(description="In a sentence.")
+    where: str = Field(description="File and line.")
+
+
 class RobotFacts(Answer):
-    """What the body is."""
+    """What the body is, and what people must know of it."""
 
     name: str
     simulated: bool
     replayed: bool = Field(description="Whether it lives a recording again.")
     limits: LimitsOfBase
+    footprint: list[tuple[float, float]] = Field(
+        description="Corners of its outline (m, in base_link), counter-clockwise; empty for one that does not move."
+    )
+    cautions: list[CautionModel]
 
 
 class Comes(Answer):

@@ -11,7 +11,7 @@ from app.attention.desires import Source
 from app.attention.serialize import desire_to_json
 from app.attention.workspace import KEEP
 from app.console import reports
-from app.console.live.endpoint import operator_name
+from app.console.operators import operator_name
 from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
 from app.console.rest.idempotency import KEY_LIMITS, IdempotencyStore

@@ -20,8 +20,8 @@ class FaceModel(Answer):
     track: int = Field(description="Its number while it stays in view, in both cameras.")
     camera: str = Field(description="Frame of the image.")
     stamp: Stamp
-    azimuth: float | None = Field(description="From the camera, in base_link's axes; left positive.")
-    elevation: float | None
+    azimuth: float = Field(description="From the camera, in base_link's axes; left positive.")
+    elevation: float
     panorama: tuple[float, float] | None = Field(description="Azimuth and elevation from the panorama's camera.")
     range_m: float | None
     range_sigma_m: float | None
@@ -30,7 +30,7 @@ class FaceModel(Answer):
     z: float | None
     score: float
     box: tuple[float, float, float, float] = Field(description="Left, top, width, height in the image (px).")
-    image: tuple[int, int] | None = Field(description="Width and height of the image (px).")
+    image: tuple[int, int] = Field(description="Width and height of the image (px).")
 
 
 class SoundModel(Answer):
@@ -68,7 +68,7 @@ class CodeModel(Answer):
     camera: str = Field(description="Frame of the image.")
     stamp: Stamp
     corners: list[tuple[float, float]] = Field(description="Its four corners in the image (px).")
-    image: tuple[int, int] | None = Field(description="Width and height of the image (px).")
+    image: tuple[int, int] = Field(description="Width and height of the image (px).")
 
 
 class PerceptsModel(Answer):

@@ -49,7 +49,7 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
         return Json(
             {
                 "stamp": now,
-                "robot": reports.robot_json(system.link, replayed=hub.driving.recording),
+                "robot": reports.robot_json(system, replayed=hub.driving.recording),
                 "guard": reports.guard_json(status, now, speed),
                 "world_rate": 1.0 if status is None else status.world_rate,
                 "odometry": reports.odometry_json(reports.latest(system.graph, "odometry")),

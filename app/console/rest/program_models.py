@@ -126,7 +126,7 @@ class RobotModel(Answer):
     """The robot's state."""
 
     stamp: Stamp
-    robot: dict[str, Any] = Field(description="Name, whether simulated, limits.")
+    robot: dict[str, Any] = Field(description="Name, whether simulated, limits, footprint, cautions.")
     guard: GuardModel
     world_rate: float
     odometry: OdometryModel | None

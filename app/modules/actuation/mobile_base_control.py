@@ -15,7 +15,8 @@ body's accelerations, then given to the robot link. When nobody commands, zero i
 ``exploitation`` tells attention whose command was let through, and people why it was limited.
 
 On a body with a laser the collision monitor (``collision_monitor.py``) judges every command, whoever drives: without a
-fresh scan nobody drives. The operator alone may override it, at a crawl, while both dead-man and override are held.
+fresh scan nobody drives. The operator alone may override it, at a crawl, while both dead-man and override are held. A
+program that does not wire the scans of such a body is refused, unless it says ``collision_monitor: off``.
 """
 
 from __future__ import annotations
@@ -24,18 +25,18 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
-from typing import Self, TypeVar
+from typing import Literal, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from app.link import BaseLimits, RobotLink
+from app.link import BaseLimits, RobotDescription, RobotLink
 from app.messages import Exploitation, LaserScan, LinkStatus, Message, Odometry, OperatorDrive, Twist
 from app.modules.actuation.arbitration import Contender, approach, arbitrate, clamped
 from app.modules.actuation.collision_monitor import CollisionMonitor, Rules
 from app.modules.actuation.lookout import Lookout
 from app.modules.body import attach, robot_link
 from app.runtime.errors import ModuleFailed
-from app.runtime.module import Input, Module, ModuleContext, Settings
+from app.runtime.module import Caution, Input, Module, ModuleContext, Settings
 
 M = TypeVar("M", bound=Message)
 
@@ -81,6 +82,7 @@ class MobileBaseControlSettings(Settings):
     max_age_s: float = Field(0.25, gt=0, le=1, description="an older command is out")
     period_s: float = Field(0.1, gt=0, le=0.15, description="arbitration at least this often")
     by_hand: str = Field("Teleop", description="the behavior that the operator drives by, who alone may override")
+    collision_monitor: Literal["on", "off"] = Field("on", description="off: nothing keeps it from hitting things")
     monitor: MonitorSettings = Field(MonitorSettings(), description="the collision monitor, for bodies with a laser")
 
     @model_validator(mode="after")
@@ -109,7 +111,7 @@ class MobileBaseControl(Module):
         self.status = self.output("status", LinkStatus)
         self._contenders = tuple(Contender(b.input, b.behavior, b.priority) for b in self.settings.behaviors)
         for contender in self._contenders:
-            port = self.input(contender.port, Twist, always_open=True)
+            port = self.input(contender.port, Twist, always_open=True, moves=True)
             self.on(port, partial(self._take, contender.port))
         self._scans = self.input("scans", LaserScan, always_open=True)
         self.on(self._scans, self._look)
@@ -125,6 +127,20 @@ class MobileBaseControl(Module):
         self._zeros_left = PARTING_ZEROS
         self._release: Callable[[], None] | None = None
 
+    def check_wiring(self) -> None:
+        """Raises ModuleFailed where the body has a laser and its scans are not wired, unless configuration says so."""
+        body = robot_link(self).description
+        if self.settings.collision_monitor == "on" and _has_laser(body) and not self._scans.connected:
+            raise ModuleFailed(
+                f"{self.name} has no input scans, and {body.name} has a laser: without its scans there is no collision "
+                "monitor; wire them (scans: the laser's channel), or say `collision_monitor: off` in its settings"
+            )
+
+    def cautions(self) -> tuple[Caution, ...]:
+        """That there is no collision monitor, where there is none."""
+        why = self._unmonitored()
+        return (Caution("No collision monitor", why),) if why else ()
+
     async def start(self) -> None:
         """Take hold of the body. Raises ModuleFailed for a body without status, or whose footprint is none."""
         self._release = attach(self, "status", LinkStatus, self.status.publish)
@@ -137,14 +153,23 @@ class MobileBaseControl(Module):
             self._release()
             self._link.command(Twist(self.clock.now(), 0.0, 0.0))
 
+    def _unmonitored(self) -> str:
+        """A sentence that says why no collision monitor judges commands; "" where one does."""
+        body = robot_link(self).description
+        if not _has_laser(body):
+            why = "has no laser"
+        elif self.settings.collision_monitor == "off":
+            why = "runs with its collision monitor switched off (collision_monitor: off)"
+        elif not body.footprint:
+            why = "has no footprint"
+        else:
+            return ""
+        return f"{body.name} {why}: nothing keeps it from driving into things"
+
     def _post_lookout(self) -> Lookout | None:
-        body = self._link.description
-        sees = any(stream.message_type is LaserScan for stream in body.streams.values())
-        if not self._scans.connected or not sees or not body.footprint:
-            why = "has no laser" if not sees else "has no footprint" if self._scans.connected else "has no input scans"
-            who = self.name if sees and body.footprint else body.name
-            self.log.warning("%s %s: nothing keeps it from driving into things", who, why)
+        if self._unmonitored():
             return None
+        body = self._link.description
         try:
             monitor = CollisionMonitor(body.footprint, body.limits, self.settings.monitor.rules())
         except ValueError as problem:
@@ -211,6 +236,10 @@ class MobileBaseControl(Module):
     def _report(self) -> None:
         now = self.clock.now()
         self.exploitation.publish(Exploitation(now, self._driver, replace(self._sent, stamp=now), self._limited))
+
+
+def _has_laser(body: RobotDescription) -> bool:
+    return any(stream.message_type is LaserScan for stream in body.streams.values())
 
 
 def _waiting(port: Input[M]) -> Iterator[M]:

@@ -103,7 +103,8 @@ class FaceDetector(Module):
         placed = self._tracks.see(image.stamp, image.frame, sightings, None if X_OB is None else X_OB.to_pose3())
         self.kept[_NEXT_TRACK] = self._tracks.next
         faces = tuple(_face(sighting, where) for sighting, where in zip(sightings, placed, strict=True))
-        self.faces.publish(Faces(image.stamp, image.frame, faces))
+        height, width = image.color.shape[:2]
+        self.faces.publish(Faces(image.stamp, image.frame, width, height, image.X_BC, faces))
 
     def _find(self, image: Image, min_score: float, fine: bool) -> list[Sighting]:
         assert self._looker is not None

@@ -117,7 +117,7 @@ class QRCodeDetector(Module):
         measured = any(code.p_BQ for code in codes)
         by_laser = bool(codes) and image.depth is None and bool(self._scans)
         if not by_laser:
-            self.codes.publish(QRCodes(image.stamp, image.frame, codes))
+            self.codes.publish(_of(image, codes))
             if not measured:
                 return
         X_OB = await self._poses.at(image.stamp)
@@ -153,7 +153,7 @@ class QRCodeDetector(Module):
     async def _place_on_walls(self, image: Image, X_OB: Pose2 | None, codes: tuple[QRCode, ...]) -> None:
         walls = await self._walls(image.stamp)
         if X_OB is None or walls is None:
-            self.codes.publish(QRCodes(image.stamp, image.frame, codes))
+            self.codes.publish(_of(image, codes))
             return
         X_OC = X_OB.to_pose3() @ image.X_BC
         X_BO = X_OB.to_pose3().inverse()
@@ -167,7 +167,7 @@ class QRCodeDetector(Module):
                 placed.append(replace(code, p_BQ=(x, y, z)))
             else:
                 placed.append(code)
-        self.codes.publish(QRCodes(image.stamp, image.frame, tuple(placed)))
+        self.codes.publish(_of(image, tuple(placed)))
         for text, hit in found:
             self._map.take(image.stamp, text, hit.point, math.hypot(hit.sigma_m, self.settings.wall_sigma_m))
         if found:
@@ -203,3 +203,8 @@ class QRCodeDetector(Module):
             (a.p_OQ, b.p_OQ) for a, b in zip(told.landmarks, known.landmarks, strict=True)
         ]
         return any(math.dist(before, now) > self.settings.moved_m for before, now in places)
+
+
+def _of(image: Image, codes: tuple[QRCode, ...]) -> QRCodes:
+    height, width = image.color.shape[:2]
+    return QRCodes(image.stamp, image.frame, width, height, image.X_BC, codes)

@@ -49,11 +49,12 @@ class FisheyeImageInfo:
 
 @dataclass(frozen=True, slots=True)
 class EncodedImageInfo:
-    """The size (px) of an EncodedImage."""
+    """The size (px) of an EncodedImage, and its camera's pose."""
 
     stamp: float
     width: int
     height: int
+    X_BC: Pose3
 
 
 class ImageConverter:
@@ -163,10 +164,11 @@ class EncodedImageConverter:
         """Picture, info."""
         head = typestore.serialise(_COMPRESSED, header(message.frame), "jpeg", _NO_BYTES)[:-4]
         data = assembled(head, stamp_ns, *with_length(message.jpeg, len(message.jpeg)))
-        size = (message.width, message.height)
+        info = EncodedImageInfo(message.stamp, message.width, message.height, message.X_BC)
+        key = (message.width, message.height, pose_key(message.X_BC))
         return [
             Record(self._picture.name, _COMPRESSED, stamp_ns, data),
-            self._info.record(EncodedImageInfo(message.stamp, *size), stamp_ns, size),
+            self._info.record(info, stamp_ns, key),
         ]
 
     def decode(self, parts: Mapping[str, bytes]) -> EncodedImage | None:
@@ -175,4 +177,5 @@ class EncodedImageConverter:
             return None
         info = self._info.decode(parts[MAIN])
         ros = typestore.deserialise(_COMPRESSED, parts["jpeg"])
-        return EncodedImage(info.stamp, ros.header.frame_id, ros.data.tobytes(), info.width, info.height)
+        data = ros.data.tobytes()
+        return EncodedImage(info.stamp, ros.header.frame_id, data, info.width, info.height, info.X_BC)

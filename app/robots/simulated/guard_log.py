@@ -48,7 +48,7 @@ class GuardLog:
 
 
 def read_guard_log(path: Path) -> list[GuardRow]:
-    """Every whole row of the file, in order."""
+    """Every whole row of the file, in order: the one place beside the writer that knows what a row is."""
     data = path.read_bytes()
     whole = len(data) - len(data) % _ROW.size
     return [GuardRow(*row) for row in _ROW.iter_unpack(data[:whole])]

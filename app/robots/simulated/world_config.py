@@ -142,7 +142,7 @@ class PosterConfig(_Model):
 
     @property
     def p_WQ(self) -> tuple[float, float, float]:
-        """The true centre of the code in the world (m)."""
+        """The true centre of the code in the world (m): what finding it is measured by."""
         return (self.at[0], self.at[1], self.height)
 
 

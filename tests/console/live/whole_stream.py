@@ -9,7 +9,7 @@ from app.attention.desires import Source
 from app.messages import Landmark, Landmarks, LoudNoise
 from app.system import System
 from tests.console.live_client import page, voice
-from tests.console.percepts import faces, sound_sources
+from tests.console.percepts import codes, faces, sound_sources
 from tests.console.places import grid, localization, path, status, zones
 from tests.console.program import Body
 
@@ -20,6 +20,7 @@ def say_everything(system: System, body: Body) -> None:
     system.graph.channel("landmarks").publish(Landmarks(now, (Landmark("door", (1.0, 2.0, 0.5), 0.1, 3, 1.0, 2.0),)))
     body.emit_status(now)
     system.graph.channel("faces").publish(faces(now))
+    system.graph.channel("qr_codes").publish(codes(now))
     system.graph.channel("sound_sources").publish(sound_sources(now))
     system.graph.channel("loud_noises").publish(LoudNoise(now, 30.0, -12.0))
     told = {"localization": localization, "zones": zones, "path": path, "navigation": status, "map": grid}

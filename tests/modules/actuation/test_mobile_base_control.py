@@ -21,7 +21,7 @@ BOTH = {
 
 
 def bench(**options: Any) -> Bench:
-    return Bench(MODULE, inputs={"teleop": Twist}, outputs=OUTPUTS, **options)
+    return Bench(MODULE, inputs={"teleop": Twist}, outputs=OUTPUTS, link=FakeLink(without=("hokuyo",)), **options)
 
 
 async def say(b: Bench, port: str, linear: float, angular: float = 0.0, times: int = 1) -> None:
@@ -87,7 +87,13 @@ def test_silence_stops_the_base_and_then_leaves_the_link_alone() -> None:
 
 def test_exploitation_tells_who_drives_at_10_hz_and_on_change() -> None:
     async def main() -> None:
-        async with Bench(MODULE, inputs={"teleop": Twist, "follow": Twist}, outputs=OUTPUTS, settings=BOTH) as b:
+        async with Bench(
+            MODULE,
+            inputs={"teleop": Twist, "follow": Twist},
+            outputs=OUTPUTS,
+            settings=BOTH,
+            link=FakeLink(without=("hokuyo",)),
+        ) as b:
             told = b.listen("exploitation")
             await b.clock.sleep(1.0)
             assert [e.behavior for e in drain(told)] == [None] * 10

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -45,10 +44,16 @@ def open_floor(stamp: float) -> LaserScan:
 class Drive:
     """The module with a laser at 40 Hz that sees ``surroundings``, and hands that hold a command."""
 
-    def __init__(self, *, laser: bool = True, footprint: bool = True) -> None:
+    def __init__(self, *, laser: bool = True, footprint: bool = True, monitor: str = "on", wired: bool = True) -> None:
         link = FakeLink(without=() if laser else ("hokuyo",))
         link.description = replace(link.description, footprint=circle(0.28) if footprint else ())
-        self.bench = Bench(MODULE, inputs=INPUTS, outputs=OUTPUTS, settings=SETTINGS, link=link)
+        self.bench = Bench(
+            MODULE,
+            inputs={name: kind for name, kind in INPUTS.items() if wired or name != "scans"},
+            outputs=OUTPUTS,
+            settings={**SETTINGS, "collision_monitor": monitor},
+            link=link,
+        )
         self.surroundings: Surroundings | None = open_floor
         self.override = False
         self.sequence = 0
@@ -261,20 +266,39 @@ def test_an_old_scan_is_moved_by_odometry() -> None:
     run_virtual(main())
 
 
-@pytest.mark.parametrize("without", ["laser", "footprint"])
-def test_a_body_without_laser_or_footprint_has_no_monitor_and_says_so_once(
-    without: str, caplog: pytest.LogCaptureFixture
+@pytest.mark.parametrize(
+    ("without", "why"),
+    [
+        ({"laser": False}, "has no laser"),
+        ({"laser": False, "wired": False}, "has no laser"),
+        ({"footprint": False}, "has no footprint"),
+        ({"monitor": "off"}, "runs with its collision monitor switched off (collision_monitor: off)"),
+        ({"monitor": "off", "wired": False}, "runs with its collision monitor switched off (collision_monitor: off)"),
+    ],
+)
+def test_without_laser_or_footprint_or_switched_off_there_is_no_monitor_and_people_know(
+    without: dict[str, Any], why: str
 ) -> None:
     async def main() -> None:
-        async with Drive(**{without: False}) as d:
+        async with Drive(**without) as d:
+            d.surroundings = (lambda stamp: wall(stamp, 0.1)) if without.get("wired", True) else None
             await d.go(1.5, 0.4)
             assert d.sent.linear_mps == pytest.approx(0.4)
+            cautions = d.bench.slot.module.cautions()
+            assert [(caution.title, caution.text) for caution in cautions] == [
+                ("No collision monitor", f"a test body {why}: nothing keeps it from driving into things")
+            ]
 
-    with caplog.at_level(logging.INFO, "hbba"):
-        run_virtual(main())
-    assert [(r.levelname, r.message) for r in caplog.records if "driving into things" in r.message] == [
-        ("WARNING", f"a test body has no {without}: nothing keeps it from driving into things")
-    ]
+    run_virtual(main())
+
+
+def test_with_its_monitor_there_is_nothing_to_know() -> None:
+    assert Drive().bench.slot.module.cautions() == ()
+
+
+def test_a_body_with_a_laser_whose_scans_are_not_wired_is_refused() -> None:
+    with pytest.raises(WiringError, match=r"Tested\.inputs: Tested has no input scans, and a test body has a laser"):
+        Drive(wired=False)
 
 
 def test_a_behavior_cannot_come_in_by_the_monitors_inputs() -> None:

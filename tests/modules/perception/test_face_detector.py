@@ -93,8 +93,12 @@ def test_either_camera_may_be_missing(camera: str) -> None:
             seen = b.listen("faces")
             at = b.clock.now()
             be_at(b, at, Pose2())
-            b.feed(camera, make(at, Pose2(), [PILOT]))
-            (face,) = (await seen.receive()).faces
+            image = make(at, Pose2(), [PILOT])
+            b.feed(camera, image)
+            message = await seen.receive()
+            assert message.X_BC is image.X_BC
+            assert (message.height, message.width) == image.color.shape[:2]
+            (face,) = message.faces
             assert face.track == 1
             assert face.range_m == pytest.approx(math.dist(PILOT.place, (0.1, 0, 1.25)), abs=2 * face.range_sigma_m)
             assert (face.range_sigma_m > 0.2) == (camera == "panorama")

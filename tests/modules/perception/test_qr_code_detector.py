@@ -62,8 +62,12 @@ def test_images_without_a_code_give_an_empty_message_and_no_landmark() -> None:
     async def main() -> None:
         async with bench() as b:
             codes, landmarks = b.listen("codes"), b.listen("landmarks")
-            b.feed("images", kinect_image(b.clock.now(), Pose2(), {}))
-            assert (await codes.receive()).codes == ()
+            image = kinect_image(b.clock.now(), Pose2(), {})
+            b.feed("images", image)
+            message = await codes.receive()
+            assert message.codes == ()
+            assert message.X_BC is image.X_BC
+            assert (message.height, message.width) == image.color.shape[:2]
             await b.clock.sleep(1.0)
             assert drain(landmarks) == []
 

@@ -54,7 +54,7 @@ def test_colour_and_depth_come_back_exactly(tmp_path: Path) -> None:
 def test_a_jpeg_becomes_a_png(tmp_path: Path) -> None:
     done, data = cv2.imencode(".jpg", np.full((40, 30, 3), (10, 20, 200), np.uint8))
     assert done
-    message = EncodedImage(BEGIN, "camera", data.tobytes(), 30, 40)
+    message = EncodedImage(BEGIN, "camera", data.tobytes(), 30, 40, Pose3.identity())
     export(MemoryLog([Logged(BEGIN, "view", message)]), Wish("png", tmp_path / "out"))
     (file,) = (tmp_path / "out" / "view").iterdir()
     read = cv2.imread(str(file))

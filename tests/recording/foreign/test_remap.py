@@ -202,7 +202,7 @@ def test_mistakes_in_a_remap_file_are_said_with_their_line(tmp_path: Path, text:
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.name)
 def test_hbba_check_knows_remap_files(example: Path) -> None:
-    assert check_file(example) == "remap"
+    assert check_file(example) == ("remap", ())
 
 
 def test_there_are_examples() -> None:

@@ -156,6 +156,6 @@ _SPECIAL: dict[type[Any], st.SearchStrategy[Any]] = {
     ),
     LogLine: st.builds(LogLine, STAMPS, st.integers(0, 255), _TEXT, _TEXT),
     EncodedImage: st.builds(
-        EncodedImage, STAMPS, _FRAMES, st.binary(max_size=100), st.integers(1, 4000), st.integers(1, 4000)
+        EncodedImage, STAMPS, _FRAMES, st.binary(max_size=100), st.integers(1, 4000), st.integers(1, 4000), _POSES
     ),
 }

@@ -50,13 +50,11 @@ export function faceMarks(perceived: Perceived | null): FaceMark[] {
   }
   return [...best.values()]
     .sort((a, b) => (b.range_m ?? Infinity) - (a.range_m ?? Infinity))
-    .flatMap((face) => {
-      const where = whereOf(face);
-      if (!where) return [];
+    .map((face) => {
       const range = Math.max(0.3, face.range_m ?? UNKNOWN_RANGE_M);
       return {
         track: face.track,
-        ...where,
+        ...whereOf(face),
         width: FACE.width / range,
         height: FACE.height / range,
         range: face.range_m,
@@ -69,13 +67,12 @@ export function faceMarks(perceived: Perceived | null): FaceMark[] {
 export function soundMarks(perceived: Perceived | null, now: number): SoundMark[] {
   return (perceived?.sounds ?? [])
     .flatMap((sound) => {
-      const where = whereOf(sound);
       const opacity = sound.active ? 1 : Math.min(1, 1 - (now - sound.last_active) / FADE_S);
-      if (!where || opacity <= 0) return [];
+      if (opacity <= 0) return [];
       const loudness = (sound.level_db - LEVELS_DB[0]) / (LEVELS_DB[1] - LEVELS_DB[0]);
       return {
         track: sound.track,
-        ...where,
+        ...whereOf(sound),
         kind: kindOf(sound),
         active: sound.active,
         loudness: Math.max(0, Math.min(1, loudness)),
@@ -136,7 +133,7 @@ function at(marks: { azimuth: number }[]): string {
 }
 
 /** Where it is seen from the panorama's camera, so that it lies on the picture; else from its own sensor. */
-function whereOf(percept: SeenFace | HeardSound): { azimuth: number; elevation: number } | null {
+function whereOf(percept: SeenFace | HeardSound): { azimuth: number; elevation: number } {
   const [azimuth, elevation] = percept.panorama ?? [percept.azimuth, percept.elevation];
-  return azimuth === null || elevation === null ? null : { azimuth, elevation };
+  return { azimuth, elevation };
 }

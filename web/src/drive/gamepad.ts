@@ -1,6 +1,6 @@
 /** Reads a gamepad: which of the pads there are, whether its dead-man is held, and where its sticks are. Pure. */
 
-import type { Axes } from "./machine";
+import type { Axes } from "./axes";
 
 /** What is used of the browser's Gamepad. */
 export interface PadSnapshot {

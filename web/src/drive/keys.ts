@@ -1,6 +1,6 @@
 /** Which keys drive, by physical place (`event.code`), so that they are where the hand is on every layout. */
 
-import type { Axes } from "./machine";
+import type { Axes } from "./axes";
 
 const FORWARD = ["KeyW", "ArrowUp"];
 const BACK = ["KeyS", "ArrowDown"];

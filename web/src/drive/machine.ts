@@ -10,15 +10,10 @@
  * nothing, and a release ends it likewise.
  */
 
+import type { Axes } from "./axes";
 import { axesOfKeys, DRIVE_KEYS, OVERRIDE_KEYS, SLOW_KEYS } from "./keys";
 
 export type Source = "stick" | "gamepad" | "keyboard";
-
-/** Forward and left, −1…1. */
-export interface Axes {
-  linear: number;
-  angular: number;
-}
 
 export interface Command extends Axes {
   seq: number;

@@ -6,8 +6,8 @@ import type { KeptMap } from "../protocol/types";
 import { useApp } from "../state/context";
 import { dayTime, number } from "../ui/format";
 import { PencilIcon, TrashIcon } from "../ui/icons";
+import { Confirm } from "./Confirm";
 import { nameProblem } from "./library";
-import { Confirm } from "./Maps";
 
 export function MapRow({ kept }: { kept: KeptMap }) {
   const { maps, session } = useApp();

@@ -4,6 +4,7 @@ import { useSignal } from "@preact/signals";
 import { useId } from "preact/hooks";
 import { useApp } from "../state/context";
 import { PlusIcon, WarnIcon } from "../ui/icons";
+import { Confirm } from "./Confirm";
 import { nameProblem } from "./library";
 import { MapRow } from "./MapRow";
 
@@ -136,22 +137,4 @@ function Present() {
       )}
     </div>
   );
-}
-
-export function Confirm(props: { words: string; yes: string; onYes: () => void; onNo: () => void }) {
-  return (
-    <div class="recording-confirm" role="group" aria-label={props.words}>
-      <span>{props.words}</span>
-      <button type="button" class="button small danger" data-testid="map-confirm" onClick={props.onYes}>
-        {props.yes}
-      </button>
-      <button type="button" class="button small" data-testid="map-keep" ref={focused} onClick={props.onNo}>
-        Keep
-      </button>
-    </div>
-  );
-}
-
-function focused(button: HTMLButtonElement | null): void {
-  button?.focus();
 }

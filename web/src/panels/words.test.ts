@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import { noneFound } from "./words";
 
 test("whoever has wheels is told to drive up to a code", () => {
-  expect(noneFound({ drives: true, places: true }, false)).toMatch(/Drive up to a poster/);
+  expect(noneFound({ drives: true, places: true }, false)).toMatch(/Drive up to a poster: .* 2 m .* 4 m /);
 });
 
 test("what cannot drive is shown the code, and what cannot place it shows it in the picture", () => {

@@ -41,8 +41,27 @@ export interface DesireClass {
   title: string;
   description: string;
   schema: JsonSchema;
-  /** Whether a strategy of the program's modules serves it; absent from older programs. */
-  served?: boolean;
+  /** Whether a strategy of the program's modules serves it. */
+  served: boolean;
+}
+
+/** What people must know of how the program is configured. */
+export interface Caution {
+  title: string;
+  text: string;
+  /** File and line. */
+  where: string;
+}
+
+export interface Robot {
+  name: string;
+  simulated: boolean;
+  /** It lives a recording again. */
+  replayed: boolean;
+  limits: Limits;
+  /** Its outline on the floor, corners in `base_link` (m); empty for a body that does not move. */
+  footprint: [number, number][];
+  cautions: Caution[];
 }
 
 export interface Hello {
@@ -50,25 +69,23 @@ export interface Hello {
   protocol: number;
   session: string;
   stamp: number;
-  /** `footprint`: its outline on the floor, corners in `base_link` (m); absent from older programs. */
-  robot: { name: string; simulated: boolean; limits: Limits; footprint?: [number, number][] };
+  robot: Robot;
   scale: { intensity: number; utility: number };
   classes: DesireClass[];
-  /** `scan`, `point_cloud`: absent from older programs. */
   channels: {
-    camera?: boolean;
-    panorama?: boolean;
-    map?: boolean;
-    costmap?: boolean;
-    scan?: boolean;
-    point_cloud?: boolean;
+    camera: boolean;
+    panorama: boolean;
+    map: boolean;
+    costmap: boolean;
+    scan: boolean;
+    point_cloud: boolean;
   };
-  /** Whether hands can drive here; absent from older programs. */
-  drive?: boolean;
+  /** Whether hands can drive here. */
+  drive: boolean;
   /** Whether the robot can be listened to, and be spoken through. */
-  audio?: { listen: boolean; speak: boolean };
+  audio: { listen: boolean; speak: boolean };
   /** Where this page shows a recording instead of a living robot. */
-  playback?: Omit<Playback, "type"> | null;
+  playback: Omit<Playback, "type"> | null;
 }
 
 /** A replay's transport. `position`, `begin` and `end` are stamps of the recording; a null `speed` is the machine's. */
@@ -87,6 +104,7 @@ export interface Playback {
 
 export interface Recorder {
   type: "recorder";
+  stamp: number;
   state: "idle" | "recording" | "ring" | "stopped";
   name: string;
   /** The robot's clock when it began; null while idle. */
@@ -95,6 +113,8 @@ export interface Recorder {
   bytes: number;
   messages: number;
   dropped: number;
+  /** What waits for the disk now. */
+  queued_bytes: number;
   /** Of the ring; 0: everything goes into one file. */
   keep_minutes: number;
   /** Whether anybody desires a recording. */
@@ -216,8 +236,10 @@ export interface Reason {
   state: string;
   utility: number | null;
   wanted: number | null;
+  /** The most utility that its strategies can produce. */
+  best: number | null;
   text: string;
-  alternatives?: unknown[];
+  alternatives: unknown[];
 }
 
 export interface Intention {
@@ -225,12 +247,18 @@ export interface Intention {
   strategies: SelectedStrategy[];
   fulfilled: string[];
   omega: number;
-  use: Record<string, { used: number; capacity: number; unit?: string }>;
+  /** What no selection can exceed. */
+  bound: number;
+  use: Record<string, { used: number; capacity: number; unit: string }>;
   filters: Record<string, number | null>;
   proven: boolean;
   solve_ms: number;
   relaxed: string[];
   reasons: Record<string, Reason>;
+  /** By module. */
+  parameters: Record<string, Record<string, unknown>>;
+  /** Ids, by class. */
+  desires: Record<string, string>;
 }
 
 export interface RobotEvent {
@@ -253,6 +281,14 @@ export interface ModuleInput {
   age_ms: number | null;
 }
 
+/** `channel` is null where nothing is connected. */
+export interface ModuleOutput {
+  name: string;
+  channel: string | null;
+  divisor: number | null;
+  offered: number;
+}
+
 export interface ModuleLoad {
   name: string;
   title: string;
@@ -264,6 +300,7 @@ export interface ModuleLoad {
   restarts: number;
   problem: string | null;
   inputs: ModuleInput[];
+  outputs: ModuleOutput[];
 }
 
 export interface Load {
@@ -292,8 +329,8 @@ export type Direction = [azimuth: number, elevation: number];
 interface Percept {
   track: number;
   stamp: number;
-  azimuth: number | null;
-  elevation: number | null;
+  azimuth: number;
+  elevation: number;
   /** Where it is on the panorama; null while there was no such picture. */
   panorama: Direction | null;
   range_m: number | null;
@@ -309,7 +346,7 @@ export interface SeenFace extends Percept {
   score: number;
   /** Left, top, width and height, px of `image`. */
   box: [number, number, number, number];
-  image: [width: number, height: number] | null;
+  image: [width: number, height: number];
 }
 
 export interface HeardSound extends Percept {
@@ -334,7 +371,7 @@ export interface SeenCode {
   camera: string;
   stamp: number;
   corners: [number, number][];
-  image: [number, number] | null;
+  image: [number, number];
 }
 
 export interface Perceived {
@@ -343,8 +380,7 @@ export interface Perceived {
   faces: SeenFace[];
   sounds: HeardSound[];
   noises: Noise[];
-  /** Absent from older programs. */
-  codes?: SeenCode[];
+  codes: SeenCode[];
 }
 
 export interface Place {

@@ -6,6 +6,7 @@ import { RecordingControl } from "./control";
 
 const IDLE: Recorder = {
   type: "recorder",
+  stamp: 0,
   state: "idle",
   name: "",
   began: null,
@@ -13,6 +14,7 @@ const IDLE: Recorder = {
   bytes: 0,
   messages: 0,
   dropped: 0,
+  queued_bytes: 0,
   keep_minutes: 0,
   desired: false,
   reason: "",

@@ -4,6 +4,7 @@ import { nameProblem, newestFirst, recordedFor, replayAddress, ringMinutes } fro
 
 const recorder = (change: Partial<Recorder>): Recorder => ({
   type: "recorder",
+  stamp: 0,
   state: "recording",
   name: "a",
   began: 1000,
@@ -11,6 +12,7 @@ const recorder = (change: Partial<Recorder>): Recorder => ({
   bytes: 0,
   messages: 0,
   dropped: 0,
+  queued_bytes: 0,
   keep_minutes: 0,
   desired: true,
   reason: "",

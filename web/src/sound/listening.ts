@@ -152,7 +152,7 @@ function whyNot(store: Store): string | null {
   const phase = store.link.value.phase;
   const hello = store.hello.value;
   if (!hello || (phase !== "live" && phase !== "stale")) return "Not connected to the robot.";
-  if (!hello.audio?.listen)
+  if (!hello.audio.listen)
     return store.replay.value
       ? "This recording has no sound."
       : "This robot has no microphones to listen through.";

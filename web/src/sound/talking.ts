@@ -140,7 +140,7 @@ function whyNot(store: Store): string | null {
   if (store.replay.value) return "This is a recording: nobody there can hear you.";
   const phase = store.link.value.phase;
   if (!hello || (phase !== "live" && phase !== "stale")) return "Not connected to the robot.";
-  if (!hello.audio?.speak) return "This robot has no loudspeaker: nobody there can hear you.";
+  if (!hello.audio.speak) return "This robot has no loudspeaker: nobody there can hear you.";
   const speaker = store.status.value?.speaker;
   if (speaker && !speaker.mine) return `The robot's voice is in use by ${speaker.operator}.`;
   if (!navigator.mediaDevices)

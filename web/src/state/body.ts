@@ -18,11 +18,10 @@ export interface BodySkills {
   voices: boolean;
 }
 
-/** Of one that has not greeted yet, and what older programs do not tell: all. */
+/** Of one that has not greeted yet: all. */
 export function bodyOf(hello: Hello | null): BodySkills {
   const { scan, point_cloud, map } = hello?.channels ?? {};
-  const serves = (kind: string) =>
-    !hello || hello.classes.some(({ name, served }) => name === kind && served !== false);
+  const serves = (kind: string) => !hello || hello.classes.some(({ name, served }) => name === kind && served);
   const recorded = !!hello?.playback;
   return {
     drives: hello?.drive !== false,

@@ -59,7 +59,7 @@ export function Help() {
   const replay = store.replay.value;
   const { drives, maps, goes } = store.body.value;
   const stop = drives || goes || maps ? STOP : STOP_ALONE;
-  const speak = store.hello.value?.audio?.speak === false ? [] : SPEAK;
+  const speak = store.hello.value?.audio.speak === false ? [] : SPEAK;
   const keys = [...(drives ? DRIVE : []), ...stop, ...speak, ...SHEET];
   useEffect(() => {
     if (open) close.current?.focus();

@@ -4,6 +4,7 @@ import type { ComponentChildren } from "preact";
 import { useApp } from "../state/context";
 import { Marker } from "../playback/Marker";
 import { RecordButton } from "../recordings/RecordButton";
+import { cautionWords } from "./cautions";
 import { EStop } from "./EStop";
 import { driverName, driverWords } from "./driver";
 import { millis } from "./format";
@@ -38,6 +39,7 @@ export function TopBar({ narrow }: { narrow: boolean }) {
   const stopped = store.stopped.value && !replay;
   const hello = store.hello.value;
   const rate = status?.world_rate ?? 1;
+  const caution = replay ? null : cautionWords(hello?.robot.cautions ?? []);
   const slow = live && !replay && rate < 0.99;
   return (
     <header class={`top-bar ${stopped ? "stopped" : ""} ${phase}`}>
@@ -63,6 +65,12 @@ export function TopBar({ narrow }: { narrow: boolean }) {
             title={known?.reason}
           >
             {known ? (GUARDS[known.state] ?? known.state) : "State unknown"}
+          </p>
+        )}
+        {caution && (
+          <p class="chip warn caution" role="status" data-testid="caution" title={caution.text}>
+            <WarnIcon />
+            {caution.title}
           </p>
         )}
         {slow && (

@@ -55,11 +55,11 @@ type Box = [number, number, number, number];
 
 /** Its words go below it where there is no room above. */
 function nearTop(top: number, seen: SeenFace | SeenCode): string {
-  return top < 0.12 * seen.image![1] ? "low" : "";
+  return top < 0.12 * seen.image[1] ? "low" : "";
 }
 
 function placed([left, top, width, height]: Box, seen: SeenFace | SeenCode): Record<string, string> {
-  const [across, down] = seen.image!;
+  const [across, down] = seen.image;
   return {
     left: `${(100 * left) / across}%`,
     top: `${(100 * top) / down}%`,

@@ -80,6 +80,6 @@ function together<T extends SeenFace | SeenCode>(seen: T[], stamp: number | null
   if (stamp === null) return [];
   const apart = Math.min(APART_S, turning > 0 ? TURNED / turning : APART_S);
   return seen.filter(
-    (one) => CAMERAS.has(one.camera) && one.image !== null && Math.abs(one.stamp - stamp) <= Math.max(0.1, apart),
+    (one) => CAMERAS.has(one.camera) && Math.abs(one.stamp - stamp) <= Math.max(0.1, apart),
   );
 }

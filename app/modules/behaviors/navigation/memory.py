@@ -78,7 +78,7 @@ class ThingsMemory:
 
     @property
     def cells_held(self) -> int:
-        """For how many cells there is memory: what is kept, and around the robot."""
+        """For how many cells there is memory: what is kept, and around the robot. Tests hold its bound by it."""
         return len(self._tiles) * TILE**2
 
     def near(self, X_MO: Pose2, X_OB: Pose2, within_m: float) -> NDArray[np.float64]:

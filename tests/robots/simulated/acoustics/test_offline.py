@@ -9,7 +9,8 @@ from app.geometry import Pose3
 from app.robots.simulated.acoustics.activity import activity
 from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, Microphones
 from app.robots.simulated.acoustics.offline import Source, render_scene
-from app.robots.simulated.acoustics.room import Shoebox, response, reverberation_time
+from app.robots.simulated.acoustics.room import Shoebox, response
+from tests.robots.simulated.acoustics.decay import reverberation_time
 
 RATE = 48000
 ROOM = Shoebox((0.0, 0.0, 0.0), (6.0, 5.0, 3.0), (0.4, 0.4))

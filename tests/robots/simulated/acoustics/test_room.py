@@ -17,8 +17,8 @@ from app.robots.simulated.acoustics.room import (
     images,
     mouth,
     response,
-    reverberation_time,
 )
+from tests.robots.simulated.acoustics.decay import reverberation_time
 
 RATE = 48000
 ROOM = Shoebox((1.0, 2.0, 0.0), (6.0, 5.0, 3.0), (0.45, 0.45))

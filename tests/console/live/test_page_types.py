@@ -1,0 +1,106 @@
+"""What the console and the page's mock robot send is what the page declares, in ``web/src/protocol/types.ts``."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import re
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from app.robots.config import circle
+from app.runtime.module import Caution
+from app.system import System
+from tests.console.live.whole_stream import heard, say_everything
+from tests.console.page_types import PageTypes
+from tests.console.program import Body, build
+
+ROOT = Path(__file__).parents[3]
+
+
+@pytest.fixture
+def types() -> PageTypes:
+    """The page's declarations."""
+    return PageTypes.read()
+
+
+@pytest.fixture
+def kinds() -> list[str]:
+    """Every type of frame from the robot that the document names; `playback` and `jump` are of recordings."""
+    text = (ROOT / "docs" / "live-stream.md").read_text("utf-8")
+    section = text.split("## From the robot to the page\n")[1].split("\n## ")[0]
+    return re.findall(r"^\| `(\w+)` \|", section, flags=re.MULTILINE)
+
+
+@pytest.fixture
+def built(tmp_path: Path) -> tuple[System, Body]:
+    """A program with everything that the stream tells of, on a body with an outline."""
+    system, body = build(tmp_path, recorder=True)
+    body.description = replace(body.description, footprint=circle(0.28))
+    system.cautions = (Caution("A title", "a sentence", "lab.yaml:1"),)
+    return system, body
+
+
+@pytest.fixture
+def mock() -> Iterator[ModuleType]:
+    """The page's mock robot."""
+    folder = str(ROOT / "web" / "dev")
+    before = set(sys.modules)
+    sys.path.insert(0, folder)
+    try:
+        yield importlib.import_module("mock_server")
+    finally:
+        sys.path.remove(folder)
+        for name in set(sys.modules) - before:
+            if name.startswith("mock_"):
+                del sys.modules[name]
+
+
+def greeting(mock: ModuleType) -> dict[str, dict[str, Any]]:
+    """What the mock robot says to a page that has just connected, by type."""
+    robot = mock.Mock(None)
+    viewer = mock.Viewer(None, "Ann")
+    mock.greet(robot, viewer, None, mock.MockMap(robot))
+    viewer.send(mock.perceived(robot))
+    frames = [json.loads(viewer.outbox.get_nowait()) for _ in range(viewer.outbox.qsize())]
+    return {frame["type"]: frame for frame in frames}
+
+
+async def test_the_console_sends_what_the_page_declares(
+    types: PageTypes, kinds: list[str], url: str, system: System, body: Body
+) -> None:
+    say_everything(system, body)
+    frames = await heard(url, system, set(kinds), lambda frame: None)
+    assert {kind: said for kind, frame in frames.items() if (said := types.problems(frame, "FromRobot"))} == {}
+    hello = frames["hello"]
+    assert hello["robot"]["cautions"] == [{"title": "A title", "text": "a sentence", "where": "lab.yaml:1"}]
+    assert types.problems(hello, "Hello") == []
+    assert hello["robot"]["footprint"] == [[round(x, 4), round(y, 4)] for x, y in circle(0.28)]
+
+
+def test_the_mock_robot_greets_as_the_page_declares(types: PageTypes, mock: ModuleType) -> None:
+    frames = greeting(mock)
+    assert types.problems(frames["hello"], "Hello") == []
+    assert frames["hello"]["robot"]["footprint"]
+    assert {kind: said for kind, frame in frames.items() if (said := types.problems(frame, "FromRobot"))} == {}
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda robot: robot.pop("footprint"), ["Hello.robot.footprint is missing"]),
+        (lambda robot: robot.update(colour="red"), ["Hello.robot.colour is not declared"]),
+        (lambda robot: robot.update(name=1), ["Hello.robot.name is no string: 1"]),
+        (lambda robot: robot["footprint"].append([1.0]), ["Hello.robot.footprint[16] is no list of 2: [1.0]"]),
+    ],
+)
+def test_a_drift_is_seen(types: PageTypes, mock: ModuleType, change: Any, said: list[str]) -> None:
+    hello = greeting(mock)["hello"]
+    change(hello["robot"])
+    assert types.problems(hello, "Hello") == said
