@@ -57,7 +57,12 @@ def test_version_is_the_distributions(capsys: pytest.CaptureFixture[str]) -> Non
         (["dance"], "invalid choice: 'dance'"),
         (["run", "--port", "70000"], "a port is a number from 0 to 65535, not '70000'"),
         (["run", "--port", "http"], "a port is a number from 0 to 65535, not 'http'"),
-        (["run", "--token", "short"], "a token has at least 8 characters"),
+        (["run", "--token-file", ""], "the name of a file is empty"),
+        (
+            ["run", "--host-name", "http://robot"],
+            "a host name is one as robot.example, without a port, not 'http://robot'",
+        ),
+        (["run", "--host-name", "robot:80"], "a host name is one as robot.example, without a port, not 'robot:80'"),
         (["run", "--log-level", "loud"], "invalid choice: 'loud'"),
     ],
 )
