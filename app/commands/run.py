@@ -27,7 +27,6 @@ from app.runtime.punctual import be_punctual
 if TYPE_CHECKING:
     from app.config import Configuration
     from app.robots.factory import Body
-    from app.system import System
 
 #: Everything has stopped by then, or is made to.
 STOP_WITHIN_S = 2.0
@@ -141,24 +140,27 @@ async def _live(
     system = System(configuration, link=create_link(body, clock.offset), body=body, clock=clock)
     app = create_app(system, token=token, host=host, host_names=names)  # takes long enough to be felt by who drives
     async with system:
-        settling = asyncio.create_task(_settle(system), name="settling")
-        console = asyncio.create_task(serve(app, host, port, listener=listener, started=announce), name="console")
         failure = asyncio.create_task(system.wait_failed(), name="body's failure")
+        # Whoever connects must not take the file descriptors that modules' imports need.
+        starting = asyncio.create_task(system.supervisor.started(), name="modules' start")
+        tasks: list[asyncio.Task[Any]] = [failure, starting]
         try:
-            await asyncio.wait({console, failure}, return_when=asyncio.FIRST_COMPLETED)
+            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+            if not failure.done():
+                be_punctual()
+                console = asyncio.create_task(
+                    serve(app, host, port, listener=listener, started=announce), name="console"
+                )
+                tasks.append(console)
+                await asyncio.wait({console, failure}, return_when=asyncio.FIRST_COMPLETED)
             if failure.done():
                 raise failure.result()
             await console
         finally:
             log.info("stopping")
-            for task in (console, failure, settling):
+            for task in tasks:
                 task.cancel()
-            await asyncio.gather(console, failure, settling, return_exceptions=True)
-
-
-async def _settle(system: System) -> None:
-    await system.supervisor.started()
-    be_punctual()
+            await asyncio.gather(*tasks, return_exceptions=True)
 
 
 def announcer(what: str, host: str, port: int, token: str | None, *, open_browser: bool) -> Callable[[str], None]:
