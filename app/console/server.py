@@ -27,6 +27,8 @@ LARGEST_MESSAGE_BYTES = 1024 * 1024
 KEEP_ALIVE_S = 5
 #: Without file descriptors, it is tried again after so long.
 RETRY_S = 0.1
+#: ... and they are enough again once none were wanting for so long.
+CALM_AFTER_S = 10.0
 #: What Linux says of accepting one connection that failed before it was accepted (accept(2)).
 _OF_ONE = (
     *(errno.EPERM, errno.EPROTO, errno.ENOPROTOOPT, errno.EHOSTDOWN, errno.EHOSTUNREACH),
@@ -117,7 +119,8 @@ class _Server(uvicorn.Server):
         return next((task.exception() for task in ended), None)
 
     async def _accept(self, listener: socket.socket) -> None:
-        loop, exhausted = asyncio.get_running_loop(), False
+        loop = asyncio.get_running_loop()
+        exhausted: float | None = None
         while True:
             try:
                 connection, _ = await loop.sock_accept(listener)
@@ -127,15 +130,15 @@ class _Server(uvicorn.Server):
                     continue  # it left before it was let in
                 if failure.errno not in _EXHAUSTED:
                     raise
-                if not exhausted:
+                if exhausted is None:
                     log.warning("no connection can be accepted: %s; who waits longest gives way", failure.strerror)
-                exhausted = True
+                exhausted = loop.time()
                 self._visitors.make_room()
                 await asyncio.sleep(RETRY_S)
                 continue
-            if exhausted:
+            if exhausted is not None and loop.time() - exhausted >= CALM_AFTER_S:
                 log.info("connections are accepted again")
-                exhausted = False
+                exhausted = None
 
     def _protocol(self) -> asyncio.Protocol:
         make: Callable[..., asyncio.Protocol] = self.config.http_protocol_class

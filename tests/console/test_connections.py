@@ -137,6 +137,7 @@ async def test_without_descriptors_it_is_said_once_and_tried_again(
 
     monkeypatch.setattr(asyncio.get_running_loop(), "sock_accept", exhausted)
     monkeypatch.setattr(server, "RETRY_S", 0.001)
+    monkeypatch.setattr(server, "CALM_AFTER_S", 0.0)
     with caplog.at_level(logging.INFO, "hbba.console"):
         async with served(app) as url:
             for _ in range(20):
