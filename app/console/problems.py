@@ -136,12 +136,11 @@ def install_problem_handlers(app: FastAPI) -> None:
 
 async def _methods(request: Request) -> list[str]:
     """Every method that the requested path takes; Starlette names only those of the first route it finds."""
-    methods: set[str] = set()
-    document = await asyncio.to_thread(request.app.openapi)
-    for path, operations in document["paths"].items():
-        if compile_path(path)[0].match(request.url.path):
-            methods.update(operation.upper() for operation in operations)
-    return sorted(methods)
+    paths = (await asyncio.to_thread(request.app.openapi))["paths"]
+    asked = request.url.path
+    # What has a name of its own is no other's variable part.
+    found = [asked] if asked in paths else [path for path in paths if compile_path(path)[0].match(asked)]
+    return sorted({operation.upper() for path in found for operation in paths[path]})
 
 
 def _validation_problem(error: RequestValidationError, model: type[BaseModel] | None) -> Problem:
