@@ -207,6 +207,13 @@ class BoundedWebSocket(WebSocketsSansIOProtocol):
         self._visitors.leave(self)
         super().connection_lost(exc)
 
+    async def send(self, message: Any) -> None:
+        """What the application says."""
+        await super().send(message)
+        if message["type"] == "websocket.http.response.body" and not message.get("more_body", False):
+            # uvicorn takes a refusal in words for a handshake that was forgotten, and logs an error.
+            self.handshake_complete = True
+
     def keepalive_timeout(self) -> None:
         """Nobody answers pings: nobody will take what is still to be sent, which a mere close waits for."""
         super().keepalive_timeout()

@@ -160,3 +160,12 @@ async def test_a_text_that_is_not_utf_8_is_one_line_in_the_log(url: str, caplog:
     said = [record for record in caplog.records if record.name.startswith("uvicorn")]
     assert [record.levelname for record in said] == ["WARNING"]
     assert said[0].exc_info is None
+
+
+async def test_a_refused_websocket_is_no_line_in_the_log(url: str, caplog: pytest.LogCaptureFixture) -> None:
+    with pytest.raises(websockets.InvalidStatus) as refused:
+        await websockets.connect(url.replace("http", "ws") + "/api/v1/live", proxy=None, origin="http://evil.example")  # type: ignore[arg-type]
+    assert refused.value.response.status_code == 403
+    assert b"foreign-origin" in (refused.value.response.body or b"")
+    assert await answers(url)
+    assert not [record for record in caplog.records if record.name.startswith("uvicorn")]
