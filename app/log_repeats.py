@@ -57,7 +57,7 @@ class SparingHandler(logging.StreamHandler[TextIO]):
             return
         super().emit(record)
 
-    def tell(self) -> None:
+    def say_held(self) -> None:
         """Say how often what was held back came, where its window is over. Called by itself in time."""
         self.acquire()
         try:
@@ -105,7 +105,7 @@ class SparingHandler(logging.StreamHandler[TextIO]):
 
     def _await_end(self) -> None:
         if self._timer is None:
-            self._timer = threading.Timer(WINDOW_S, self.tell)
+            self._timer = threading.Timer(WINDOW_S, self.say_held)
             self._timer.daemon = True
             self._timer.start()
 
@@ -113,8 +113,8 @@ class SparingHandler(logging.StreamHandler[TextIO]):
 def _key(record: logging.LogRecord) -> int:
     """Equal for records that say the same from the same place."""
     error = record.exc_info[1] if record.exc_info else None
-    told = {name: str(value) for name, value in vars(record).items() if name not in _OF_ONE}
-    return hash((record.getMessage(), type(error), str(error), *sorted(told.items())))
+    values = {name: str(value) for name, value in vars(record).items() if name not in _OF_ONE}
+    return hash((record.getMessage(), type(error), str(error), *sorted(values.items())))
 
 
 #: What differs between two records, or is in the message.

@@ -43,7 +43,7 @@ def test_the_first_are_written_and_the_others_counted(bench: Bench) -> None:
         bench.log("no %s", "room")
     assert bench.said == ["no room"] * FIRST
     bench.time = WINDOW_S
-    bench.handler.tell()
+    bench.handler.say_held()
     assert bench.said[FIRST:] == ["no room (repeated 1000 times more in 10 s)"]
 
 
@@ -60,7 +60,7 @@ def test_what_goes_on_is_only_counted_until_it_pauses(bench: Bench) -> None:
         bench.time += 0.1
         bench.log("no room")
     bench.time += 2 * WINDOW_S
-    bench.handler.tell()
+    bench.handler.say_held()
     assert len([line for line in bench.said if line == "no room"]) == FIRST
     assert sum(int(line.split("repeated ")[1].split()[0]) for line in bench.said[FIRST:]) == 300 - FIRST
     bench.time += 2 * WINDOW_S
@@ -90,15 +90,15 @@ def test_other_values_places_and_exceptions_are_other_lines(bench: Bench) -> Non
 def test_it_is_said_by_itself(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("app.log_repeats.WINDOW_S", 0.01)
     handler = SparingHandler(io.StringIO(), now=lambda: 0.0)
-    told: list[bool] = []
-    monkeypatch.setattr(handler, "tell", lambda: told.append(True))
+    ended: list[bool] = []
+    monkeypatch.setattr(handler, "say_held", lambda: ended.append(True))
     record = logging.LogRecord("x", logging.INFO, "x.py", 1, "again", (), None)
     for _ in range(FIRST + 1):
         handler.handle(record)
     timer = handler._timer
     assert timer is not None
     timer.join()
-    assert told == [True]
+    assert ended == [True]
 
 
 @given(st.lists(st.tuples(st.integers(0, 2 * MOST_LINES), st.floats(0, 4)), max_size=400))
@@ -112,9 +112,9 @@ def test_nothing_is_lost_and_memory_is_bounded(steps: list[tuple[int, float]]) -
             logged[f"line {number}."] = logged.get(f"line {number}.", 0) + 1
         assert len(bench.handler._lines) <= MOST_LINES
     bench.handler.close()
-    told: dict[str, int] = {}
+    counted: dict[str, int] = {}
     for line in bench.said:
         words, _, repeated = line.partition(" (repeated ")
         count = repeated.split()[0] if repeated else "1"
-        told[words] = told.get(words, 0) + (1 if count == "once" else int(count))
-    assert told == logged
+        counted[words] = counted.get(words, 0) + (1 if count == "once" else int(count))
+    assert counted == logged

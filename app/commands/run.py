@@ -141,7 +141,7 @@ async def _live(
     app = create_app(system, token=token, host=host, host_names=names)  # takes long enough to be felt by who drives
     async with system:
         failure = asyncio.create_task(system.wait_failed(), name="body's failure")
-        # Whoever connects must not take the file descriptors that modules' imports need.
+        # Connections must not take the file descriptors that modules' imports need.
         starting = asyncio.create_task(system.supervisor.started(), name="modules' start")
         tasks: list[asyncio.Task[Any]] = [failure, starting]
         try:

@@ -1,4 +1,4 @@
-"""uvicorn's two protocols, with an end to whoever only holds a connection.
+"""uvicorn's two protocols, with an end to connections that are only held.
 
 uvicorn bounds the time between two requests and what waits to be read or written. Added here: the time a header and a
 body may take, and reading an answer; how many connections there may be (:mod:`app.console.visitors`); and one line in
@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import sys
 from collections.abc import Callable
+from http import HTTPStatus
 from typing import Any
 
 import h11
@@ -251,5 +252,8 @@ def _raw(problem: Problem) -> bytes:
     """The whole answer as it goes over the wire."""
     body = problem_body(problem)
     fields = {"Content-Type": MEDIA_TYPE, "Content-Length": str(len(body)), "X-Content-Type-Options": "nosniff"}
-    lines = [f"HTTP/1.1 {problem.status} {problem.kind}", *(f"{n}: {v}" for n, v in (fields | problem.headers).items())]
+    lines = [
+        f"HTTP/1.1 {problem.status} {HTTPStatus(problem.status).phrase}",
+        *(f"{n}: {v}" for n, v in (fields | problem.headers).items()),
+    ]
     return "\r\n".join([*lines, "", ""]).encode("latin-1") + body

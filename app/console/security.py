@@ -2,7 +2,7 @@
 
 On loopback without a token anyone on this computer may, but a web page elsewhere may not: the ``Host`` must be a name
 of this computer (DNS rebinding), and where a browser states an ``Origin``, it must be ours. Beyond loopback a token is
-needed, as ``Authorization: Bearer`` or, for browsers, as the cookie of a session begun with it at ``/api/v1/session``;
+needed, as ``Authorization: Bearer`` or, for browsers, as the cookie of a session from ``/api/v1/session``;
 the ``Host`` must then be an address, this computer's name, or one that the console was started for.
 """
 
@@ -56,7 +56,7 @@ def is_loopback(host: str) -> bool:
 
 
 class Door:
-    """Tells who may enter. ``token`` None: whoever is on this computer.
+    """Decides who may enter. ``token`` None: whoever is on this computer.
 
     ``names`` are host names that this console answers to beyond addresses and this computer's own name; ``now`` gives
     seconds of any steady clock.

@@ -55,7 +55,7 @@ class Sessions:
         return len(self._sessions)
 
     def begin(self) -> str:
-        """A new session; returns its name, which is told to nobody but whoever logged in."""
+        """A new session; returns its name, which only the browser that logged in is given."""
         name = secrets.token_urlsafe(32)
         self._sessions[_key(name)] = Session(self._now)
         while len(self._sessions) > MOST_SESSIONS:

@@ -1,4 +1,4 @@
-"""Sessions: begun, used, over."""
+"""Sessions: their beginning, use and end."""
 
 from __future__ import annotations
 

@@ -147,7 +147,7 @@ def program_router(system: System, hub: Hub) -> APIRouter:
     @router.get("/health", response_model=HealthModel, summary="Sign of life")
     async def get_health() -> Response:
         """Open to all; `degraded` while a module does not run, the body is silent, or a recording has ended by itself,
-        until that is stopped (`POST /recordings/stop`) or begun again."""
+        until that is stopped (`POST /recordings/stop`) or another begins."""
         problems = [
             f"{state.name}: {state.status}" for state in system.supervisor.states.values() if state.status != "running"
         ]

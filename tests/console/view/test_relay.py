@@ -224,15 +224,15 @@ async def test_viser_takes_nobody_but_our_relay(url: str, view: View) -> None:
             await stranger.recv()
 
 
-async def test_what_a_stranger_sends_with_its_handshake_is_not_heeded(url: str, view: View) -> None:
+async def test_what_a_stranger_sends_with_its_handshake_is_not_handled(url: str, view: View) -> None:
     """A close would wait for the stranger, and what came along would be handled meanwhile."""
     port = await view.port()
     assert view._painter is not None
     assert view._painter.host is not None
     sockets = view._painter.host.server._websock_server
-    heeded, loop = asyncio.Queue[float](), asyncio.get_running_loop()
+    handled, loop = asyncio.Queue[float](), asyncio.get_running_loop()
     sockets.register_handler(
-        _messages.ViewerCameraMessage, lambda _, message: loop.call_soon_threadsafe(heeded.put_nowait, message.fov)
+        _messages.ViewerCameraMessage, lambda _, message: loop.call_soon_threadsafe(handled.put_nowait, message.fov)
     )
     client = websockets.ClientProtocol(
         websockets.uri.parse_uri(f"ws://127.0.0.1:{port}"), subprotocols=[websockets.Subprotocol(PROTOCOL)]
@@ -249,7 +249,7 @@ async def test_what_a_stranger_sends_with_its_handshake_is_not_heeded(url: str, 
     async with looking(url) as viewer:  # by whose camera viser has come to what was sent before
         await viewer.until(("GridMessage", "/odom/floor"))
         await viewer.connection.send(pack(dataclasses.replace(CAMERA, fov=0.5)))
-        assert [await heeded.get(), await heeded.get()] == [1.0, 0.5]
+        assert [await handled.get(), await handled.get()] == [1.0, 0.5]
     assert len(sockets._client_state_from_id) == len(sockets._live_connections)
 
 
