@@ -27,6 +27,7 @@ from app.runtime.punctual import be_punctual
 if TYPE_CHECKING:
     from app.config import Configuration
     from app.robots.factory import Body
+    from app.system import System
 
 #: Everything has stopped by then, or is made to.
 STOP_WITHIN_S = 2.0
@@ -140,27 +141,31 @@ async def _live(
     system = System(configuration, link=create_link(body, clock.offset), body=body, clock=clock)
     app = create_app(system, token=token, host=host, host_names=names)  # takes long enough to be felt by who drives
     async with system:
-        failure = asyncio.create_task(system.wait_failed(), name="body's failure")
-        # Connections must not take the file descriptors that modules' imports need.
-        starting = asyncio.create_task(system.supervisor.started(), name="modules' start")
-        tasks: list[asyncio.Task[Any]] = [failure, starting]
-        try:
-            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-            if not failure.done():
-                be_punctual()
-                console = asyncio.create_task(
-                    serve(app, host, port, listener=listener, started=announce), name="console"
-                )
-                tasks.append(console)
-                await asyncio.wait({console, failure}, return_when=asyncio.FIRST_COMPLETED)
-            if failure.done():
-                raise failure.result()
-            await console
-        finally:
-            log.info("stopping")
-            for task in tasks:
-                task.cancel()
-            await asyncio.gather(*tasks, return_exceptions=True)
+        await serve_once_started(system, lambda: serve(app, host, port, listener=listener, started=announce))
+
+
+async def serve_once_started(system: System, serve: Callable[[], Coroutine[Any, Any, None]]) -> None:
+    """Run ``serve()`` to its end, once all modules have started or have failed to. Raises LinkFailed when the body is
+    lost before."""
+    failure = asyncio.create_task(system.wait_failed(), name="body's failure")
+    # Connections must not take the file descriptors that modules' imports need.
+    starting = asyncio.create_task(system.supervisor.started(), name="modules' start")
+    tasks: list[asyncio.Task[Any]] = [failure, starting]
+    try:
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        if not failure.done():
+            be_punctual()
+            console = asyncio.create_task(serve(), name="console")
+            tasks.append(console)
+            await asyncio.wait({console, failure}, return_when=asyncio.FIRST_COMPLETED)
+        if failure.done():
+            raise failure.result()
+        await console
+    finally:
+        log.info("stopping")
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
 
 
 def announcer(what: str, host: str, port: int, token: str | None, *, open_browser: bool) -> Callable[[str], None]:
