@@ -14,11 +14,15 @@ from app.errors import ConfigError
 #: on a busy computer costs four times what is computed; and matrices here are small.
 _SINGLE = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
+#: OpenCV writes its own lines past the log for each picture that it cannot read; who reads one says so in ours.
+_QUIET = "OPENCV_LOG_LEVEL"
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; a person's mistake is one sentence and the code 2."""
     for name in _SINGLE:  # read when the library is loaded, which no command has done yet
         os.environ.setdefault(name, "1")
+    os.environ.setdefault(_QUIET, "SILENT")
     args = build_parser().parse_args(argv)
     try:
         code = COMMANDS[args.command].run(args)

@@ -39,8 +39,8 @@ class ConsoleConfig(_Model):
 
     host: str = "127.0.0.1"
     port: int = Field(8080, ge=0, le=65535, description="0: any free port")
-    # Beyond loopback a token is required: given here, on the command line, or made up and printed at the start.
-    token: str | None = Field(None, min_length=8)
+    # Its token is no part of this: a configuration is attached to every recording.
+    host_names: tuple[str, ...] = Field((), description="names it is reached by beside the computer's own")
 
 
 class ProgramConfig(_Model):

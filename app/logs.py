@@ -13,6 +13,8 @@ import traceback
 from datetime import UTC, datetime
 from typing import Any, TextIO
 
+from app.log_repeats import SparingHandler
+
 LEVELS = ("debug", "info", "warning", "error")
 
 #: Libraries that tell more than anybody wants to read; what they warn of still comes through.
@@ -37,9 +39,12 @@ _COLORS = {"DEBUG": "2", "WARNING": "33", "ERROR": "31", "CRITICAL": "1;31"}
 
 
 def configure(level: str = "info", *, as_json: bool = False, stream: TextIO | None = None) -> None:
-    """Send all logs of the process to ``stream`` (standard error by default), from ``level`` (of LEVELS) upwards."""
+    """Send all logs of the process to ``stream`` (standard error by default), from ``level`` (of LEVELS) upwards.
+
+    What is logged over and over is counted instead (:mod:`app.log_repeats`).
+    """
     stream = sys.stderr if stream is None else stream
-    handler = logging.StreamHandler(stream)
+    handler = SparingHandler(stream)
     handler.setFormatter(JsonFormatter() if as_json else LineFormatter(colored=stream.isatty()))
     logging.basicConfig(level=level.upper(), handlers=[handler], force=True)
     logging.captureWarnings(True)

@@ -48,6 +48,22 @@ def test_linear_algebra_computes_in_the_calling_thread_unless_told_otherwise(mon
     assert subprocess.run([sys.executable, "-c", code], cwd=Path(cli.__file__).parents[1], check=False).returncode == 0
 
 
+def test_a_damaged_picture_is_no_line_of_opencv(tmp_path: Path) -> None:
+    code = (
+        "import sys; from app import cli\n"
+        "try: cli.main(['--version'])\n"
+        "except SystemExit: pass\n"
+        "import cv2, numpy\n"
+        "whole = cv2.imencode('.png', numpy.zeros((64, 64, 3), numpy.uint8))[1]\n"
+        "cv2.imdecode(whole[:60], cv2.IMREAD_COLOR)\n"
+    )
+    environment = {name: value for name, value in os.environ.items() if name != "OPENCV_LOG_LEVEL"}
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment, cwd=tmp_path
+    )
+    assert done.stderr == ""
+
+
 def test_version_is_the_distributions(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         cli.main(["--version"])
@@ -64,7 +80,12 @@ def test_version_is_the_distributions(capsys: pytest.CaptureFixture[str]) -> Non
         (["log", "exprot", "tour", "png"], "invalid choice: 'exprot'; did you mean export?"),
         (["run", "--port", "70000"], "a port is a number from 0 to 65535, not '70000'"),
         (["run", "--port", "http"], "a port is a number from 0 to 65535, not 'http'"),
-        (["run", "--token", "short"], "a token has at least 8 characters"),
+        (["run", "--token-file", ""], "the name of a file is empty"),
+        (
+            ["run", "--host-name", "http://robot"],
+            "a host name is one as robot.example, without a port, not 'http://robot'",
+        ),
+        (["run", "--host-name", "robot:80"], "a host name is one as robot.example, without a port, not 'robot:80'"),
         (["run", "--log-level", "loud"], "invalid choice: 'loud'"),
     ],
 )

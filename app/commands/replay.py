@@ -8,7 +8,7 @@ import logging
 import math
 import socket
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from app import logs
 from app.commands.arguments import TIMES, find_log, moment, names, number, recording_name, whole
 from app.commands.output import add_json, check_writable, json_text, print_json, write_text
-from app.commands.run import Stopping, add_console_options, announcer, until_stopped
+from app.commands.run import Stopping, add_console_options, announcer, token_for, until_stopped
 from app.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -152,7 +152,6 @@ def _headless(args: argparse.Namespace, log: Log, options: ReplayOptions) -> int
 def _with_console(
     args: argparse.Namespace, log: Log, options: ReplayOptions, opened: Callable[[], Log], stack: ExitStack
 ) -> int:
-    from app.console.security import check_token, is_loopback, new_token
     from app.console.server import listen
     from app.replay.playback_state import FASTEST
     from app.replay.replay import Replay
@@ -168,18 +167,24 @@ def _with_console(
     stack.callback(replay.close)
     console = replay.program.configuration.program.console
     host = args.host or console.host
-    token = args.token or console.token or (None if is_loopback(host) else new_token())
-    check_token(token, host)
+    token = token_for(args, host)
     logs.configure(args.log_level, as_json=args.log_json)
     for note in replay.notes():
         print(note)
     listener = stack.enter_context(listen(host, console.port if args.port is None else args.port))
-    live = _live(args, replay, clock, past, listener, token)
+    host_names = (*console.host_names, *args.host_name)
+    live = _live(args, replay, clock, past, listener, token, host_names)
     return asyncio.run(until_stopped(live, Stopping()))
 
 
 async def _live(
-    args: argparse.Namespace, replay: Replay, clock: Any, past: Log, listener: socket.socket, token: str | None
+    args: argparse.Namespace,
+    replay: Replay,
+    clock: Any,
+    past: Log,
+    listener: socket.socket,
+    token: str | None,
+    host_names: Sequence[str],
 ) -> None:
     """Replay with a console until it is stopped. Raises LinkFailed."""
     import cv2
@@ -193,7 +198,9 @@ async def _live(
     announce = announcer(f"HBBA replays {past.info.path.name}", host, port, token, open_browser=args.open)
     speed = 1.0 if args.speed is None else _finite(args.speed)
     playback = Playback(replay.system, replay.body, clock, past, speed=speed)
-    app = create_app(replay.system, token=token, host=host, playback=playback)  # takes long: before anything plays
+    app = create_app(  # takes long: before anything plays
+        replay.system, token=token, host=host, host_names=host_names, playback=playback
+    )
     async with replay, playback:
         up = asyncio.Event()
 

@@ -13,13 +13,14 @@ import socket
 import sys
 import threading
 import webbrowser
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Sequence
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from app import logs
+from app.commands.arguments import file_named
 from app.commands.body import add_body_options, chosen
 from app.runtime.punctual import be_punctual
 
@@ -51,7 +52,18 @@ def add_console_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--host", metavar="H", help="address to listen on (default 127.0.0.1: this computer alone)")
     parser.add_argument("--port", type=_port, metavar="N", help="port to listen on (default 8080; 0: any free one)")
     parser.add_argument(
-        "--token", type=_token, metavar="T", help="what a browser must present; made up beyond loopback"
+        "--token-file",
+        type=file_named,
+        metavar="FILE",
+        help="file with the token that a browser must present (else: the variable HBBA_TOKEN; made up beyond loopback)",
+    )
+    parser.add_argument(
+        "--host-name",
+        type=_host_name,
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="a name others reach this computer by, beside its own; may be repeated",
     )
     parser.add_argument("--open", action="store_true", help="open the console in a browser")
     parser.add_argument("--log-level", choices=logs.LEVELS, default="info", help="least severe events to log")
@@ -60,23 +72,30 @@ def add_console_options(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run until a signal comes or the body fails. Raises ConfigError."""
-    from app.console.security import check_token, is_loopback, new_token
     from app.console.server import listen
     from app.link import LinkFailed
 
     configuration, body = chosen(args)
     console = configuration.program.console
     host = args.host or console.host
-    token = args.token or console.token or (None if is_loopback(host) else new_token())
-    check_token(token, host)
+    token = token_for(args, host)
     try:
         with listen(host, console.port if args.port is None else args.port) as listener:
             logs.configure(args.log_level, as_json=args.log_json)
-            live = _live(configuration, body, listener, token, open_browser=args.open)
+            names = (*console.host_names, *args.host_name)
+            live = _live(configuration, body, listener, token, names, open_browser=args.open)
             return asyncio.run(until_stopped(live, Stopping()))
     except LinkFailed as failure:
         print(f"hbba run: {failure}", file=sys.stderr)
         return 1
+
+
+def token_for(args: argparse.Namespace, host: str) -> str | None:
+    """The token that a console on ``host`` asks for; None: none. Raises ConfigError."""
+    from app.console.security import is_loopback
+    from app.console.token import given_token, new_token
+
+    return given_token(args.token_file) or (None if is_loopback(host) else new_token())
 
 
 async def until_stopped(live: Coroutine[Any, Any, None], stopping: Stopping) -> int:
@@ -96,7 +115,13 @@ async def until_stopped(live: Coroutine[Any, Any, None], stopping: Stopping) -> 
 
 
 async def _live(
-    configuration: Configuration, body: Body, listener: socket.socket, token: str | None, *, open_browser: bool
+    configuration: Configuration,
+    body: Body,
+    listener: socket.socket,
+    token: str | None,
+    names: Sequence[str],
+    *,
+    open_browser: bool,
 ) -> None:
     """Bring everything up, say where, wait for the end, take everything down. Raises LinkFailed, ConfigError."""
     import cv2
@@ -114,26 +139,33 @@ async def _live(
     log.info("starting", extra={"configuration": configuration.program_document.file})
     clock = RealClock()
     system = System(configuration, link=create_link(body, clock.offset), body=body, clock=clock)
-    app = create_app(system, token=token, host=host)  # takes long enough to be felt by who drives
+    app = create_app(system, token=token, host=host, host_names=names)  # takes long enough to be felt by who drives
     async with system:
-        settling = asyncio.create_task(_settle(system), name="settling")
-        console = asyncio.create_task(serve(app, host, port, listener=listener, started=announce), name="console")
-        failure = asyncio.create_task(system.wait_failed(), name="body's failure")
-        try:
+        await serve_once_started(system, lambda: serve(app, host, port, listener=listener, started=announce))
+
+
+async def serve_once_started(system: System, serve: Callable[[], Coroutine[Any, Any, None]]) -> None:
+    """Run ``serve()`` to its end, once all modules have started or have failed to. Raises LinkFailed when the body is
+    lost before."""
+    failure = asyncio.create_task(system.wait_failed(), name="body's failure")
+    # Connections must not take the file descriptors that modules' imports need.
+    starting = asyncio.create_task(system.supervisor.started(), name="modules' start")
+    tasks: list[asyncio.Task[Any]] = [failure, starting]
+    try:
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        if not failure.done():
+            be_punctual()
+            console = asyncio.create_task(serve(), name="console")
+            tasks.append(console)
             await asyncio.wait({console, failure}, return_when=asyncio.FIRST_COMPLETED)
-            if failure.done():
-                raise failure.result()
-            await console
-        finally:
-            log.info("stopping")
-            for task in (console, failure, settling):
-                task.cancel()
-            await asyncio.gather(console, failure, settling, return_exceptions=True)
-
-
-async def _settle(system: System) -> None:
-    await system.supervisor.started()
-    be_punctual()
+        if failure.done():
+            raise failure.result()
+        await console
+    finally:
+        log.info("stopping")
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
 
 
 def announcer(what: str, host: str, port: int, token: str | None, *, open_browser: bool) -> Callable[[str], None]:
@@ -208,7 +240,9 @@ def _port(text: str) -> int:
     return int(text)
 
 
-def _token(text: str) -> str:
-    if len(text) < 8:
-        raise argparse.ArgumentTypeError("a token has at least 8 characters")
-    return text
+def _host_name(text: str) -> str:
+    from app.console.security import host_name
+
+    if (name := host_name(text)) == "" or ":" in text:
+        raise argparse.ArgumentTypeError(f"a host name is one as robot.example, without a port, not {text!r}")
+    return name

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter, FastAPI, WebSocket
+from starlette.types import ASGIApp
 
 from app import paths
 from app.console.description import describe, operation_id
@@ -46,19 +47,21 @@ def create_app(
     static_dir: Path | None = None,
     token: str | None = None,
     host: str = "127.0.0.1",
+    host_names: Sequence[str] = (),
     early_view: bool = True,
 ) -> FastAPI:
     """The console of ``system``: REST and live stream under ``/api/v1``, the 3D view under ``/viser``, the page at /.
 
     ``playback`` is what plays the recording that ``system`` lives again; None: what it lives is now.
     ``static_dir`` holds the built page (default: where the build puts it). ``token`` None: whoever is on this computer
-    may use it, under a name of this computer; see :mod:`app.console.security`. ``host`` is where replays that are
-    started from here listen. ``early_view``: start the 3D view with the program rather than with the first who looks.
+    may use it, under a name of this computer; see :mod:`app.console.security`. ``host_names`` are names that it is
+    reached by beside this computer's own, where a token is needed. ``host`` is where replays that are started from here
+    listen. ``early_view``: start the 3D view with the program rather than with the first who looks.
     """
     hub = Hub(system, playback)
     view = View(system, hub.percepts, hub.way, lambda: hub.is_shown(COSTMAP), early=early_view, playback=playback)
-    door = Door(token)
-    replays = Replays(host, token)
+    door = Door(token, host_names)
+    replays = Replays(host, token, host_names)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -71,7 +74,8 @@ def create_app(
             await asyncio.gather(replays.close(), view.close())
 
     # FastAPI's own documentation pages load scripts from elsewhere; ours need nothing but this server.
-    app = FastAPI(
+    app = _Console(
+        door,
         lifespan=lifespan,
         openapi_url=None,
         docs_url=None,
@@ -107,5 +111,16 @@ def create_app(
     describe(app, API, token_needed=token is not None)
 
     install_page(app, static_dir or paths.static_dir())
-    app.add_middleware(Guarded, door=door)
     return app
+
+
+class _Console(FastAPI):
+    """FastAPI behind a door that stands outside of all its layers, that for mistakes of ours among them."""
+
+    def __init__(self, door: Door, **options: Any) -> None:
+        super().__init__(**options)
+        self._door = door
+
+    def build_middleware_stack(self) -> ASGIApp:
+        """All layers, the door outermost."""
+        return Guarded(super().build_middleware_stack(), self._door)

@@ -14,7 +14,7 @@ from app.console.description_page import page
 from app.console.json_schema import with_plain_lists
 from app.console.problems import ProblemDocument
 from app.console.rest.answers import Json, problem_content
-from app.console.security import COOKIE, OPEN_PATHS
+from app.console.security import COOKIE, OPEN_PATHS, cookie_name
 
 _ABOUT = """Desires in, intentions out: create a desire and see which strategies attention selects for it, which
 filters move, and why. Every refusal is a problem document (RFC 9457). Stamps are the robot's clock in seconds; angles
@@ -52,18 +52,24 @@ _SCHEMES = {
 _LOGIN_NEEDED = ("LoginNeeded", "401", "The console's token is needed.")
 _FOREIGN_ORIGIN = ("ForeignOrigin", "403", "A web page of another origin asks for a change.")
 _METHOD_NOT_ALLOWED = ("MethodNotAllowed", "405", "Another method, or with an empty name another path; see `Allow`.")
-_LENGTH_REQUIRED = ("LengthRequired", "411", "The body's size must be stated in `Content-Length`.")
+_AMBIGUOUS = ("AmbiguousBody", "400", "A body states its size in one way: `Content-Length` or chunks.")
+_TOO_SLOW = ("TooSlow", "408", "A body comes within 20 s.")
 _BODY_TOO_LARGE = ("BodyTooLarge", "413", "A body has at most 64 KiB.")
 _WRONG_HOST = ("WrongHost", "421", "Without a token, the console answers to this computer's own names only.")
 _TOO_MANY_LOGINS = ("TooManyLogins", "429", "Too many wrong tokens: wait as long as `Retry-After` says.")
+_HEADER_TOO_LARGE = ("HeaderTooLarge", "431", "A header has at most 32 KiB and 100 fields.")
+_TOO_MANY_CONNECTIONS = ("TooManyConnections", "503", "All connections are taken; see `Retry-After`.")
 _COMMON = (
     _LOGIN_NEEDED,
     _FOREIGN_ORIGIN,
     _METHOD_NOT_ALLOWED,
-    _LENGTH_REQUIRED,
+    _AMBIGUOUS,
+    _TOO_SLOW,
     _BODY_TOO_LARGE,
     _WRONG_HOST,
     _TOO_MANY_LOGINS,
+    _HEADER_TOO_LARGE,
+    _TOO_MANY_CONNECTIONS,
 )
 
 
@@ -90,14 +96,18 @@ def describe(app: FastAPI, prefix: str, *, token_needed: bool = False) -> None:
     # FastAPI remembers endpoints for as long as the process lives: one that held the application would keep it.
     @app.get(f"{prefix}/openapi.json", include_in_schema=False)
     async def openapi(request: Request) -> Response:
-        return Json(await asyncio.to_thread(request.app.openapi))
+        document = await asyncio.to_thread(request.app.openapi)
+        schemes = _SCHEMES | {"session": _SCHEMES["session"] | {"name": cookie_name(request.scope)}}
+        return Json(document | {"components": document["components"] | {"securitySchemes": schemes}})
 
     @app.get(f"{prefix}/live.json", include_in_schema=False)
     async def live(request: Request) -> Response:
         def told() -> dict[str, Any]:
             from app.console.live.description import description  # seldom asked for: not at the program's start
 
-            return description(request.url.netloc, secure=request.url.scheme == "https", token_needed=token_needed)
+            cookie = cookie_name(request.scope)
+            secure = request.url.scheme == "https"
+            return description(request.url.netloc, secure=secure, token_needed=token_needed, cookie=cookie)
 
         return Json(await asyncio.to_thread(told))
 
@@ -141,15 +151,15 @@ def _complete(path: str, method: str, operation: dict[str, Any]) -> None:
     for status, response in responses.items():
         if status >= "400":
             response["content"] = problem_content()
-    common = [_WRONG_HOST]
+    common = [_WRONG_HOST, _HEADER_TOO_LARGE, _TOO_MANY_CONNECTIONS]
     if path in OPEN_PATHS:
         operation["security"] = []
     else:
-        common.append(_LOGIN_NEEDED)
+        common += [_LOGIN_NEEDED, _TOO_MANY_LOGINS]
     if "{" in path:
         common.append(_METHOD_NOT_ALLOWED)
     if method != "get":
-        common += [_FOREIGN_ORIGIN, _LENGTH_REQUIRED, _BODY_TOO_LARGE]
+        common += [_FOREIGN_ORIGIN, _AMBIGUOUS, _TOO_SLOW, _BODY_TOO_LARGE]
     if operation["operationId"] == "log_in":
         common.append(_TOO_MANY_LOGINS)
     for name, status, _ in common:

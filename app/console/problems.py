@@ -19,6 +19,7 @@ from app.console.wire import encode
 from app.yaml_source import validation_message
 
 MEDIA_TYPE = "application/problem+json"
+_MISTAKE = "The console made a mistake, which its log describes; the request may or may not have been done."
 
 
 class FieldProblem(BaseModel):
@@ -126,6 +127,11 @@ def install_problem_handlers(app: FastAPI) -> None:
             kind = HTTPStatus(error.status_code).phrase.lower().replace(" ", "-")
             problem = Problem(error.status_code, kind, str(error.detail), headers=headers)
         return problem_response(problem)
+
+    @app.exception_handler(Exception)
+    async def on_mistake(_: Request, __: Exception) -> Response:
+        # Starlette raises it again once this is sent, so that the server logs it.
+        return problem_response(Problem(500, "mistake-of-ours", _MISTAKE))
 
 
 async def _methods(request: Request) -> list[str]:

@@ -85,6 +85,12 @@ class RecorderReport:
             "available": self.available,
         }
 
+    def problem(self) -> str:
+        """Why the recording that was running has ended by itself, in words, until it is stopped or another begins; ""
+        where none has."""
+        status = self.status
+        return f"recording stopped: {status.reason}" if status.state == "stopped" and status.reason else ""
+
     def news(self) -> bool:
         """Whether there is something to tell since this was last true: a change, or that time has gone by."""
         told = self.json()

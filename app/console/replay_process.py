@@ -1,5 +1,5 @@
 """A replay that the console starts: ``python -m app.console.replay_process ARGUMENTS`` is ``hbba replay ARGUMENTS``,
-but ends with the console, however that ends, and takes its token from the environment, which no other user can read."""
+but ends with the console, however that ends."""
 
 from __future__ import annotations
 
@@ -8,9 +8,7 @@ import os
 import runpy
 import signal
 import sys
-from collections.abc import MutableMapping, Sequence
 
-TOKEN = "HBBA_REPLAY_TOKEN"
 _PR_SET_PDEATHSIG = 1
 
 
@@ -21,14 +19,8 @@ def main(arguments: list[str]) -> None:
         ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
     if str(os.getppid()) != console:
         return  # it ended before we asked to be told
-    sys.argv = command_line(rest, os.environ)
+    sys.argv = ["hbba", "replay", *rest]
     runpy.run_module("app.cli", run_name="__main__", alter_sys=True)
-
-
-def command_line(arguments: Sequence[str], environment: MutableMapping[str, str]) -> list[str]:
-    """``hbba replay`` as it would have been typed; takes the token out of ``environment``."""
-    token = environment.pop(TOKEN, None)
-    return ["hbba", "replay", *(() if token is None else ("--token", token)), *arguments]
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
-from app.console.replay_process import TOKEN
+from app.console.token import VARIABLE
 
 #: A long recording is indexed before its console is up.
 START_WITHIN_S = 60.0
@@ -41,13 +41,14 @@ class ReplayReplaced(ReplayFailed):
 class Replays:
     """At most one replay at a time; :meth:`close` ends it with the console.
 
-    ``host`` is where its console listens; ``token`` what it asks for, as this one does. ``command`` is what to run,
-    followed by the options and the recording's path.
+    ``host`` is where its console listens; ``token`` what it asks for, as this one does, and ``names`` the host names it
+    answers to besides. ``command`` is what to run, followed by the options and the recording's path.
     """
 
-    def __init__(self, host: str, token: str | None, command: Sequence[str] = ()) -> None:
+    def __init__(self, host: str, token: str | None, names: Sequence[str] = (), *, command: Sequence[str] = ()) -> None:
         self._host = host
         self._token = token
+        self._names = names
         self.command = command or (sys.executable, "-m", "app.console.replay_process", str(os.getpid()))
         self._child: _Child | None = None
         self._turn = asyncio.Lock()
@@ -70,9 +71,11 @@ class Replays:
         async with self._turn:
             await self._end_current(replaced=True)
             options = ["--port", "0", "--host", self._host, "--exit-when-unwatched", f"{UNWATCHED_S:g}"]
+            options += [option for name in self._names for option in ("--host-name", name)]
             environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
             if self._token is not None:
-                environment[TOKEN] = self._token
+                # What stands in the environment of a process no other user can read; its arguments everybody can.
+                environment[VARIABLE] = self._token
             child = self._child = await _Child.spawn(name, [*self.command, *options, "--", str(path)], environment)
         try:
             async with asyncio.timeout(START_WITHIN_S):

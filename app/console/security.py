@@ -2,27 +2,33 @@
 
 On loopback without a token anyone on this computer may, but a web page elsewhere may not: the ``Host`` must be a name
 of this computer (DNS rebinding), and where a browser states an ``Origin``, it must be ours. Beyond loopback a token is
-needed, as ``Authorization: Bearer`` or, for browsers, as a cookie had for it at ``/api/v1/session``.
+needed, as ``Authorization: Bearer`` or, for browsers, as the cookie of a session from ``/api/v1/session``;
+the ``Host`` must then be an address, this computer's name, or one that the console was started for.
 """
 
 from __future__ import annotations
 
-import hashlib
+import asyncio
+import contextlib
 import hmac
 import ipaddress
-import secrets
-from http.cookies import CookieError, SimpleCookie
-from urllib.parse import urlsplit
+import math
+import re
+import socket
+import time
+from collections.abc import Callable, Collection
+from typing import Any
 
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.console.problems import MEDIA_TYPE, Problem, problem_body
-from app.errors import ConfigError
+from app.console.attempts import Attempts
+from app.console.bodies import ClientLeft, objection_to_scope, with_body
+from app.console.problems import MEDIA_TYPE, Problem, problem_body, problem_response
+from app.console.sessions import Session, Sessions
 
 COOKIE = "hbba_session"
-SHORTEST_TOKEN = 8
-LARGEST_BODY_BYTES = 65_536
 #: What may be reached without having logged in, besides the page itself: the login and the sign of life.
 OPEN_PATHS = frozenset({"/api/v1/health", "/api/v1/session"})
 GUARDED = ("/api", "/viser")
@@ -49,85 +55,100 @@ def is_loopback(host: str) -> bool:
         return False
 
 
-def new_token() -> str:
-    """A token to print at the start: 128 random bits."""
-    return secrets.token_urlsafe(16)
-
-
-def check_token(token: str | None, host: str) -> str | None:
-    """The token to use on ``host``. Raises ConfigError for one that is missing or too short."""
-    if token is not None and len(token) < SHORTEST_TOKEN:
-        raise ConfigError(f"the console's token must have at least {SHORTEST_TOKEN} characters, not {len(token)}")
-    if token is None and not is_loopback(host):
-        raise ConfigError(f"{host} can be reached by others: the console needs a token there")
-    return token
-
-
 class Door:
-    """Tells who may enter. ``token`` None: whoever is on this computer."""
+    """Decides who may enter. ``token`` None: whoever is on this computer.
 
-    def __init__(self, token: str | None) -> None:
+    ``names`` are host names that this console answers to beyond addresses and this computer's own name; ``now`` gives
+    seconds of any steady clock.
+    """
+
+    def __init__(
+        self, token: str | None, names: Collection[str] = (), *, now: Callable[[], float] = time.monotonic
+    ) -> None:
         self._token = token
-        # The cookie proves knowledge of the token without holding it, and survives a restart with the same one.
-        self._cookie = (
-            None
-            if token is None
-            else hmac.new(token.encode(), b"hbba console session, version 1", hashlib.sha256).hexdigest()
-        )
+        self._names = frozenset(name.lower().rstrip(".") for name in (*names, *own_names()))
+        self._sessions = Sessions(now)
+        self._attempts = Attempts(now)
 
     @property
-    def cookie(self) -> str | None:
-        """The cookie of a browser that has logged in; None where no login is needed."""
-        return self._cookie
+    def asks(self) -> bool:
+        """Whether a token is needed."""
+        return self._token is not None
 
-    def opens_to(self, token: str) -> bool:
-        """Whether ``token`` is the right one (compared in constant time)."""
-        return self._token is None or hmac.compare_digest(self._token.encode(), token.encode())
+    def log_in(self, token: str, scope: Scope) -> str | None:
+        """Begin a session; returns its cookie, None where none is needed. Raises Problem for a wrong token."""
+        if self._token is None:
+            return None
+        if (refusal := self._checked(token, scope)) is not None:
+            raise refusal
+        return self._sessions.begin()
 
-    def knows(self, headers: Headers) -> bool:
-        """Whether a request carries the token or the cookie."""
-        if self._cookie is None:
-            return True
-        scheme, _, bearer = headers.get("authorization", "").partition(" ")
-        if scheme.lower() == "bearer":
-            return self.opens_to(bearer.strip())
-        return hmac.compare_digest(self._cookie, _cookie_value(headers))
+    def log_out(self, scope: Scope) -> None:
+        """End the session that a request belongs to, and its connections."""
+        self._sessions.end(_cookie(scope))
+
+    def session(self, scope: Scope) -> Session | None:
+        """The session that a request belongs to; None without one, as where it brings the token itself."""
+        return self._sessions.find(_cookie(scope)) if self.asks else None
+
+    def refusal(self, scope: Scope) -> Problem | None:
+        """Why a request may not enter for what it brings (a session's cookie, or the token), or None."""
+        if self._token is None or self.session(scope) is not None:
+            return None
+        scheme, _, bearer = Headers(scope=scope).get("authorization", "").partition(" ")
+        if scheme.lower() != "bearer":
+            return unauthorized()
+        refusal = self._checked(bearer.strip(), scope)
+        return unauthorized() if refusal is not None and refusal.status == 401 else refusal
+
+    def _checked(self, token: str, scope: Scope) -> Problem | None:
+        """Why ``token`` does not open, or None (compared in constant time)."""
+        assert self._token is not None
+        address = scope["client"][0] if scope.get("client") else ""
+        if (wait_s := self._attempts.wait_s(address)) > 0:
+            seconds = math.ceil(wait_s)
+            return Problem(
+                429,
+                "too-many-attempts",
+                f"Too many wrong tokens came from {address}: try again in {seconds} s.",
+                headers={"Retry-After": str(seconds)},
+            )
+        if hmac.compare_digest(self._token.encode(), token.encode(errors="surrogatepass")):
+            return None
+        self._attempts.failed(address)
+        return Problem(401, "wrong-token", "This is not the token; it was printed when the console was started.")
 
     def objection(self, scope: Scope) -> Problem | None:
         """Why a request or a WebSocket is refused, or None."""
         headers = Headers(scope=scope)
         host = headers.get("host", "")
-        if self._token is None and not is_loopback(_host_name(host)):
-            return Problem(
-                421,
-                "wrong-host",
-                f"This console answers to localhost and 127.0.0.1 only, not to {host or 'a request without a Host'}; "
-                "to reach it from elsewhere, start it with --host and a token.",
-            )
+        if (problem := self._objection_to_host(host)) is not None:
+            return problem
         origin = headers.get("origin")
         changes = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD", "OPTIONS")
-        if changes and origin is not None and urlsplit(origin).netloc.lower() != host.lower():
+        if changes and origin is not None and origin.lower() != f"{_scheme(scope)}://{host}".lower():
             return Problem(403, "foreign-origin", f"Pages of {origin} may not use this console.")
-        if scope["type"] == "http" and (problem := _objection_to_body(headers)) is not None:
-            return problem
         path = scope["path"]
         guarded = any(path == prefix or path.startswith(f"{prefix}/") for prefix in GUARDED)
         # The session's own GET answers 401 by itself, so that a page can ask whether it must log in.
-        if guarded and path not in OPEN_PATHS and not self.knows(headers):
-            return unauthorized()
-        return None
+        return self.refusal(scope) if guarded and path not in OPEN_PATHS else None
 
-
-def _objection_to_body(headers: Headers) -> Problem | None:
-    """Why a body is not read: nothing here takes a large one, nor one of unknown size."""
-    length = headers.get("content-length")
-    if length is None:
-        if "transfer-encoding" not in headers:
+    def _objection_to_host(self, host: str) -> Problem | None:
+        name = host_name(host)
+        if is_loopback(name) or (self.asks and (_is_address(name) or name in self._names)):
             return None
-        return Problem(411, "length-required", "State the body's size in Content-Length.")
-    if length.isdecimal() and int(length) > LARGEST_BODY_BYTES:
-        return Problem(413, "body-too-large", f"A body has at most {LARGEST_BODY_BYTES} bytes here, not {length}.")
-    return None
+        asked = host or "a request without a Host"
+        if not self.asks:
+            detail = (
+                f"This console answers to localhost and 127.0.0.1 only, not to {asked}; "
+                "to reach it from elsewhere, start it with --host and a token."
+            )
+        else:
+            detail = (
+                f"This console answers to its addresses and its computer's own name, not to {asked}; "
+                "to reach it under another name, start it with --host-name NAME."
+            )
+        return Problem(421, "wrong-host", detail)
 
 
 def unauthorized() -> Problem:
@@ -140,24 +161,58 @@ def unauthorized() -> Problem:
     )
 
 
-def _host_name(host: str) -> str:
+#: A host as it may stand in a header: a name, an IPv4 address or a bracketed IPv6 address, and a port.
+_HOST = re.compile(
+    r"(?:([a-z0-9](?:[a-z0-9._-]*[a-z0-9])?)\.?|\[([0-9a-f:.]+)\])(?::[0-9]{1,5})?", re.IGNORECASE | re.ASCII
+)
+
+
+def host_name(host: str) -> str:
+    """The name or address in a ``Host`` header, in lower case and without brackets; "" for what is no host."""
+    found = _HOST.fullmatch(host)
+    return "" if found is None else (found[1] or found[2]).lower()
+
+
+def own_names() -> tuple[str, ...]:
+    """The names under which this computer knows itself, and mDNS knows it."""
+    name = socket.gethostname().lower()
+    first = name.partition(".")[0]
+    return (name, first, f"{first}.local") if first else ()
+
+
+def _is_address(name: str) -> bool:
     try:
-        return urlsplit(f"//{host}").hostname or ""
+        ipaddress.ip_address(name)
     except ValueError:
-        return ""
+        return False
+    return True
 
 
-def _cookie_value(headers: Headers) -> str:
-    try:
-        morsel = SimpleCookie(headers.get("cookie", "")).get(COOKIE)
-    except CookieError:
-        return ""
-    # compare_digest takes ASCII only.
-    return morsel.value if morsel is not None and morsel.value.isascii() else ""
+def _scheme(scope: Scope) -> str:
+    return "https" if scope["scheme"] in ("https", "wss") else "http"
+
+
+def cookie_name(scope: Scope) -> str:
+    """What a session's cookie is called: browsers send a cookie to every port of a host, and a replay has a console of
+    its own beside this one."""
+    server = scope.get("server")
+    return f"{COOKIE}_{server[1]}" if server else COOKIE
+
+
+def cookie_fields(scope: Scope) -> dict[str, Any]:
+    """How a session's cookie is set and deleted: for no script, no other site, and, over TLS, for TLS alone."""
+    return {"httponly": True, "samesite": "strict", "path": "/", "secure": _scheme(scope) == "https"}
+
+
+def _cookie(scope: Scope) -> str | None:
+    return HTTPConnection(scope).cookies.get(cookie_name(scope))
 
 
 class Guarded:
-    """ASGI middleware: asks the door, and gives every answer its security headers."""
+    """ASGI middleware: asks the door, reads bodies, and gives every answer its security headers.
+
+    To stand outside of all else, so that an answer to a mistake of ours has them too.
+    """
 
     def __init__(self, app: ASGIApp, door: Door) -> None:
         self._app = app
@@ -165,30 +220,72 @@ class Guarded:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass the request on, or answer with why not."""
-        if scope["type"] not in ("http", "websocket"):
-            await self._app(scope, receive, send)
-            return
-        problem = self._door.objection(scope)
         if scope["type"] == "websocket":
-            if problem is None:
-                await self._app(scope, receive, send)
-            else:
-                await _refuse_websocket(problem, scope, receive, send)
-            return
+            await self._websocket(scope, receive, send)
+        elif scope["type"] == "http":
+            await self._http(scope, receive, send)
+        else:
+            await self._app(scope, receive, send)
 
+    async def _http(self, scope: Scope, receive: Receive, send: Send) -> None:
         async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
                 add_headers(MutableHeaders(scope=message), scope["path"])
             await send(message)
 
-        if problem is None:
-            await self._app(scope, receive, send_with_headers)
+        try:
+            if (problem := objection_to_scope(scope)) is not None:
+                raise problem
+            receive = await with_body(Headers(scope=scope), receive)
+            if (problem := self._door.objection(scope)) is not None:
+                raise problem
+        except ClientLeft:
             return
-        body = problem_body(problem)
-        fields = {"content-type": MEDIA_TYPE, "content-length": str(len(body))} | problem.headers
-        raw = [(name.lower().encode("latin-1"), value.encode("latin-1")) for name, value in fields.items()]
-        await send_with_headers({"type": "http.response.start", "status": problem.status, "headers": raw})
-        await send_with_headers({"type": "http.response.body", "body": body})
+        except Problem as refusal:
+            await problem_response(refusal)(scope, receive, send_with_headers)
+            return
+        await self._app(scope, receive, send_with_headers)
+
+    async def _websocket(self, scope: Scope, receive: Receive, send: Send) -> None:
+        problem = objection_to_scope(scope) or self._door.objection(scope)
+        if problem is not None:
+            await _refuse_websocket(problem, scope, receive, send)
+        elif (session := self._door.session(scope)) is not None:
+            await _within(session, self._app, scope, receive, send)
+        else:
+            await self._app(scope, receive, send)
+
+
+async def _within(session: Session, app: ASGIApp, scope: Scope, receive: Receive, send: Send) -> None:
+    """Serve a WebSocket until it or its session ends."""
+    closing: asyncio.Task[None] | None = None
+
+    async def close() -> None:
+        # The page may have closed it itself just now.
+        with contextlib.suppress(OSError, RuntimeError):
+            await send({"type": "websocket.close", "code": 1008, "reason": "logged out"})
+
+    def end() -> None:
+        nonlocal closing
+        closing = asyncio.create_task(close(), name="log out")
+
+    async def receive_in_session() -> Message:
+        message = await receive()
+        return message if closing is None else {"type": "websocket.disconnect", "code": 1008}
+
+    async def send_in_session(message: Message) -> None:
+        if closing is not None:
+            raise OSError("the session has ended")
+        await send(message)
+
+    release = session.hold(end)
+    try:
+        await app(scope, receive_in_session, send_in_session)
+    finally:
+        release()
+        if closing is not None:
+            closing.cancel()
+            await asyncio.wait({closing})
 
 
 async def _refuse_websocket(problem: Problem, scope: Scope, receive: Receive, send: Send) -> None:

@@ -5,12 +5,17 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import errno
+import logging
 import socket
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import uvicorn
 from starlette.types import ASGIApp
 
+from app.console.bodies import LARGEST_HEADER_BYTES
+from app.console.connections import BoundedHttp, BoundedWebSocket
+from app.console.visitors import Visitors, most_connections
 from app.errors import ConfigError
 
 #: Connections still open this long after the end was asked for are cut.
@@ -18,14 +23,29 @@ GRACE_S = 0.3
 #: Most of what is sent waits in our own outboxes, where newer replaces older, not in the kernel, where it goes stale.
 UNSENT_BYTES = 64 * 1024
 LARGEST_MESSAGE_BYTES = 1024 * 1024
+#: Between two requests on a connection.
+KEEP_ALIVE_S = 5
+#: Without file descriptors, it is tried again after so long.
+RETRY_S = 0.1
+#: ... and they are enough again once none were wanting for so long.
+CALM_AFTER_S = 10.0
+#: What Linux says of accepting one connection that failed before it was accepted (accept(2)).
+_OF_ONE = (
+    *(errno.EPERM, errno.EPROTO, errno.ENOPROTOOPT, errno.EHOSTDOWN, errno.EHOSTUNREACH),
+    *(errno.ENETDOWN, errno.ENETUNREACH, errno.EOPNOTSUPP, errno.ETIMEDOUT),
+)
+_EXHAUSTED = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
+
+log = logging.getLogger("hbba.console")
 
 
 def listen(host: str, port: int) -> socket.socket:
     """Bind ``host:port`` (port 0: any free one) and listen.
 
-    To be done before anything else starts, so that nothing starts in vain. Raises ConfigError saying what to do when
-    the address cannot be had.
+    To be done before anything else starts, so that nothing starts in vain. Nobody is answered before :func:`serve`.
+    Raises ConfigError saying what to do when the address cannot be had, or connections to it could not.
     """
+    most_connections()
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
     except OSError as failure:
@@ -73,15 +93,66 @@ def url_of(listener: socket.socket) -> str:
 
 
 class _Server(uvicorn.Server):
-    """uvicorn without its signal handlers (the program has its own), and with an end that never hangs."""
+    """uvicorn without its signal handlers (the program has its own), with an end that never hangs, and accepting of
+    its own: asyncio's logs a traceback thousands of times a second while there are no file descriptors."""
+
+    def __init__(self, config: uvicorn.Config, visitors: Visitors) -> None:
+        super().__init__(config)
+        self._visitors = visitors
+        self._accepting: list[asyncio.Task[None]] = []
 
     @contextlib.contextmanager
     def capture_signals(self) -> Iterator[None]:
         """Leave the signals alone."""
         yield
 
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Begin to accept connections."""
+        await super().startup([])
+        self._accepting = [asyncio.create_task(self._accept(listener), name="accept") for listener in sockets or ()]
+        for task in self._accepting:
+            task.add_done_callback(self._accepting_ended)
+
+    def failure(self) -> BaseException | None:
+        """Why no connection is accepted any more, if that was not asked for."""
+        ended = [task for task in self._accepting if task.done() and not task.cancelled()]
+        return next((task.exception() for task in ended), None)
+
+    async def _accept(self, listener: socket.socket) -> None:
+        loop = asyncio.get_running_loop()
+        exhausted: float | None = None
+        while True:
+            try:
+                connection, _ = await loop.sock_accept(listener)
+                await loop.connect_accepted_socket(self._protocol, connection)
+            except OSError as failure:
+                if isinstance(failure, ConnectionError) or failure.errno in _OF_ONE:
+                    continue  # it left before it was let in
+                if failure.errno not in _EXHAUSTED:
+                    raise
+                if exhausted is None:
+                    log.warning("no connection can be accepted: %s; who waits longest gives way", failure.strerror)
+                exhausted = loop.time()
+                self._visitors.make_room()
+                await asyncio.sleep(RETRY_S)
+                continue
+            if exhausted is not None and loop.time() - exhausted >= CALM_AFTER_S:
+                log.info("connections are accepted again")
+                exhausted = None
+
+    def _protocol(self) -> asyncio.Protocol:
+        make: Callable[..., asyncio.Protocol] = self.config.http_protocol_class
+        return make(config=self.config, server_state=self.server_state, app_state=self.lifespan.state)
+
+    def _accepting_ended(self, _: asyncio.Task[None]) -> None:
+        self.should_exit = True
+
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """End every connection; those whose peer does not read are cut."""
+        for task in self._accepting:
+            task.cancel()
+        if self._accepting:
+            await asyncio.wait(self._accepting)
         loop = asyncio.get_running_loop()
         cut = loop.call_later(GRACE_S, self._cut)
         try:
@@ -109,10 +180,13 @@ async def serve(
     are answered. Raises ConfigError when the address cannot be had.
     """
     sock = listener or listen(host, port)
+    visitors = Visitors(most_connections())
     config = uvicorn.Config(
         app,
-        http="h11",
-        ws="websockets-sansio",
+        http=partial(BoundedHttp, visitors=visitors),  # type: ignore[arg-type]  # what makes one will do
+        ws=partial(BoundedWebSocket, visitors=visitors),  # type: ignore[arg-type]
+        timeout_keep_alive=KEEP_ALIVE_S,
+        h11_max_incomplete_event_size=LARGEST_HEADER_BYTES,
         ws_per_message_deflate=False,
         ws_max_size=LARGEST_MESSAGE_BYTES,
         ws_ping_interval=10,
@@ -123,7 +197,7 @@ async def serve(
         server_header=False,
         timeout_graceful_shutdown=2 * GRACE_S,  # type: ignore[arg-type]  # seconds, any number will do
     )
-    server = _Server(config)
+    server = _Server(config, visitors)
     url = url_of(sock)
     task = asyncio.create_task(server.serve([sock]), name="console")
     try:
@@ -133,6 +207,8 @@ async def serve(
         if started is not None and not task.done():
             started(url)
         await asyncio.shield(task)
+        if (failure := server.failure()) is not None:
+            raise failure
     except asyncio.CancelledError:
         server.should_exit = True
         await task

@@ -20,6 +20,7 @@ from typing import Any, Literal
 from app.runtime.clock import Clock
 from app.runtime.errors import ModuleFailed
 from app.runtime.graph import ModuleSlot
+from app.runtime.half_imports import forget_half_imports
 from app.runtime.load import MeteredCoroutine
 from app.runtime.progress import GivenTime, ProgressWatch
 from app.runtime.worker import ModuleWorker
@@ -135,14 +136,22 @@ class Supervisor:
             self._tasks[name] = asyncio.create_task(self._supervise(slot), name=f"supervise {name}")
 
     async def started(self) -> None:
-        """Wait until every module has begun to serve, or has failed to."""
-        while any(self.states[name].status in ("stopped", "starting") for name in self._tasks):
-            changed = asyncio.Event()
-            end = self.observe(lambda _, told=changed: told.set())  # type: ignore[misc]  # bound here, not later
-            try:
+        """Wait until every module has begun to serve, or has failed to once."""
+        waiting = {name for name in self._tasks if self.states[name].status in ("stopped", "starting")}
+        changed = asyncio.Event()
+
+        def note(state: ModuleState) -> None:
+            if state.status not in ("stopped", "starting"):
+                waiting.discard(state.name)
+                changed.set()
+
+        end = self.observe(note)
+        try:
+            while waiting:
+                changed.clear()
                 await changed.wait()
-            finally:
-                end()
+        finally:
+            end()
 
     async def stop_modules(self) -> None:
         """End every module's life, and wait until nothing of it runs (what does not end is left behind, as ever)."""
@@ -167,6 +176,8 @@ class Supervisor:
                 if run.serving_since is not None and self._clock.now() - run.serving_since >= TRUSTED_AFTER_S:
                     delay = FIRST_DELAY_S
                 log.error("%s %s: %s; restarting in %g s", slot.name, status, problem, delay)
+                if half := forget_half_imports():
+                    log.info("forgot %d modules of Python that a failed import left behind", len(half))
                 self._change(slot, status=status, problem=problem)
                 await self._clock.sleep(delay)
                 delay = min(2 * delay, LONGEST_DELAY_S)

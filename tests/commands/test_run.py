@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import queue
 import re
@@ -15,13 +16,16 @@ import urllib.request
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import cast
 
 import psutil
 import pytest
 
 from app import cli
-from app.commands.run import Stopping, login_url
+from app.commands.run import Stopping, login_url, serve_once_started
+from app.link import LinkFailed
 from app.robots.simulated.gl import check_gl
+from app.system import System
 from tests.patience import PATIENCE_S
 
 HBBA = Path(sys.executable).with_name("hbba")
@@ -67,6 +71,63 @@ def test_a_taken_port_is_one_sentence_and_nothing_starts(capsys: pytest.CaptureF
     assert error.startswith(f"hbba run: port {port} of 127.0.0.1 is taken")
     assert f"--port {port + 1}" in error
     assert error.count("\n") == 1
+
+
+class Program:
+    """A program whose modules start, and whose body is lost, when the test says so."""
+
+    def __init__(self) -> None:
+        self.supervisor = self
+        self.modules = asyncio.Event()
+        self.lost = asyncio.get_running_loop().create_future()
+
+    async def started(self) -> None:
+        await self.modules.wait()
+
+    async def wait_failed(self) -> Exception:
+        failure: Exception = await self.lost
+        return failure
+
+
+@pytest.fixture
+def not_punctual(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is for the life of a process is not for that of a test."""
+    monkeypatch.setattr("app.commands.run.be_punctual", lambda: None)
+
+
+@pytest.mark.usefixtures("not_punctual")
+async def test_nobody_is_served_before_the_modules_have_started() -> None:
+    program, serving = Program(), asyncio.Event()
+
+    async def serve() -> None:
+        serving.set()
+
+    running = asyncio.create_task(serve_once_started(cast(System, program), serve))
+    for _ in range(10):
+        await asyncio.sleep(0)
+    assert not serving.is_set()
+    program.modules.set()
+    await running
+    assert serving.is_set()
+
+
+@pytest.mark.usefixtures("not_punctual")
+@pytest.mark.parametrize("while_starting", [True, False])
+async def test_a_body_lost_ends_it_whatever_is_done(while_starting: bool) -> None:
+    program, serving = Program(), asyncio.Event()
+
+    async def serve() -> None:
+        serving.set()
+        await asyncio.Event().wait()
+
+    running = asyncio.create_task(serve_once_started(cast(System, program), serve))
+    if not while_starting:
+        program.modules.set()
+        await serving.wait()
+    program.lost.set_result(LinkFailed("the body is gone"))
+    with pytest.raises(LinkFailed, match="the body is gone"):
+        await running
+    assert serving.is_set() != while_starting
 
 
 class Running:

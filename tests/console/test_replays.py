@@ -13,8 +13,8 @@ from pathlib import Path
 import psutil
 import pytest
 
-from app.console.replay_process import TOKEN, command_line
 from app.console.replays import ReplayFailed, ReplayReplaced, Replays, reached_by
+from app.console.token import VARIABLE
 from tests.patience import PATIENCE_S
 
 #: Says where it is, who it is and what it was told, and stays.
@@ -186,13 +186,27 @@ async def test_a_killed_console_leaves_no_replay_behind(tmp_path: Path) -> None:
     assert await gone(replay)
 
 
-def test_the_token_goes_by_the_environment_alone() -> None:
-    environment = {TOKEN: "a long secret", "HOME": "/"}
-    assert command_line(["--port", "0", "--", "tour.mcap"], environment) == [
-        *("hbba", "replay", "--token", "a long secret", "--port", "0", "--", "tour.mcap")
-    ]
-    assert environment == {"HOME": "/"}
-    assert command_line(["tour.mcap"], environment) == ["hbba", "replay", "tour.mcap"]
+async def test_the_token_goes_by_the_environment_alone_and_the_names_by_the_arguments() -> None:
+    replays = Replays("127.0.0.1", "a-long-secret", ["robot.example", "robot.lan"])
+    replays.command = ("sh", "-c", f'echo "http://host/?${VARIABLE}" "$@"; exec sleep 60', "replay")
+    try:
+        url = await replays.start("tour", Path("tour.mcap"))
+        assert url == "http://host/?a-long-secret"
+        assert replays._child is not None
+        arguments = psutil.Process(replays._child._process.pid).cmdline()
+        assert "a-long-secret" not in " ".join(arguments)
+    finally:
+        await replays.close()
+
+
+async def test_a_replay_answers_to_the_names_of_this_console() -> None:
+    replays = Replays("127.0.0.1", None, ["robot.example", "robot.lan"])
+    replays.command = ("sh", "-c", 'shift 6; echo "http://host/$1/$2/$3/$4/$5 "; exec sleep 60', "replay")
+    try:
+        url = await replays.start("tour", Path("tour.mcap"))
+        assert url == "http://host/--host-name/robot.example/--host-name/robot.lan/--"
+    finally:
+        await replays.close()
 
 
 @pytest.mark.parametrize(

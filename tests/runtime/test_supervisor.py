@@ -1,16 +1,18 @@
 from __future__ import annotations
 
 import asyncio
+import importlib
 import itertools
 import logging
 import threading
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from app.messages import Twist
-from app.runtime.clock import VirtualClock, in_virtual_time, run_virtual
+from app.runtime.clock import RealClock, VirtualClock, in_virtual_time, run_virtual
 from app.runtime.errors import ModuleFailed
 from app.runtime.filter import CLOSED
 from app.runtime.graph import Graph
@@ -585,3 +587,47 @@ def test_a_module_is_hung_by_the_time_it_was_given(build: Build, make: Make, rat
         return early, "hung" if "hung" in seen else "running"
 
     assert run_virtual(scenario()) == ("running", "hung" if hung else "running")
+
+
+@in_virtual_time
+async def test_a_module_whose_first_start_failed_counts_as_started_though_it_is_restarted(build: Build) -> None:
+    bench = Bench(build)
+    bench.plan.fail_start = True
+    async with bench.supervisor:
+        await bench.supervisor.started()
+        assert bench.clock.now() == 1_000_000
+        assert bench.status == "failed"
+
+
+class Importer(Module):
+    """Computes with a package that it imports when it starts."""
+
+    async def start(self) -> None:
+        await self.compute(importlib.import_module, "half_imported")
+
+
+async def test_a_module_whose_import_failed_runs_after_a_restart(
+    build: Build, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What stays of a failed import would make every further one fail, in another way."""
+    package = tmp_path / "half_imported"
+    package.mkdir()
+    (package / "early.py").write_text("VALUE = 1\n")
+    (package / "late.py").write_text("raise OSError(24, 'Too many open files')\n")
+    (package / "__init__.py").write_text("import half_imported.early, half_imported.late\nhalf_imported.early.VALUE\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr("app.runtime.supervisor.FIRST_DELAY_S", 0.01)
+    graph = build({"Importer": (Importer, {}, {})}, {})
+    supervisor = Supervisor(graph.modules, RealClock())
+    seen = asyncio.Queue[ModuleState]()
+    supervisor.observe(seen.put_nowait)
+    async with supervisor:
+        while (state := await seen.get()).status != "failed":
+            pass
+        assert "Too many open files" in state.problem
+        await asyncio.to_thread((package / "late.py").write_text, "VALUE = 'a file of another size'\n")
+        # A start may have been on its way.
+        while (state := await seen.get()).status == "starting" or "Too many open files" in state.problem:
+            if state.status == "running":
+                break
+        assert state.status == "running", state.problem

@@ -76,10 +76,14 @@ def _channel_and_components() -> tuple[dict[str, Any], dict[str, Any], dict[str,
     return {"live": channel}, operations, components
 
 
-def description(host: str, *, secure: bool = False, token_needed: bool = False) -> dict[str, Any]:
-    """The AsyncAPI document of the console that is reached as ``host`` (name and port). The first takes a fifth of a
-    second: call it off the event loop."""
+def description(host: str, *, secure: bool = False, token_needed: bool = False, cookie: str = COOKIE) -> dict[str, Any]:
+    """The AsyncAPI document of the console that is reached as ``host`` (name and port) and calls its session ``cookie``.
+
+    The first takes a fifth of a second: call it off the event loop.
+    """
     channels, operations, components = _channel_and_components()
+    schemes = components["securitySchemes"]
+    components = components | {"securitySchemes": schemes | {"session": schemes["session"] | {"name": cookie}}}
     server: dict[str, Any] = {"host": host, "protocol": "wss" if secure else "ws"}
     if token_needed:
         server["security"] = [

@@ -30,6 +30,7 @@ _WORDS = {
     409: "It cannot be done now.",
     416: "The file has no such part.",
     422: "Something in the request is not allowed; `errors` says which field.",
+    429: "Too many wrong tokens came from this address; `Retry-After` says how many seconds to wait.",
     502: "What was started for it failed.",
     504: "The robot's body did not confirm it in time.",
     507: "The disk did not take it.",

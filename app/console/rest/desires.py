@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 DesireId = Annotated[str, Path(min_length=1, description="Id of the desire.", examples=["d-3f0c81a2b4"])]
 
+#: Of people and programs together. The robot's own motivations are not counted, nor kept from theirs.
+MOST_DESIRES = 1000
 OPERATOR_HEADER = "X-HBBA-Operator"
 #: For the OpenAPI description of what is done in somebody's name.
 IN_SOMEBODYS_NAME = {
@@ -55,6 +57,18 @@ def source_of(request: Request) -> Source:
     """Who asks: the operator that the page names, or a REST client."""
     name = request.headers.get(OPERATOR_HEADER)
     return Source("rest", "rest") if name is None else Source("operator", operator_name(name))
+
+
+def refuse_too_many(system: System) -> None:
+    """Raises Problem while as many desires stand that came over the console as may."""
+    asked = sum(desire.source.kind in ("operator", "rest") for desire in system.workspace.desires())
+    if asked >= MOST_DESIRES:
+        raise Problem(
+            409,
+            "too-many-desires",
+            f"{asked} desires came over the console and still stand; there may be {MOST_DESIRES}. Remove some, or give "
+            "them a ttl.",
+        )
 
 
 def desires_router(system: System) -> APIRouter:
@@ -84,7 +98,7 @@ def desires_router(system: System) -> APIRouter:
                 },
                 "links": DESIRE_LINKS,
             },
-            **problems(400, 422),
+            **problems(400, 409, 422),
         },
     )
     async def create_desire(
@@ -100,12 +114,14 @@ def desires_router(system: System) -> APIRouter:
     ) -> Response:
         """Attention weighs it at once: the intention that follows is on the live stream and in `GET /intention`.
 
-        A desire with a `ttl` expires by itself, so that a client that dies leaves nothing behind.
+        A desire with a `ttl` expires by itself, so that a client that dies leaves nothing behind. Refused while 1000
+        stand that came over the console.
         """
         body = new.model_dump(by_alias=True)
         if known := store.find(idempotency_key, body):
             headers = {"Location": known.location, "Idempotency-Replayed": "true"}
             return Json(known.body, status_code=201, headers=headers)
+        refuse_too_many(system)
         desire = workspace.add(
             new.cls,
             intensity=new.intensity,

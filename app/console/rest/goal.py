@@ -12,7 +12,7 @@ from app.console.goals import GO_TO, asked_here, withdraw
 from app.console.live.hub import Hub
 from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
-from app.console.rest.desires import IN_SOMEBODYS_NAME, source_of
+from app.console.rest.desires import IN_SOMEBODYS_NAME, refuse_too_many, source_of
 from app.console.rest.map_models import GoalModel, GoalRequest
 from app.console.rest.models import DesireModel
 from app.console.rest.routing import router as api_router
@@ -66,6 +66,8 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
         if goal.speed is not None:
             params["speed"] = goal.speed
         source = source_of(request)
+        if not asked_here(workspace):
+            refuse_too_many(system)
         with workspace.transaction():
             standing = asked_here(workspace)
             heard = workspace.strongest().get(GO_TO)

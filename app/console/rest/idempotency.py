@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,7 +20,7 @@ KEPT_FOR_S = 24 * 3600.0
 
 @dataclass(frozen=True, slots=True)
 class Remembered:
-    """The answer to a request: fingerprint of its body, its Location and body, and when it was given."""
+    """The answer to a request: a hash of its body, its Location and body, and when it was given."""
 
     fingerprint: bytes
     location: str
@@ -48,7 +49,7 @@ class IdempotencyStore:
         found = self._answers.get(key)
         if found is None or self._now() - found.stamp > KEPT_FOR_S:
             return None
-        if found.fingerprint != encode(body):
+        if found.fingerprint != _fingerprint(body):
             raise Problem(
                 422,
                 "idempotency-key-reused",
@@ -61,7 +62,11 @@ class IdempotencyStore:
         """Keep ``answer`` for repetitions of ``body`` under ``key``."""
         if key is None:
             return
-        self._answers[key] = Remembered(encode(body), location, answer, self._now())
+        self._answers[key] = Remembered(_fingerprint(body), location, answer, self._now())
         self._answers.move_to_end(key)
         while len(self._answers) > KEPT:
             self._answers.popitem(last=False)
+
+
+def _fingerprint(body: Any) -> bytes:
+    return hashlib.sha256(encode(body)).digest()

@@ -15,6 +15,7 @@ from app.console.driving import RECORDING
 from app.console.live.hub import Hub
 from app.console.playback import rate
 from app.console.problems import Problem
+from app.console.recordings import RecorderReport
 from app.console.rest.answers import Json, problems
 from app.console.rest.desires import IN_SOMEBODYS_NAME, source_of
 from app.console.rest.program_models import (
@@ -121,6 +122,7 @@ def _refuse_recording(hub: Hub) -> None:
 def program_router(system: System, hub: Hub) -> APIRouter:
     """Routes of ``/modules``, ``/channels`` and ``/health``."""
     router = api_router("program")
+    recorder = RecorderReport(system)
 
     @router.get("/modules", response_model=ModuleList, summary="Modules, their load and counters")
     async def list_modules() -> Response:
@@ -148,13 +150,16 @@ def program_router(system: System, hub: Hub) -> APIRouter:
 
     @router.get("/health", response_model=HealthModel, summary="Sign of life")
     async def get_health() -> Response:
-        """Open to all; `degraded` while a module does not run or the body is silent."""
+        """Open to all; `degraded` while a module does not run, the body is silent, or a recording has ended by itself,
+        until that is stopped (`POST /recordings/stop`) or another begins."""
         problems = [
             f"{state.name}: {state.status}" for state in system.supervisor.states.values() if state.status != "running"
         ]
         guard = reports.guard_json(hub.link_status, system.clock.now(), rate(system.clock))
         if guard["state"] in ("silent", "sensor_failure"):
             problems.append(guard["reason"])
+        if stopped := recorder.problem():
+            problems.append(stopped)
         status = "degraded" if problems else "ok"
         return Json({"status": status, "stamp": system.clock.now(), "problems": problems})
 

@@ -15,7 +15,7 @@ from app.console.problems import Problem
 from app.console.recordings import RecorderReport, record, withdraw
 from app.console.replays import ReplayFailed, ReplayReplaced, Replays, reached_by
 from app.console.rest.answers import BYTES, Json, problems
-from app.console.rest.desires import DESIRE_LINKS, IN_SOMEBODYS_NAME, source_of
+from app.console.rest.desires import DESIRE_LINKS, IN_SOMEBODYS_NAME, refuse_too_many, source_of
 from app.console.rest.download import MCAP, Download
 from app.console.rest.idempotency import KEY_LIMITS, IdempotencyStore
 from app.console.rest.models import DesireModel
@@ -109,6 +109,7 @@ def recordings_router(system: System, replays: Replays, played: FilePath | None 
                 f"A recording{running and f' ({running})'} is in progress, and would end: stop it first, with POST "
                 "/api/v1/recordings/stop.",
             )
+        refuse_too_many(system)
         desire = record(
             system,
             source_of(request),

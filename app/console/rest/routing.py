@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections import Counter
 from collections.abc import Callable, Coroutine
 from typing import Any
@@ -14,6 +15,9 @@ from starlette.responses import Response
 
 from app.console.problems import Problem
 from app.yaml_source import suggestion
+
+#: Pairs of these make one character; one alone is none, though JSON can say it.
+_ESCAPED_SURROGATE = re.compile(r"\\u[dD][89a-fA-F][0-9a-fA-F]{2}")
 
 
 def router(tag: str) -> APIRouter:
@@ -41,7 +45,8 @@ class _Route(APIRoute):
 
 
 class _StrictRequest(Request):
-    """Reads a body that says one thing twice as one that is malformed: which of both was meant, nobody knows."""
+    """Reads a body that says one thing twice as one that is malformed (which of both was meant, nobody knows), and one
+    with text that no answer could repeat."""
 
     async def json(self) -> Any:
         """The body's value. Raises json.JSONDecodeError."""
@@ -56,5 +61,26 @@ class _StrictRequest(Request):
                     raise json.JSONDecodeError(f"{name!r} stands twice in one object", body, max(second, 0))
                 return members
 
-            self._strict_json = json.loads(body, object_pairs_hook=member)
+            try:
+                value = json.loads(body, object_pairs_hook=member)
+            except RecursionError:
+                raise json.JSONDecodeError("it is nested too deeply", body, 0) from None
+            if (escaped := _ESCAPED_SURROGATE.search(body)) is not None and _has_half_characters(value):
+                raise json.JSONDecodeError("it holds half a character, which UTF-8 cannot write", body, escaped.start())
+            self._strict_json = value
         return self._strict_json
+
+
+def _has_half_characters(value: Any) -> bool:
+    """Whether any text in ``value``, names of members among it, holds a surrogate."""
+    waiting = [value]
+    while waiting:
+        match waiting.pop():
+            case str() as text:
+                if any("\ud800" <= character <= "\udfff" for character in text):
+                    return True
+            case dict() as members:
+                waiting.extend((*members, *members.values()))
+            case list() as values:
+                waiting.extend(values)
+    return False

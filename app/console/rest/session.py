@@ -5,39 +5,40 @@ from __future__ import annotations
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
-from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
 from app.console.rest.program_models import LoginRequest, SessionModel
 from app.console.rest.routing import router as api_router
-from app.console.security import COOKIE, Door, unauthorized
+from app.console.security import Door, cookie_fields, cookie_name
 
 
 def session_router(door: Door) -> APIRouter:
     """Routes of ``/session``."""
     router = api_router("session")
-    needed = door.cookie is not None
 
-    @router.get("/session", response_model=SessionModel, summary="May I?", responses=problems(401))
+    @router.get("/session", response_model=SessionModel, summary="May I?", responses=problems(401, 429))
     async def get_session(request: Request) -> Response:
         """Answers if this client may use the console; 401 where it must log in."""
-        if not door.knows(request.headers):
-            raise unauthorized()
-        return Json({"authenticated": True, "token_needed": needed})
+        if (refusal := door.refusal(request.scope)) is not None:
+            raise refusal
+        return Json({"authenticated": True, "token_needed": door.asks})
 
-    @router.post("/session", response_model=SessionModel, summary="Log in", responses=problems(400, 401, 422))
-    async def log_in(login: LoginRequest) -> Response:
-        """Sets a cookie that no script can read and no other site can use, until the browser is closed."""
-        if not door.opens_to(login.token):
-            raise Problem(401, "wrong-token", "This is not the token; it was printed when the console was started.")
-        answer = Json({"authenticated": True, "token_needed": needed})
-        if door.cookie is not None:
-            answer.set_cookie(COOKIE, door.cookie, httponly=True, samesite="strict", path="/")
+    @router.post("/session", response_model=SessionModel, summary="Log in", responses=problems(400, 401, 422, 429))
+    async def log_in(login: LoginRequest, request: Request) -> Response:
+        """Begins a session and sets its cookie, which no script can read and no other site can use, until the browser
+        is closed. The session is over when nothing was asked in it for 12 hours, at the logout, or with the console.
+        After five wrong tokens an address waits, longer with each further one."""
+        session = door.log_in(login.token, request.scope)
+        answer = Json({"authenticated": True, "token_needed": door.asks})
+        if session is not None:
+            answer.set_cookie(cookie_name(request.scope), session, **cookie_fields(request.scope))
         return answer
 
     @router.delete("/session", status_code=204, summary="Log out")
-    async def log_out() -> Response:
+    async def log_out(request: Request) -> Response:
+        """Ends this browser's session, and its WebSockets."""
+        door.log_out(request.scope)
         answer = Response(status_code=204)
-        answer.delete_cookie(COOKIE, httponly=True, samesite="strict", path="/")
+        answer.delete_cookie(cookie_name(request.scope), **cookie_fields(request.scope))
         return answer
 
     return router

@@ -6,6 +6,7 @@ to close them is not part of its public interface; all of that is in this file.
 
 from __future__ import annotations
 
+import asyncio
 import warnings
 from collections.abc import Callable
 from typing import Any
@@ -45,9 +46,12 @@ class ViewHost:
             live = sockets._live_connections[connection.client_id]
             viewer = self._admitted(live.remote_address[1])
             if viewer is None:
-                await live.close(1008, "connect through the console")
-            else:
-                self._viewers[connection.client_id] = viewer
+                # A close waits for the stranger to agree, and viser goes on with what came along with the handshake.
+                del sockets._live_connections[connection.client_id]
+                del sockets._client_state_from_id[connection.client_id]
+                live.transport.abort()
+                raise asyncio.CancelledError
+            self._viewers[connection.client_id] = viewer
 
         sockets.on_client_connect(admit)
 

@@ -7,7 +7,9 @@ viewers.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import importlib.util
+import logging
 import socket
 import time
 from collections.abc import Callable
@@ -27,6 +29,8 @@ PULSE_PERIOD_S = 0.25
 #: What a viewer may say to viser.
 FORWARDED = frozenset({"ViewerCameraMessage"})
 _PROTOCOL = "viser-v"
+
+log = logging.getLogger("hbba.view")
 
 _INJECTED = (Path(__file__).parent / "inject.html").read_text(encoding="utf-8")
 
@@ -175,6 +179,11 @@ async def _down(viser: ClientConnection, websocket: WebSocket, look: Look) -> No
             # How long it waited for room: what is sent now will arrive that much late.
             look.drain_s = max(time.monotonic() - began, 0.8 * look.drain_s)
         await websocket.close(1012)
+    except websockets.ConnectionClosedError as closed:
+        said = closed.rcvd or websockets.frames.Close(1012, "")
+        log.warning("viser ended the 3D view of %s: %s", look.viewer, closed)
+        with contextlib.suppress(WebSocketDisconnect):
+            await websocket.close(said.code, said.reason)
     except WebSocketDisconnect:
         return
 

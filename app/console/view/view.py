@@ -22,6 +22,7 @@ from app.console.way import COSTMAP, LOCALIZATION, MAP, ZONES, WayReport
 from app.geometry import Pose2
 from app.messages import JointState, Landmarks, LaserScan, OccupancyGrid, Odometry, PointCloud
 from app.pose_buffer import PoseBuffer
+from app.runtime.half_imports import forget_half_imports
 
 if TYPE_CHECKING:
     from app.replay.playback import Playback
@@ -134,6 +135,7 @@ class View:
                 "the 3D view failed: %s: %s; a reload of the page starts it anew", type(failure).__name__, failure
             )
             self._painter = self._port = None
+            forget_half_imports()
 
     # --- Who looks ---------------------------------------------------------------------------------------------------
 

@@ -429,3 +429,19 @@ async def test_a_replay_that_fails_says_why(client: httpx.AsyncClient, app: Fast
     app.state.replays.command = ("sh", "-c", "echo loading >&2; echo 'hbba replay: it holds no sensors' >&2; exit 2")
     refused = is_problem(await client.post("/recordings/tour/replay"), 502, "replay-failed")
     assert refused["detail"] == "tour cannot be replayed: it holds no sensors"
+
+
+async def test_the_health_tells_of_a_recording_that_ended_by_itself(
+    client: httpx.AsyncClient, recorder: ScriptedRecorder, system: System
+) -> None:
+    await client.post("/recordings", json={"name": "tour"})
+    await heard(system, "recording")
+    assert (await client.get("/health")).json()["problems"] == []
+    recorder.say("stopped", reason="the disk is full: 0.1 GB are free")
+    await heard(system, "stopped")
+    health = (await client.get("/health")).json()
+    assert health["status"] == "degraded"
+    assert health["problems"] == ["recording stopped: the disk is full: 0.1 GB are free"]
+    await client.post("/recordings/stop")
+    await heard(system, "idle")
+    assert (await client.get("/health")).json() | {"stamp": 0} == {"status": "ok", "stamp": 0, "problems": []}

@@ -9,6 +9,7 @@ from typing import Any
 import httpx
 import pytest
 
+from app.attention.desires import Source
 from app.console.rest import models, program_models
 from app.runtime.filter import CLOSED
 from app.system import System
@@ -286,7 +287,7 @@ async def test_the_description_is_whole_and_needs_nothing_from_elsewhere(client:
     assert {reference.rpartition("/")[2] for reference in references} <= names
     assert "HTTPValidationError" not in names
     create = document["paths"]["/api/v1/desires"]["post"]
-    assert set(create["responses"]) == {"201", "400", "401", "403", "411", "413", "421", "422"}
+    assert set(create["responses"]) == {"201", "400", "401", "403", "409", "413", "421", "422"}
     assert "application/problem+json" in create["responses"]["422"]["content"]
     page = await client.get("/docs")
     assert page.status_code == 200
@@ -334,3 +335,66 @@ async def test_a_time_that_is_none_is_refused(client: httpx.AsyncClient) -> None
         for value in ("nan", "inf", "-inf"):
             document = is_problem(await client.get("/timeline", params={name: value}), 422, "invalid-request")
             assert document["errors"][0]["field"] == f"query.{name}"
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        rb'{"class": "GoTo", "intensity": 1, "utility": 1, "params": {"\ud800": "a"}}',
+        rb'{"class": "GoTo", "intensity": 1, "utility": 1, "params": {"a": ["\udfff"]}}',
+        rb'{"class": "\uD800x", "intensity": 1, "utility": 1}',
+        rb'{"\udc00\ud800": 1}',
+        rb'"\ud800"',
+    ],
+)
+@pytest.mark.parametrize("path", ["/desires", "/session", "/recordings", "/map/zones"])
+async def test_half_a_character_is_no_json_here(client: httpx.AsyncClient, path: str, body: bytes) -> None:
+    """It cannot be written in UTF-8: neither in a log, nor in the answer that would name it."""
+    method = "PUT" if path == "/map/zones" else "POST"
+    headers = {"Content-Type": "application/json"}
+    response = await client.request(method, path, content=body, headers=headers)
+    problem = is_problem(response, 400, "malformed-json")
+    assert "half a character" in problem["detail"]
+
+
+async def test_two_halves_are_a_character(client: httpx.AsyncClient) -> None:
+    body = rb'{"class": "\ud83e\udd16", "intensity": 1, "utility": 1}'
+    response = await client.post("/desires", content=body, headers={"Content-Type": "application/json"})
+    assert "\U0001f916" in is_problem(response, 422, "unknown-desire-class")["detail"]
+
+
+async def test_what_is_nested_too_deeply_is_no_json_here(client: httpx.AsyncClient) -> None:
+    for body in (b"[" * 60_000, b'{"params": ' * 5_000 + b"1" + b"}" * 5_000):
+        response = await client.post("/desires", content=body, headers={"Content-Type": "application/json"})
+        assert "nested too deeply" in is_problem(response, 400, "malformed-json")["detail"]
+
+
+async def test_desires_over_the_console_have_a_bound_and_motivations_none(
+    client: httpx.AsyncClient, system: System, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.console.rest.desires.MOST_DESIRES", 3)
+    motivation = Source("motivation", "Curiosity")
+    for _ in range(3):
+        system.workspace.add("Telepresence", intensity=1, utility=1, source=motivation)
+    made = [await client.post("/desires", json=NEW, headers={"Idempotency-Key": str(n)}) for n in range(3)]
+    assert [answer.status_code for answer in made] == [201] * 3
+    refused = is_problem(await client.post("/desires", json=NEW), 409, "too-many-desires")
+    assert "there may be 3" in refused["detail"]
+    is_problem(await client.put("/goal", json={"x": 1, "y": 1}), 409, "too-many-desires")
+    again = await client.post("/desires", json=NEW, headers={"Idempotency-Key": "0"})
+    assert again.headers["idempotency-replayed"] == "true"
+    await client.delete(made[0].headers["location"].removeprefix("/api/v1"))
+    assert (await client.put("/goal", json={"x": 1, "y": 1})).status_code == 200
+    assert (await client.put("/goal", json={"x": 2, "y": 1})).status_code == 200
+    system.workspace.add("Telepresence", intensity=1, utility=1, source=motivation)
+
+
+async def test_what_a_path_of_its_own_takes_is_all_it_says(client: httpx.AsyncClient) -> None:
+    for path, allowed in (
+        ("/recordings/stop", "POST"),
+        ("/recordings/save", "POST"),
+        ("/recordings/tour", "DELETE, GET"),
+    ):
+        response = await client.options(path)
+        is_problem(response, 405, "method-not-allowed")
+        assert response.headers["allow"] == allowed

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import dataclasses
+import logging
 import math
 from collections.abc import AsyncIterator, Iterable
 from pathlib import Path
@@ -220,10 +221,51 @@ async def test_viser_takes_nobody_but_our_relay(url: str, view: View) -> None:
         proxy=None,
         close_timeout=1,
     ) as stranger:
-        with pytest.raises(websockets.ConnectionClosed) as closed:
+        with pytest.raises(websockets.ConnectionClosed):
             await stranger.recv()
-        assert closed.value.rcvd is not None
-        assert closed.value.rcvd.code == 1008
+
+
+async def test_what_a_stranger_sends_with_its_handshake_is_not_handled(url: str, view: View) -> None:
+    """A close would wait for the stranger, and what came along would be handled meanwhile."""
+    port = await view.port()
+    assert view._painter is not None
+    assert view._painter.host is not None
+    sockets = view._painter.host.server._websock_server
+    handled, loop = asyncio.Queue[float](), asyncio.get_running_loop()
+    sockets.register_handler(
+        _messages.ViewerCameraMessage, lambda _, message: loop.call_soon_threadsafe(handled.put_nowait, message.fov)
+    )
+    client = websockets.ClientProtocol(
+        websockets.uri.parse_uri(f"ws://127.0.0.1:{port}"), subprotocols=[websockets.Subprotocol(PROTOCOL)]
+    )
+    client.send_request(client.connect())
+    reader, writer = await asyncio.open_connection("127.0.0.1", port)
+    writer.writelines(client.data_to_send())
+    client.state = websockets.State.OPEN
+    client.send_binary(pack(dataclasses.replace(CAMERA, fov=0.7)))
+    writer.writelines(client.data_to_send())
+    with contextlib.suppress(ConnectionError):
+        assert b"101 Switching Protocols" in await reader.read()
+    writer.close()
+    async with looking(url) as viewer:  # by whose camera viser has come to what was sent before
+        await viewer.until(("GridMessage", "/odom/floor"))
+        await viewer.connection.send(pack(dataclasses.replace(CAMERA, fov=0.5)))
+        assert [await handled.get(), await handled.get()] == [1.0, 0.5]
+    assert len(sockets._client_state_from_id) == len(sockets._live_connections)
+
+
+async def test_a_page_of_another_viser_is_closed_with_one_line_in_the_log(
+    url: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with websockets.connect(
+        f"{url.replace('http', 'ws')}/viser", subprotocols=[websockets.Subprotocol("viser-v0.0.1")], proxy=None
+    ) as connection:
+        await connection.wait_closed()
+        assert connection.close_code == 1002
+        assert "Version mismatch" in (connection.close_reason or "")
+    said = [record for record in caplog.records if record.levelno >= logging.WARNING and "viser" in record.getMessage()]
+    assert len(said) == 1
+    assert not [record for record in caplog.records if record.exc_info]
 
 
 async def test_a_view_that_fails_is_told_closed_and_tried_anew(

@@ -1,0 +1,89 @@
+"""Who has logged in: sessions under random names, of which the program keeps a hash alone."""
+
+from __future__ import annotations
+
+import hashlib
+import secrets
+from collections import OrderedDict
+from collections.abc import Callable
+
+#: A session that nothing was asked in for so long is over; an open WebSocket of it counts as asking.
+LASTS_S = 12 * 3600.0
+#: Beyond, the one that was not used for longest gives way.
+MOST_SESSIONS = 200
+
+
+class Session:
+    """One login. ``used`` is when it was last shown (``now``: the clock of :class:`Sessions`)."""
+
+    def __init__(self, now: Callable[[], float]) -> None:
+        self.used = now()
+        self._now = now
+        self._held: dict[object, Callable[[], None]] = {}
+
+    @property
+    def held(self) -> bool:
+        """Whether a connection of it is open."""
+        return bool(self._held)
+
+    def hold(self, end: Callable[[], None]) -> Callable[[], None]:
+        """A connection of it opens, which ``end`` closes when the session ends; returns what notes that it closed."""
+        key = object()
+        self._held[key] = end
+
+        def release() -> None:
+            self._held.pop(key, None)
+            self.used = self._now()
+
+        return release
+
+    def close(self) -> None:
+        """End every connection of it."""
+        held, self._held = self._held, {}
+        for end in held.values():
+            end()
+
+
+class Sessions:
+    """All sessions; ``now`` gives seconds of any steady clock."""
+
+    def __init__(self, now: Callable[[], float]) -> None:
+        self._now = now
+        self._sessions: OrderedDict[bytes, Session] = OrderedDict()
+
+    def __len__(self) -> int:
+        return len(self._sessions)
+
+    def begin(self) -> str:
+        """A new session; returns its name, which only the browser that logged in is given."""
+        name = secrets.token_urlsafe(32)
+        self._sessions[_key(name)] = Session(self._now)
+        while len(self._sessions) > MOST_SESSIONS:
+            self._sessions.popitem(last=False)[1].close()
+        return name
+
+    def find(self, name: str | None) -> Session | None:
+        """The session of this name, which counts as used from now; None where there is none, or not any more."""
+        if not name:
+            return None
+        key, now = _key(name), self._now()
+        session = self._sessions.get(key)
+        if session is None:
+            return None
+        if now - session.used > LASTS_S and not session.held:
+            del self._sessions[key]
+            return None
+        session.used = now
+        self._sessions.move_to_end(key)
+        return session
+
+    def end(self, name: str | None) -> None:
+        """End the session of this name, and every connection of it."""
+        session = self._sessions.pop(_key(name), None) if name else None
+        if session is not None:
+            session.close()
+
+
+def _key(name: str) -> bytes:
+    # A name has 256 random bits: a plain hash cannot be searched.
+    return hashlib.sha256(name.encode("utf-8", "surrogateescape")).digest()

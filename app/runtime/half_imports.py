@@ -1,0 +1,30 @@
+"""What a failed import leaves behind, and how it is forgotten, so that the next try can succeed.
+
+Python forgets a package whose import failed, but keeps those of its modules that were imported already. The next import
+finds these, does not tie them to the new package, and fails in another way for as long as the process lives:
+"partially initialized module 'numba.core.types' has no attribute 'misc'".
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+
+
+def forget_half_imports() -> list[str]:
+    """Forget all imported modules that a package above them is missing of; returns their names.
+
+    May be called in any thread, whatever others import: a package that is being imported is there.
+    """
+    names = set(sys.modules)
+    half = sorted(name for name in names if any(above not in names for above in _above(name)))
+    for name in half:
+        sys.modules.pop(name, None)
+    if half:
+        importlib.invalidate_caches()
+    return half
+
+
+def _above(name: str) -> list[str]:
+    parts = name.split(".")
+    return [".".join(parts[:end]) for end in range(1, len(parts))]
