@@ -77,7 +77,7 @@ def _channel_and_components() -> tuple[dict[str, Any], dict[str, Any], dict[str,
 
 
 def description(host: str, *, secure: bool = False, token_needed: bool = False, cookie: str = COOKIE) -> dict[str, Any]:
-    """The AsyncAPI document of the console that is reached as ``host`` (name and port) and calls its session ``cookie``.
+    """The AsyncAPI document of the console reached as ``host`` (name and port), whose session's cookie is ``cookie``.
 
     The first takes a fifth of a second: call it off the event loop.
     """
