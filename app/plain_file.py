@@ -41,7 +41,7 @@ def check_plain(path: Path | str) -> None:
 
 
 def read_plain(path: Path | str, most: int) -> bytes:
-    """The content of the regular file ``path``. Raises OSError as :func:`open_plain`, and for more than ``most`` bytes."""
+    """The content of the regular file ``path``. Raises OSError as :func:`open_plain`, and for over ``most`` bytes."""
     with open_plain(path) as file:
         # One more than may be: a file of /proc says that it is empty, and one may grow while it is read.
         size = os.fstat(file.fileno()).st_size

@@ -329,6 +329,19 @@ async def test_what_is_said_twice_is_not_guessed_at(client: httpx.AsyncClient, s
     assert system.workspace.desires() == ()
 
 
+@pytest.mark.parametrize("value", ["9" * 5_000, "-" + "9" * 300, "[" * 900 + "]" * 900, "[" * 20_000 + "]" * 20_000])
+async def test_a_body_beyond_all_bounds_is_refused(value: str, client: httpx.AsyncClient, system: System) -> None:
+    headers = {"Content-Type": "application/json"}
+    for key in ("utility", "params"):
+        body = f'{{"class": "Telepresence", "{key}": {value}}}'
+        document = is_problem(
+            await client.post("/desires", content=body.encode(), headers=headers), 422, "invalid-request"
+        )
+        assert document["errors"][0]["field"] == "body"
+        assert "digits" in document["detail"] or "nested too deeply" in document["detail"]
+    assert system.workspace.desires() == ()
+
+
 async def test_a_time_that_is_none_is_refused(client: httpx.AsyncClient) -> None:
     for name in ("since", "until"):
         for value in ("nan", "inf", "-inf"):
