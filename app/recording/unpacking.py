@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable
+from contextlib import suppress
 from typing import TypeAlias
 
 import lz4.frame  # type: ignore[import-untyped]
@@ -33,6 +34,10 @@ _UNKNOWN = zstandard.CONTENTSIZE_UNKNOWN
 _WORD = struct.Struct("<I")
 
 
+#: What walking through a frame that is none raises; RuntimeError is lz4's.
+NO_FRAME = (struct.error, zstandard.ZstdError, RuntimeError)
+
+
 class TooMuch(LogError):
     """Packed data that unpacks to more than is read; the message is for people, its subject the data."""
 
@@ -43,17 +48,23 @@ def check_unpacked(packed: Packed, size: int, compression: str, declared: int, m
     ``declared`` is what stands beside them as their unpacked size (bytes). Damage is let pass: the library will say so.
     """
     bound = declared
-    try:
-        if compression == "zstd":
-            bound = max(bound, _zstd(packed, size, most))
-        elif compression == "lz4":
-            bound = max(bound, _lz4(packed, size, most))
-        else:
-            bound = max(bound, size)
-    except (struct.error, zstandard.ZstdError, RuntimeError):  # no frame: nothing comes out of it
-        pass
+    with suppress(*NO_FRAME):  # no frame: nothing comes out of it
+        bound = max(bound, unpacked_size(packed, size, compression, most))
     if bound > most:
         raise TooMuch(f"may unpack to {amount(bound)}; at most {amount(most)} are unpacked")
+
+
+def unpacked_size(packed: Packed, size: int, compression: str, most: int) -> int:
+    """A bound (bytes) of what ``size`` bytes of ``packed`` unpack to, or, over ``most``, of a part of it.
+
+    Raises one of ``NO_FRAME`` where it is no frame.
+    """
+    match compression:
+        case "zstd":
+            return _zstd(packed, size, most)
+        case "lz4":
+            return _lz4(packed, size, most)
+    return size
 
 
 def amount(size: int) -> str:
