@@ -11,7 +11,7 @@ from rosbags.interfaces import Connection
 from app.geometry import Pose3
 from app.messages import Image, JointState, LaserScan, Odometry
 from app.recording.foreign import ros_messages as ros
-from app.recording.foreign.remap import Remap, RemapError
+from app.recording.foreign.remap import Remap, Undecided
 from app.recording.foreign.ros_camera import Calibration, PinholeCamera
 from app.recording.foreign.ros_open import DAMAGE, opened, words
 from app.recording.foreign.ros_stream import Received, RosStream, Setting, add_transforms, is_static
@@ -26,6 +26,7 @@ from app.recording.foreign.ros_topics import (
     FromTf,
     FromTopic,
     Topic,
+    described,
     guessed,
     ignored,
     message_type,
@@ -86,7 +87,7 @@ class RosBag:
             try:
                 self._channels = remapped(topics, remap) if remap and remap.channels else guessed(topics, found)
             except Ambiguous as doubt:
-                raise RemapError(f"{path}: {doubt}") from None
+                raise Undecided(f"{path}: {doubt}", self._undecided(topics)) from None
             if not self._channels:
                 kinds = sorted({topic.type for topic in topics}) or ["nothing"]
                 raise LogError(f"{path}: has no topic that becomes a channel; it holds {', '.join(kinds)}")
@@ -256,14 +257,26 @@ class RosBag:
         return max(self._reader.end_time - 1 - self._reader.start_time, 0) / SECOND
 
     def _described(self, topics: list[Topic], notes: list[str], *, chosen: bool) -> LogInfo:
-        counts = {topic.name: topic.count for topic in topics}
         channels = {}
+        counts = {topic.name: topic.count for topic in topics}
         for name, source in self._channels.items():
             of = used_by(source)[:1] or [topic for topic in self._tf if not is_static(topic)]
             count = sum(counts[topic] for topic in of)
             rate = (count - 1) / self._duration_s if count > 1 and self._duration_s > 0 else None
             channels[name] = LoggedChannel(name, message_type(source), count, rate)
-        empty = not any(counts.values())
+        return self._told(topics, channels, ignored(topics, self._channels, chosen), tuple(notes))
+
+    def _undecided(self, topics: list[Topic]) -> LogInfo:
+        return self._told(topics, {}, {topic.name: described(topic) for topic in topics}, ())
+
+    def _told(
+        self,
+        topics: list[Topic],
+        channels: dict[str, LoggedChannel],
+        reasons: Mapping[str, str],
+        notes: tuple[str, ...],
+    ) -> LogInfo:
+        empty = not any(topic.count for topic in topics)
         return LogInfo(
             self._path,
             "ROS 2 bag" if self._reader.is2 else "ROS 1 bag",
@@ -271,8 +284,8 @@ class RosBag:
             0.0 if empty else from_ns(self._reader.end_time - 1),
             channels,
             _size(self._path),
-            ignored(topics, self._channels, chosen),
-            tuple(notes),
+            reasons,
+            notes,
         )
 
 
