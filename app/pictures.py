@@ -56,7 +56,7 @@ def declared_size(data: bytes | memoryview) -> tuple[int, int] | None:
             case "JPEG":
                 return _jpeg(view)
             case "PNG":
-                return struct.unpack_from(">II", view, 16) if view[12:16] == b"IHDR" else None
+                return struct.unpack_from(">II", view, 16) if bytes(view[12:16]) == b"IHDR" else None
             case "WebP":
                 return _webp(view)
             case "BMP":
@@ -78,7 +78,7 @@ def decoded(data: bytes | NDArray[np.uint8], flags: int, most: int = MOST_PIXELS
     Raises TooLarge, before it is decoded, for more than ``most`` pixels.
     """
     array = np.frombuffer(data, np.uint8) if isinstance(data, bytes) else np.ascontiguousarray(data)
-    size = declared_size(memoryview(array)) if array.size else None
+    size = declared_size(array.data) if array.size else None
     if size is None:
         return None
     width, height = size
@@ -132,7 +132,7 @@ def _bmp(view: memoryview) -> tuple[int, int]:
 
 
 def _tiff(view: memoryview) -> tuple[int, int] | None:
-    order = "<" if view[:2] == b"II" else ">"
+    order = "<" if bytes(view[:2]) == b"II" else ">"
     (at,) = struct.unpack_from(f"{order}I", view, 4)
     (count,) = struct.unpack_from(f"{order}H", view, at)
     found: dict[int, int] = {}

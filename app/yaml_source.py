@@ -210,7 +210,7 @@ def _check_extent(text: str, file: str) -> None:
             event = parser.get_event()
             match event:
                 case yaml.AliasEvent():
-                    count += sizes.get(event.anchor, 1)
+                    count += sizes.get(str(event.anchor), 1)
                 case yaml.CollectionStartEvent():
                     around.append((event.anchor, count))
                     count += 1

@@ -26,7 +26,7 @@ def shown_png(grid: OccupancyGrid) -> bytes:
     """PNG, 8-bit grey, as people draw maps: free white, occupied black, unknown grey. Its top row has the greatest
     y.
     """
-    return _png(cv2.LUT(grid.cells.view(np.uint8), _SHADES)[::-1])
+    return _png(np.asarray(cv2.LUT(grid.cells.view(np.uint8), _SHADES), np.uint8)[::-1])
 
 
 def _png(pixels: NDArray[np.uint8]) -> bytes:

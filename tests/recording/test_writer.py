@@ -162,11 +162,10 @@ def test_a_disk_that_stays_too_slow_ends_the_recording_with_a_reason_and_the_fil
     disk = Disk()
     disk.unblock.clear()
     writer = file_writer(tmp_path, Limits(queue_messages=100, too_slow_after_s=2.0), disk)
+    assert disk.met.wait(60)
     for i in range(400):
         writer.put(BEGIN + i / 100, "odometry", odometry(BEGIN + i / 100))
-    assert re.match(
-        r"the disk is too slow: \d+ messages found no room within 2\.0 s; record to a faster", writer.reason
-    )
+    assert re.match(r"the disk is too slow: \d+ messages found no room within 2\.0 s; record to a", writer.reason)
     dropped = writer.dropped
     writer.put(BEGIN + 5, "odometry", odometry(BEGIN + 5))
     assert writer.dropped == dropped  # it is over: what comes now is nobody's loss

@@ -190,19 +190,22 @@ def _check_room(folder: Path, names: object) -> None:
     free = max(0, shutil.disk_usage(tempfile.gettempdir()).free - _LEFT_FREE)
     for name in names if isinstance(names, list) else ():
         path = folder / PurePath(str(name)).name
-        with open_plain(path) as file:
-            number = file.fileno()
-            size = os.fstat(number).st_size
-            try:
-                total += unpacked_size(
-                    lambda begin, end, number=number: os.pread(number, end - begin, begin), size, "zstd", free
-                )
-            except NO_FRAME:
-                continue  # rosbags will say so
+        total += _unpacked_file(path, free)
         if total > free:
             raise LogError(
                 f"{path}: may unpack to {amount(total)}; {tempfile.gettempdir()} has room for {amount(free)}"
             )
+
+
+def _unpacked_file(path: Path, most: int) -> int:
+    """A bound (bytes) of what the packed file unpacks to, or, over ``most``, of a part of it; 0 for damage."""
+    with open_plain(path) as file:
+        number = file.fileno()
+        size = os.fstat(number).st_size
+        try:
+            return unpacked_size(lambda begin, end: os.pread(number, end - begin, begin), size, "zstd", most)
+        except NO_FRAME:
+            return 0  # rosbags will say so
 
 
 def _unpacked_zstd(data: bytes) -> bytes:
