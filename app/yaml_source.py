@@ -2,16 +2,18 @@
 
 Scalars follow the YAML 1.2 core schema: ``off``, ``no`` and ``12:30`` are strings and ``1e3`` is a number, where YAML
 1.1 would have made them False, False, 750 and a string. A key given twice is an error.
+
+Whoever wrote the text, reading it takes bounded time and memory: its size, its depth, the number of its values and the
+digits of a number are limited, and a value that an alias repeats counts as often as it is repeated.
 """
 
 from __future__ import annotations
 
-import contextlib
 import difflib
 import json
 import re
 import types
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
@@ -21,6 +23,8 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from app.errors import ConfigError
+from app.json_source import DEEPEST, MOST_DIGITS
+from app.plain_file import megabytes, read_plain
 
 KeyPath = tuple[str | int, ...]
 ModelT = TypeVar("ModelT", bound=BaseModel)
@@ -40,6 +44,12 @@ _LIBRARYS_WORDS = re.compile(r"^(Input|Value|String|List|Tuple|Dictionary) (?=sh
 #: A longer value is not repeated whole.
 _LONGEST = 80
 
+#: A file has no more bytes than these,
+MOST_BYTES = 10_000_000
+#: and no more names and values, however few of them it writes out beside its aliases (700 bytes of memory each or so).
+MOST_VALUES = 500_000
+#: The slow loader says more of a mistake; it is asked about no longer text than this.
+_EXPLAINED = 1_000_000
 
 #: Scalars of YAML 1.2's core schema: tag, pattern, and with what it can begin.
 _SCALARS = (
@@ -63,24 +73,43 @@ class _QuickLoader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: igno
     """The same by libyaml, where PyYAML has it: a tenth of the time."""
 
 
-#: libyaml's loader calls itself without a limit: it gets no more opening brackets, and no longer line, than these.
-_MOST_BRACKETS = 2_000
-_LONGEST_LINE = 2_000
-
-
-def _construct_int(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> int:
-    return _int(str(loader.construct_scalar(node)))
+def _construct_scalar(loader: yaml.SafeLoader, node: yaml.Node) -> Any:
+    """A scalar of the core schema. Raises yaml's ConstructorError for one whose tag says what it is not."""
+    if not isinstance(node, yaml.ScalarNode) or not _PATTERNS[node.tag].match(node.value):
+        kind = node.tag.rpartition(":")[2]
+        raise yaml.constructor.ConstructorError(None, None, f"what is tagged !!{kind} is none", node.start_mark)
+    return _CONSTRUCT[node.tag](node.value)
 
 
 def _int(text: str) -> int:
     return int(text, 16) if "x" in text else int(text)  # a leading 0 is decimal in YAML 1.2, octal in 1.1
 
 
+def _float(text: str) -> float:
+    return float(text.replace(".inf", "inf").replace(".nan", "nan"))
+
+
+_TAG = "tag:yaml.org,2002:"
+_INT, _MERGE = f"{_TAG}int", f"{_TAG}merge"
+_PATTERNS = {_TAG + name: re.compile(pattern) for name, pattern, _ in _SCALARS}
+_CONSTRUCT: dict[str, Callable[[str], Any]] = {
+    f"{_TAG}null": lambda text: None,
+    f"{_TAG}bool": lambda text: text.lower() == "true",
+    _INT: _int,
+    f"{_TAG}float": lambda text: _float(text.lower()),
+}
 for _loader in (_CoreLoader, _QuickLoader):
     _loader.yaml_implicit_resolvers = {}
-    for _tag, _pattern, _first in _SCALARS:
-        _loader.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(_pattern), _first)
-    _loader.add_constructor("tag:yaml.org,2002:int", _construct_int)
+    for _name, _pattern, _first in _SCALARS:
+        _loader.add_implicit_resolver(_TAG + _name, re.compile(_pattern), _first)
+    # No date, set or bytes: what comes of a file is what JSON knows.
+    _loader.yaml_constructors = {
+        tag: construct
+        for tag, construct in _loader.yaml_constructors.items()
+        if tag is None or tag.removeprefix(_TAG) in ("str", "seq", "map")
+    }
+    for _tag in _CONSTRUCT:
+        _loader.add_constructor(_tag, _construct_scalar)
 
 
 @dataclass(frozen=True)
@@ -133,7 +162,7 @@ class Document:
 def load_yaml(path: Path | str) -> Document:
     """Read a YAML or JSON file. Raises ConfigError if it cannot be read or is no such file."""
     try:
-        text = Path(path).read_text(encoding="utf-8")
+        text = read_plain(path, MOST_BYTES).decode("utf-8")
     except OSError as failure:
         raise ConfigError(f"cannot be read: {failure.strerror or failure}", str(path)) from None
     except UnicodeDecodeError:
@@ -142,26 +171,76 @@ def load_yaml(path: Path | str) -> Document:
 
 
 def load_text(text: str, file: str) -> Document:
-    """Read YAML or JSON from ``text``; ``file`` is its name in errors (for example "<standard input>")."""
+    """Read YAML or JSON from ``text``; ``file`` is its name in errors (for example "<standard input>").
+
+    Raises ConfigError for what is neither, and for more than ``MOST_BYTES``, ``MOST_VALUES``, ``DEEPEST`` or
+    ``MOST_DIGITS``.
+    """
+    if len(text) > MOST_BYTES:
+        raise ConfigError(f"has more than {megabytes(MOST_BYTES)}, the most that is read", file)
     if "\t" in text and _is_json(text):
         text = text.replace("\t", " ")  # legal white space in JSON, not in YAML
     try:
-        if _is_flat(text):
-            with contextlib.suppress(yaml.YAMLError):  # the other loader says more of what is wrong
-                return _loaded(_QuickLoader, text, file)
-        return _loaded(_CoreLoader, text, file)
+        try:
+            _check_extent(text, file)
+            return _loaded(_QuickLoader, text, file)
+        except yaml.YAMLError:
+            if len(text) > _EXPLAINED:
+                raise
+            return _loaded(_CoreLoader, text, file)
     except yaml.MarkedYAMLError as failure:
         mark = failure.problem_mark or failure.context_mark
         problem = failure.problem or failure.context or "is not YAML"
         raise ConfigError(f"is not valid YAML: {problem}", file, mark.line + 1 if mark else 0) from None
     except yaml.YAMLError as failure:
         raise ConfigError(f"is not valid YAML: {str(failure).splitlines()[0]}", file) from None
-    except RecursionError:
-        raise ConfigError("is nested too deeply to be read", file) from None
+
+
+def _check_extent(text: str, file: str) -> None:
+    """Raise ConfigError for a text that would become too much, before anything is made of it; YAMLError for none.
+
+    Neither the parser nor this calls itself, so that no depth harms them. Loaders do, and libyaml's without a limit.
+    """
+    parser = _QuickLoader(text)
+    count = 0
+    sizes: dict[str, int] = {}
+    around: list[tuple[str | None, int]] = []
+    try:
+        while parser.check_event():
+            event = parser.get_event()
+            match event:
+                case yaml.AliasEvent():
+                    count += sizes.get(str(event.anchor), 1)
+                case yaml.CollectionStartEvent():
+                    around.append((event.anchor, count))
+                    count += 1
+                case yaml.CollectionEndEvent():
+                    anchor, before = around.pop()
+                    if anchor is not None:
+                        sizes[anchor] = count - before
+                case yaml.ScalarEvent():
+                    count += 1
+                case _:
+                    continue
+            if len(around) > DEEPEST:
+                raise ConfigError(
+                    f"is nested too deeply: values lie at most {DEEPEST} deep within others",
+                    file,
+                    event.start_mark.line + 1,
+                )
+            if count > MOST_VALUES:
+                raise ConfigError(
+                    f"has more than {MOST_VALUES:,} names and values up to here, the most that are read; what an alias"
+                    " (*name) stands for counts each time",
+                    file,
+                    event.start_mark.line + 1,
+                )
+    finally:
+        parser.dispose()
 
 
 def _loaded(kind: type[_CoreLoader] | type[_QuickLoader], text: str, file: str) -> Document:
-    """Raises YAMLError, ConfigError, and RecursionError where values lie too deep within others."""
+    """Raises YAMLError and ConfigError. For texts that :func:`_check_extent` let pass, or that are no YAML."""
     loader = kind(text)
     try:
         node = loader.get_single_node()
@@ -172,12 +251,6 @@ def _loaded(kind: type[_CoreLoader] | type[_QuickLoader], text: str, file: str) 
         return Document(loader.construct_document(node), file, lines)
     finally:
         loader.dispose()
-
-
-def _is_flat(text: str) -> bool:
-    """Whether no value can lie deep within others: each bracket is one level at most, each column of a line two."""
-    brackets = text.count("[") + text.count("{")
-    return brackets <= _MOST_BRACKETS and max(map(len, text.splitlines()), default=0) <= _LONGEST_LINE
 
 
 def parse(path: Path | str, model: type[ModelT]) -> ModelT:
@@ -242,8 +315,8 @@ def _told(given: object) -> str:
 
 def _is_json(text: str) -> bool:
     try:
-        json.loads(text)
-    except ValueError:
+        json.loads(text, parse_int=len)  # of its numbers nothing is wanted, and long ones would not be made
+    except (ValueError, RecursionError):
         return False
     return True
 
@@ -255,19 +328,21 @@ def _walk(node: yaml.Node, path: KeyPath, lines: dict[KeyPath, int], file: str, 
     if node in above:
         raise ConfigError("a value contains itself", file, line, dotted(path))
     inside = (*above, node)
-    if isinstance(node, yaml.SequenceNode):
+    if node.tag == _INT and isinstance(node, yaml.ScalarNode):
+        _check_digits(node, file, path)
+    elif isinstance(node, yaml.SequenceNode):
         for index, item in enumerate(node.value):
             _walk(item, (*path, index), lines, file, inside)
     elif isinstance(node, yaml.MappingNode):
         seen: set[Any] = set()
         merged: list[yaml.Node] = []
         for key_node, value_node in node.value:
-            if key_node.tag == "tag:yaml.org,2002:merge":
+            if key_node.tag == _MERGE:
                 merged.append(value_node)
                 continue
             if not isinstance(key_node, yaml.ScalarNode):
                 raise ConfigError("a key must be a word or a number", file, key_node.start_mark.line + 1, dotted(path))
-            key: str | int = _int(key_node.value) if key_node.tag.endswith(":int") else key_node.value
+            key = _key(key_node, file, path)
             here = (*path, key)
             if key in seen:
                 raise ConfigError(
@@ -279,6 +354,23 @@ def _walk(node: yaml.Node, path: KeyPath, lines: dict[KeyPath, int], file: str, 
         for value_node in merged:
             for source in value_node.value if isinstance(value_node, yaml.SequenceNode) else [value_node]:
                 _walk(source, path, lines, file, inside)
+
+
+def _key(node: yaml.ScalarNode, file: str, path: KeyPath) -> str | int:
+    if node.tag != _INT or not _PATTERNS[_INT].match(node.value):
+        return str(node.value)
+    _check_digits(node, file, path)
+    return _int(node.value)
+
+
+def _check_digits(node: yaml.ScalarNode, file: str, path: KeyPath) -> None:
+    if len(node.value) > MOST_DIGITS:
+        raise ConfigError(
+            f"a number has {len(node.value)} digits; at most {MOST_DIGITS} are read",
+            file,
+            node.start_mark.line + 1,
+            dotted(path),
+        )
 
 
 def _model_at(model: type[BaseModel], location: Sequence[str | int]) -> type[BaseModel] | None:

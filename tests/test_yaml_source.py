@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -141,7 +142,6 @@ def test_dotted() -> None:
 @pytest.mark.parametrize("path", sorted(paths.config_dir().rglob("*.yaml")), ids=lambda path: path.name)
 def test_both_loaders_read_the_programs_own_files_alike(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
-    assert yaml_source._is_flat(text)
     quick, plain = (
         yaml_source._loaded(loader, text, path.name) for loader in (yaml_source._QuickLoader, yaml_source._CoreLoader)
     )
@@ -165,7 +165,111 @@ def test_both_loaders_read_anything_alike(data: Any, flow: bool) -> None:
     assert quick.lines == plain.lines
 
 
-@pytest.mark.parametrize("text", ["[" * 100_000, "- " * 100_000 + "1", "{a: " * 1_500 + "1" + "}" * 1_500])
+@pytest.mark.parametrize(
+    "text", ["[" * 100_000, "- " * 100_000 + "1", "{a: " * 1_500 + "1" + "}" * 1_500, "[" * 100_000 + "#\t"]
+)
 def test_what_is_nested_too_deeply_is_refused_and_ends_nothing(text: str) -> None:
-    with pytest.raises(ConfigError, match="nested too deeply"):
+    with pytest.raises(ConfigError, match="nested too deeply: values lie at most 64 deep"):
         load_text(text, "it")
+
+
+def test_as_deep_as_may_be_is_read() -> None:
+    data = load_text("[" * 64 + "]" * 64, "it").data
+    for _ in range(63):
+        (data,) = data
+    assert data == []
+
+
+BOMBS = {
+    "lists": ["a0: &a0 [x, x, x, x, x, x, x, x, x, x]"]
+    + [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]" for i in range(1, 12)],
+    "mappings": ["a0: &a0 {k: x}"] + [f"a{i}: &a{i} {{l: *a{i - 1}, r: *a{i - 1}}}" for i in range(1, 40)],
+    "merged": ["a0: &a0 {k: x}"] + [f"a{i}: &a{i} {{<<: [*a{i - 1}, *a{i - 1}, *a{i - 1}]}}" for i in range(1, 30)],
+    "nested": ["&a0 x"] + [f"[&a{i} [*a{i - 1}, *a{i - 1}]]" for i in range(1, 50)],
+}
+
+
+@pytest.mark.parametrize("kind", BOMBS)
+def test_a_few_bytes_of_aliases_do_not_become_a_mountain(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    lines = [f"- {line}" if kind == "nested" else line for line in BOMBS[kind]]
+
+    def never(*_: object) -> None:
+        raise AssertionError("something was made of it")
+
+    monkeypatch.setattr(yaml_source, "_loaded", never)
+    with pytest.raises(ConfigError, match=r"500,000 names and values .* alias \(\*name\) stands for counts") as refusal:
+        load_text("\n".join(lines), "it")
+    assert 1 < refusal.value.line <= len(lines)
+
+
+def test_aliases_within_reason_are_read() -> None:
+    lines = [*BOMBS["mappings"][:12], "desires: [*a11, *a11]"]
+    found = load_text("\n".join(lines), "it").data["desires"][1]
+    for side in "lrlrlrlrlrl":
+        found = found[side]
+    assert found == {"k": "x"}
+
+
+def test_a_text_of_too_many_values_is_refused_before_anything_is_made_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(yaml_source, "_loaded", None)
+    with pytest.raises(ConfigError, match="it:2: has more than 500,000 names and values"):
+        load_text("a: 1\nb: [" + "x," * 500_000 + "]\n", "it")
+
+
+def test_a_file_that_is_too_large_is_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "large.yaml"
+    with path.open("wb") as file:
+        file.truncate(1 << 40)
+    with pytest.raises(ConfigError, match="more than 10 MB, the most that is read"):
+        load_yaml(path)
+    with pytest.raises(ConfigError, match="more than 10 MB"):
+        load_text("#" * 10_000_001, "it")
+
+
+def test_a_pipe_in_a_files_place_is_refused_and_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "map.yaml")
+    with pytest.raises(ConfigError, match="cannot be read: is a pipe, no regular file"):
+        load_yaml(tmp_path / "map.yaml")
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("a: 1\nrobot: " + "9" * 5_000, 2),
+        ("- -0x" + "f" * 5_000, 1),
+        ("a: 1\n? " + "9" * 5_000 + "\n: x", 2),
+        ('{"a":\n\t' + "9" * 5_000 + "}", 2),
+    ],
+)
+def test_a_number_of_thousands_of_digits_is_told(text: str, line: int) -> None:
+    with pytest.raises(ConfigError, match=r"a number has 500\d digits; at most 250 are read") as refusal:
+        load_text(text, "it")
+    assert refusal.value.line == line
+
+
+def test_a_number_of_hundreds_of_digits_becomes_what_it_says() -> None:
+    assert load_text("a: " + "9" * 250, "it").data == {"a": 10**250 - 1}
+    with pytest.raises(ConfigError, match="radius"):
+        load_text("radius: -0x" + "f" * 247, "it").validate(Wheel)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("a: !!int abc", "what is tagged !!int is none"),
+        ("a: !!bool abc", "what is tagged !!bool is none"),
+        ("a: !!float abc", "what is tagged !!float is none"),
+        ("a: !!int [1]", "what is tagged !!int is none"),
+        ("!!int a: 1", "what is tagged !!int is none"),
+        ("a: !!timestamp 2026-01-02", "constructor for the tag 'tag:yaml.org,2002:timestamp'"),
+        ("a: !!timestamp abc", "constructor for the tag 'tag:yaml.org,2002:timestamp'"),
+        ("a: !!binary abc", "constructor for the tag 'tag:yaml.org,2002:binary'"),
+        ("a: !!set {b, c}", "constructor for the tag 'tag:yaml.org,2002:set'"),
+        ("a: !!python/object/apply:os.system [ls]", "constructor for the tag 'tag:yaml.org,2002:python/object"),
+    ],
+)
+def test_a_tag_that_is_none_of_the_schema_is_told(text: str, words: str) -> None:
+    with pytest.raises(ConfigError, match="is not valid YAML") as refusal:
+        load_text(text, "it")
+    assert words in refusal.value.message
+    assert refusal.value.line == 1

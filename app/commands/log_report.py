@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from app.commands.output import print_json
 from app.recording.catalog import Recording
-from app.recording.foreign.remap import Remap
+from app.recording.foreign.remap import Remap, Undecided
 from app.recording.log import LogError
 from app.recording.mcap_file import is_being_written
 from app.recording.mcap_reading import is_mcap
@@ -60,6 +60,8 @@ class Contents:
     files: tuple[Mapping[str, Any], ...]
     ignored: Mapping[str, str]
     notes: tuple[str, ...] = ()
+    #: Why a bag's topics are no channels yet, and a remap file that would make them some.
+    undecided: str = ""
 
 
 def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwatched) -> Contents:
@@ -73,6 +75,8 @@ def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwat
             info, manifest = log.info, log.manifest
         finally:
             log.close()
+    except Undecided as doubt:
+        return _undecided(doubt)
     except LogError as failure:
         if not is_mcap(path):
             raise
@@ -104,6 +108,27 @@ def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwat
         files=tuple({"name": f.name, "media_type": f.media_type, "bytes": len(f.data)} for f in manifest.files),
         ignored=dict(info.ignored),
         notes=info.notes,
+    )
+
+
+def _undecided(doubt: Undecided) -> Contents:
+    """What can be told of a bag that does not say which topics are meant."""
+    info = doubt.info
+    return Contents(
+        path=str(info.path),
+        format=info.format,
+        state="complete",
+        problem="",
+        begin=info.begin,
+        end=info.end,
+        duration_s=info.duration_s,
+        bytes=info.bytes,
+        messages=0,
+        facts={},
+        channels=(),
+        files=(),
+        ignored=dict(info.ignored),
+        undecided=str(doubt).removeprefix(f"{info.path}: "),
     )
 
 
@@ -154,6 +179,12 @@ def print_contents(contents: Contents, *, as_json: bool) -> None:
         print(f"  {name:<8} {value}")
     if contents.problem:
         print(f"\nThis log {contents.problem}.")
+        return
+    if contents.undecided:
+        print("\nTopics")
+        for topic, what in contents.ignored.items():
+            print(f"  {topic}: {what}")
+        print(f"\n{contents.undecided}")
         return
     head = ("channel", "type", "messages", "Hz", "nominal", "bytes")
     print("", *table(head, _channel_rows(contents.channels), {2, 3, 4, 5}), sep="\n")

@@ -32,7 +32,7 @@ def add_parser(subparsers: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Solve one problem and print the answer. Raises ConfigError for a mistake in the file."""
     from app.attention.problem_file import problem_schema, read_problem
-    from app.yaml_source import load_text, load_yaml
+    from app.yaml_source import MOST_BYTES, load_text, load_yaml
 
     if args.schema:
         print_json(problem_schema())
@@ -42,7 +42,7 @@ def run(args: argparse.Namespace) -> int:
     if args.time_limit <= 0:
         raise ConfigError(f"--time-limit must be greater than 0 seconds, not {args.time_limit:g}")
     if args.file == "-":
-        document, folder = load_text(sys.stdin.read(), "<standard input>"), Path.cwd()
+        document, folder = load_text(sys.stdin.read(MOST_BYTES + 1), "<standard input>"), Path.cwd()
     else:
         document, folder = load_yaml(args.file), Path(args.file).resolve().parent
     stated = read_problem(document, folder)

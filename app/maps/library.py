@@ -9,6 +9,7 @@ once its YAML file is called ``map.yaml``.
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import re
 import shutil
@@ -23,7 +24,7 @@ import numpy as np
 
 from app.errors import ConfigError
 from app.maps.control import MapUnavailable
-from app.maps.map_server import pgm_bytes, read_map, yaml_text
+from app.maps.map_server import MOST_CELLS, pgm_bytes, read_map, yaml_text
 from app.maps.picture import shown_png
 from app.maps.zones import read_zones, zones_text
 from app.messages import OccupancyGrid, Zone
@@ -158,6 +159,10 @@ class MapLibrary:
         somebody else keeps with it goes along.
         """
         path = self.path(name)
+        if grid.cells.size > MOST_CELLS:
+            raise OSError(
+                errno.EFBIG, f"a map of more than {MOST_CELLS // 10**6} million cells could not be read again"
+            )
         along = [] if not former else list(_kept_beside(self.path(former), others or {}))
         self.folder.mkdir(parents=True, exist_ok=True)
         new = Path(tempfile.mkdtemp(prefix=".new-", dir=self.folder))

@@ -1,13 +1,13 @@
 """Maps as ROS's ``map_server`` keeps them: a YAML file and a picture (wiki.ros.org/map_server, "Map format").
 
 The picture's top row has the greatest y. Written are 8-bit PGM in ``trinary`` mode, as ``map_saver`` does; read are all
-three modes, PGM and PNG.
+three modes, PGM and PNG, of up to :data:`MOST_CELLS`: reading one takes some 4 bytes of memory a pixel, 10 in color.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import cv2
 import numpy as np
@@ -16,14 +16,20 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from app.errors import ConfigError
 from app.messages import OccupancyGrid, read_only
+from app.pictures import TooLarge, decoded, kind_of
+from app.plain_file import read_plain
 from app.yaml_source import load_yaml
 
 #: Grey of cells in a trinary picture.
 _OCCUPIED, _UNKNOWN, _FREE = 0, 205, 254
 #: Cells from and up to which ``map_saver`` writes occupied and free.
 OCCUPIED_FROM, FREE_UP_TO = 65, 25
-#: A map of more cells on a side is none.
-LONGEST_SIDE = 30_000
+#: A map of more cells is none: at 5 cm, these are 400 m by 400 m.
+MOST_CELLS = 64_000_000
+#: Nor is its picture a larger file: as many grey values, each written as text.
+_MOST_BYTES = 4 * MOST_CELLS + 100_000
+#: Rows of a colored picture that are made grey in one go.
+_ROWS = 64
 
 Share = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
 Metres = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
@@ -56,7 +62,7 @@ def read_map(path: Path) -> OccupancyGrid:
     if Path(file.image).name != file.image:
         raise document.error(f"the picture must lie beside this file, not at {file.image!r}", ("image",))
     picture = path.parent / file.image
-    cells = _cells(_pixels(picture), file)
+    cells = _cells(*_pixels(picture), file)
     return OccupancyGrid(
         path.stat().st_mtime, "map", read_only(cells), file.resolution, (file.origin[0], file.origin[1]), 0
     )
@@ -81,47 +87,55 @@ def pgm_bytes(grid: OccupancyGrid) -> bytes:
     return f"P5\n# {grid.resolution_m:.3f} m/pix\n{width} {height}\n255\n".encode() + pixels.tobytes()
 
 
-def _pixels(path: Path) -> NDArray[np.uint8]:
-    """The picture at ``path``: (H, W) grey, or (H, W, 2) with alpha."""
+def _pixels(path: Path) -> tuple[NDArray[np.uint8], NDArray[np.uint8] | None]:
+    """The picture at ``path``: grey (H, W), and where it has one its alpha (H, W)."""
     try:
-        data = path.read_bytes()
+        data = read_plain(path, _MOST_BYTES)
     except OSError as failure:
         raise ConfigError(f"the map's picture cannot be read: {failure.strerror or failure}", str(path)) from None
-    pixels = _decoded(data)
+    try:
+        pixels = decoded(data, cv2.IMREAD_UNCHANGED, MOST_CELLS) if kind_of(data) in ("PNG", "PNM") else None
+    except TooLarge as failure:
+        raise ConfigError(f"the map's picture {failure}", str(path)) from None
     if pixels is None:
         raise ConfigError(
             "the map's picture is damaged or cut off, or of a kind that is none of PGM and PNG", str(path)
         )
-    if max(pixels.shape) > LONGEST_SIDE:
-        raise ConfigError(f"the map's picture has more than {LONGEST_SIDE} pixels on a side", str(path))
-    if pixels.dtype == np.uint16:
-        pixels = pixels // 256
-    if pixels.ndim == 3:
-        grey = pixels[..., :3].mean(axis=2).round()
-        pixels = np.dstack((grey, pixels[..., 3])) if pixels.shape[2] == 4 else grey
-    return pixels.astype(np.uint8)
+    del data
+    if pixels.ndim == 2 and pixels.dtype == np.uint8:
+        return pixels, None
+    shape = pixels.shape[:2]
+    grey = np.empty(shape, np.uint8)
+    alpha = np.empty(shape, np.uint8) if pixels.ndim == 3 and pixels.shape[2] == 4 else None
+    for top in range(0, shape[0], _ROWS):  # all at once, the means would take eight times the memory
+        rows = pixels[top : top + _ROWS]
+        if rows.dtype == np.uint16:
+            rows = rows // 256
+        grey[top : top + _ROWS] = rows if rows.ndim == 2 else rows[..., :3].mean(axis=2).round()
+        if alpha is not None:
+            alpha[top : top + _ROWS] = rows[..., 3]
+    return grey, alpha
 
 
-def _decoded(data: bytes) -> NDArray[Any] | None:
-    try:
-        return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED) if data else None
-    except cv2.error:
-        return None
+def _cells(grey: NDArray[np.uint8], alpha: NDArray[np.uint8] | None, file: MapServerFile) -> NDArray[np.int8]:
+    """The cells of a picture (both (H, W)), the lowest row first."""
+    cells = np.asarray(cv2.LUT(grey, _meaning(file)), np.int8)
+    if alpha is not None and file.mode == "scale":
+        cells[alpha < 255] = -1
+    return np.asarray(cv2.flip(cells, 0, dst=cells), np.int8)
 
 
-def _cells(pixels: NDArray[np.uint8], file: MapServerFile) -> NDArray[np.int8]:
-    alpha = pixels[..., 1] if pixels.ndim == 3 else None
-    grey = (pixels[..., 0] if pixels.ndim == 3 else pixels)[::-1]
+def _meaning(file: MapServerFile) -> NDArray[np.int8]:
+    """What each of the 256 shades of grey is as a cell."""
+    grey = np.arange(256)
     if file.mode == "raw":
-        return np.where(grey <= 100, grey, 255).astype(np.uint8).view(np.int8)
-    dark = grey / 255.0 if file.negate else (255 - grey.astype(np.float64)) / 255.0
-    cells = np.full(grey.shape, -1, np.int8)
+        return np.where(grey <= 100, grey, -1).astype(np.int8)
+    dark = (grey if file.negate else 255 - grey) / 255.0
+    cells = np.full(256, -1, np.int8)
     cells[dark > file.occupied_thresh] = 100
     cells[dark < file.free_thresh] = 0
     if file.mode == "scale":
         between = (dark >= file.free_thresh) & (dark <= file.occupied_thresh)
         span = max(file.occupied_thresh - file.free_thresh, 1e-9)
         cells[between] = np.round(99 * (dark[between] - file.free_thresh) / span).astype(np.int8)
-        if alpha is not None:
-            cells[alpha[::-1] < 255] = -1
     return cells

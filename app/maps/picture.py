@@ -10,6 +10,9 @@ from app.messages import OccupancyGrid
 
 #: What an unknown cell is in :func:`values_png`.
 UNKNOWN = 255
+#: The grey of each of a cell's values, and of those below 0 by their two's complement.
+_SHADES = np.full(256, 205, np.uint8)
+_SHADES[:101] = np.round(254 - 2.54 * np.arange(101, dtype=np.float32))
 
 
 def values_png(grid: OccupancyGrid) -> bytes:
@@ -23,9 +26,7 @@ def shown_png(grid: OccupancyGrid) -> bytes:
     """PNG, 8-bit grey, as people draw maps: free white, occupied black, unknown grey. Its top row has the greatest
     y.
     """
-    grey = np.round(254 - 2.54 * grid.cells.astype(np.float32)).astype(np.uint8)
-    grey[grid.cells < 0] = 205
-    return _png(grey[::-1])
+    return _png(np.asarray(cv2.LUT(grid.cells.view(np.uint8), _SHADES), np.uint8)[::-1])
 
 
 def _png(pixels: NDArray[np.uint8]) -> bytes:

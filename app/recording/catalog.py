@@ -15,19 +15,18 @@ from pathlib import Path
 from typing import BinaryIO, Literal
 
 from mcap.opcode import Opcode
-from mcap.reader import SeekingReader
 from mcap.records import Metadata
 
+from app.plain_file import open_plain
 from app.recording.chunks import body, spans
 from app.recording.library import NAME, SUFFIX, RecordingLibrary
 from app.recording.log import LogError
+from app.recording.mcap_bounds import BoundedReader
 from app.recording.mcap_file import is_being_written
 from app.recording.mcap_layout import FACTS
 from app.recording.mcap_reading import DAMAGE, RECORD_HEAD, is_closed
 from app.recording.stamps import from_ns
 
-#: A record larger than this, in a file that ends in the middle, is no record but what chance left there.
-_LARGEST_RECORD = 64 * 1024 * 1024
 _STAMP = struct.Struct("<Q")
 
 
@@ -111,7 +110,7 @@ def read(name: str, path: Path, status: os.stat_result) -> Recording:
     """What the file at ``path`` says of itself in its summary, or, where it has none, in its first records."""
     blank = Recording(name, status.st_size, status.st_mtime, complete=False)
     try:
-        with path.open("rb") as file:
+        with open_plain(path) as file:
             if is_closed(file):
                 return _summarized(file, blank)
             return replace(_begun(file, blank), written=is_being_written(path))
@@ -122,7 +121,7 @@ def read(name: str, path: Path, status: os.stat_result) -> Recording:
 def _summarized(file: BinaryIO, blank: Recording) -> Recording:
     try:
         file.seek(0)
-        reader = SeekingReader(file, record_size_limit=_LARGEST_RECORD)
+        reader = BoundedReader(file)
         summary = reader.get_summary()
         if summary is None or summary.statistics is None:
             return replace(blank, complete=True)

@@ -30,9 +30,9 @@ from mcap.records import (
     Statistics,
     SummaryOffset,
 )
-from mcap.stream_reader import breakup_chunk
 
 from app.recording.log import LogError
+from app.recording.mcap_bounds import records_of
 from app.recording.mcap_reading import MAGIC, RECORD_HEAD, is_closed
 
 _CHUNK_HEAD = struct.Struct("<QQQII")
@@ -253,7 +253,7 @@ class _Summary:
         """Schemas and channels stand in the chunk before their first message; only then is it looked into."""
         if chunk.counts.keys() <= self._channels.keys():
             return
-        for record in breakup_chunk(Chunk.read(body(file, chunk.chunk)), validate_crc=True):
+        for record in records_of(Chunk.read(body(file, chunk.chunk)), validate_crc=True):
             if isinstance(record, Schema):
                 self._schemas[record.id] = record
             elif isinstance(record, Channel):
@@ -335,7 +335,7 @@ def _index_head(file: BinaryIO, span: Span) -> tuple[int, int]:
 def _all_indexed(file: BinaryIO, chunk: Span, indexes: list[Span]) -> bool:
     """Whether the last chunk of a file that ends behind these ``indexes`` has all of them."""
     indexed = sum(_index_head(file, index)[1] // 16 for index in indexes)
-    records = breakup_chunk(Chunk.read(body(file, chunk)))
+    records = records_of(Chunk.read(body(file, chunk)))
     return indexed == sum(not isinstance(record, Schema | Channel) for record in records)
 
 

@@ -13,8 +13,10 @@ from mcap.records import Channel, Message
 from mcap.summary import Summary
 
 from app.messages import DesiresRecord, Divisors, IntentionRecord, Landmarks, ModuleRecord
+from app.plain_file import open_plain
 from app.recording import mcap_layout as layout
 from app.recording.log import LogError
+from app.recording.mcap_bounds import BoundedReader, check_chunks
 from app.recording.mcap_reading import DAMAGE, MAGIC
 from app.recording.output import McapCopy, Progress, check_new, durable, replacing, unwatched
 from app.recording.ros.converters import converter
@@ -96,7 +98,7 @@ def _copy(
 ) -> tuple[int, int]:
     begin, end = span
     stream.seek(0)
-    reader = SeekingReader(stream, validate_crcs=True)
+    reader = BoundedReader(stream, validate_crcs=True)
     topics = sorted({channel.topic for channel in wanted.values()})
     try:
         header = reader.get_header()
@@ -206,18 +208,19 @@ def _span(path: Path, summary: Summary) -> tuple[int, int]:
 def _opened(path: Path) -> Iterator[tuple[IO[bytes], Summary]]:
     """The file and its summary. Raises LogError where it is none, unfinished or damaged."""
     try:
-        with path.open("rb") as stream:
+        with open_plain(path) as stream:
             if stream.read(len(MAGIC)) != MAGIC:
                 raise LogError(f"{path}: is not MCAP inside, and only MCAP files can be cut")
             try:
                 stream.seek(0)
-                summary = SeekingReader(stream).get_summary()
+                summary = BoundedReader(stream).get_summary()
             except DAMAGE as failure:
                 raise LogError(
                     f"{path}: was not closed, or is damaged; make it whole with: hbba log repair {path}"
                 ) from failure
             if summary is None:
                 raise LogError(f"{path}: has no summary; make one with: hbba log repair {path}")
+            check_chunks(path, stream, summary)
             yield stream, summary
     except OSError as failure:
         raise LogError(f"{path}: cannot be read: {failure.strerror or failure}") from failure

@@ -9,13 +9,14 @@ from pathlib import Path
 from mcap.data_stream import ReadDataStream
 from mcap.reader import SeekingReader
 from mcap.records import Chunk, ChunkIndex, MessageIndex, Statistics
-from mcap.stream_reader import breakup_chunk
 from mcap.summary import Summary
 
+from app.plain_file import open_plain
 from app.recording import mcap_layout
 from app.recording.damage import LogDamaged, missing, place
 from app.recording.log import LogError, Logged, LoggedChannel, LogInfo
 from app.recording.manifest import AttachedFile, Manifest
+from app.recording.mcap_bounds import BoundedReader, check_chunks, records_of
 from app.recording.mcap_reading import DAMAGE, MAGIC, RECORD_HEAD, is_closed
 from app.recording.ros.decoder import Contents, Decoder, StoredTopic, contents
 from app.recording.stamps import from_ns, to_ns
@@ -38,7 +39,7 @@ class McapLog:
         """
         self._path = path
         try:
-            self._file = open(path, "rb")  # noqa: SIM115  # closed by close()
+            self._file = open_plain(path)  # closed by close()
         except OSError as error:
             raise LogError(f"{path} cannot be read: {error.strerror}") from error
         try:
@@ -132,10 +133,11 @@ class McapLog:
         if not is_closed(self._file):
             raise unfinished
         self._file.seek(0)
-        reader = SeekingReader(self._file, validate_crcs=True)
+        reader = BoundedReader(self._file, validate_crcs=True)
         summary = reader.get_summary()
         if summary is None or summary.statistics is None:
             raise unfinished
+        check_chunks(self._path, self._file, summary)
         return reader, summary
 
     def _topics(self) -> Contents:
@@ -197,7 +199,7 @@ class McapLog:
     def _is_whole(self, index: ChunkIndex) -> bool:
         try:
             self._file.seek(index.chunk_start_offset + RECORD_HEAD.size)
-            breakup_chunk(Chunk.read(ReadDataStream(self._file)), validate_crc=True)
+            records_of(Chunk.read(ReadDataStream(self._file)), validate_crc=True)
         except _DAMAGE:
             return False
         return True

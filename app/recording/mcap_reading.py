@@ -10,6 +10,8 @@ from typing import IO
 import zstandard
 from mcap.exceptions import McapError
 
+from app.plain_file import open_plain
+
 #: The first bytes of an MCAP file, and the last of one that was closed.
 MAGIC = b"\x89MCAP0\r\n"
 #: What every record begins with: opcode (1), length of the content (8).
@@ -35,7 +37,7 @@ def is_mcap(path: Path) -> bool:
     if not path.is_file():
         return False
     try:
-        with path.open("rb") as file:
+        with open_plain(path) as file:
             return file.read(len(MAGIC)) == MAGIC
     except OSError:
         return False

@@ -7,6 +7,7 @@ import zlib
 from collections.abc import Sequence
 from pathlib import Path
 
+from app.plain_file import open_plain
 from app.recording.foreign.remap import Remap, RemapError
 from app.recording.log import Log, LogError
 from app.recording.mcap_file import is_being_written
@@ -66,7 +67,7 @@ def some(names: Sequence[str], most: int = 3) -> str:
 
 def _head(path: Path) -> bytes:
     try:
-        with path.open("rb") as file:
+        with open_plain(path) as file:
             head = file.read(_HEAD)
     except OSError as failure:
         raise LogError(f"{path}: cannot be read: {failure.strerror or failure}") from None
@@ -90,7 +91,7 @@ def _ros(path: Path, remap: Remap | None) -> Log:
 
 
 def _mcap(path: Path, head: bytes, remap: Remap | None) -> Log:
-    with path.open("rb") as file:
+    with open_plain(path) as file:
         whole = is_closed(file)
     if not _is_ours(path, head, whole):
         if not whole:
@@ -120,11 +121,11 @@ def _is_ours(path: Path, head: bytes, whole: bool) -> bool:
         return True
     if not whole:
         return False
-    from mcap.reader import make_reader
+    from app.recording.mcap_bounds import BoundedReader
 
     try:
-        with path.open("rb") as file:
-            summary = make_reader(file).get_summary()
+        with open_plain(path) as file:
+            summary = BoundedReader(file).get_summary()
     except (*DAMAGE, OSError):
         return False
     if summary is None:

@@ -15,6 +15,7 @@ from typing import IO
 from mcap.opcode import Opcode
 from mcap.records import Channel, Header, MessageIndex, Metadata, Schema
 
+from app.plain_file import open_plain
 from app.recording import salvage
 from app.recording.log import LogError
 from app.recording.mcap_file import is_being_written
@@ -120,7 +121,7 @@ def _check_closed(path: Path) -> None:
 @contextmanager
 def _mapped(path: Path) -> Iterator[mmap.mmap]:
     try:
-        with path.open("rb") as stream:
+        with open_plain(path) as stream:
             if not stream.seek(0, 2):
                 raise LogError(f"{path} is empty: nothing was written to it")
             data = mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ)

@@ -24,6 +24,7 @@ from mcap.opcode import Opcode
 from mcap.records import Channel, Header, MessageIndex, Metadata, Schema
 
 from app.recording.mcap_reading import MAGIC, RECORD_HEAD
+from app.recording.unpacking import MOST_UNPACKED, amount
 
 #: Channel (2), sequence (4), log time (8), publish time (8); the payload follows.
 MESSAGE = struct.Struct("<HIQQ")
@@ -238,6 +239,8 @@ def _chunk(data: Buffer, position: int, end: int) -> Sound | Broken:
         (inner,) = struct.unpack_from("<Q", head, CHUNK.size + name_length)
     except (struct.error, KeyError):
         return Broken(position, end, "a chunk's head")
+    if size > MOST_UNPACKED:
+        return Broken(position, end, f"a chunk that says it unpacks to {amount(size)}", first, last)
     payload = begin + CHUNK.size + name_length + 8
     remains = b""
     for stop in dict.fromkeys((payload + inner, end)):
@@ -271,19 +274,37 @@ def _decompress(data: bytes, compression: str, size: int) -> bytes:
 
 def _decompress_pieces(data: bytes, compression: str, size: int, step: int) -> tuple[bytes, bool]:
     """What can be decompressed feeding ``step`` bytes at a time, and whether damage was met."""
-    machine = lz4.frame.LZ4FrameDecompressor() if compression == "lz4" else zstandard.ZstdDecompressor().decompressobj()
     pieces: list[bytes] = []
     length = 0
-    for begin in range(0, len(data), step):
-        try:
-            piece = machine.decompress(data[begin : begin + step])
-        except (zstandard.ZstdError, RuntimeError, EOFError, MemoryError):
-            return b"".join(pieces), True
-        pieces.append(piece)
-        length += len(piece)
-        if length > size or machine.eof:
-            break
+    try:
+        for piece in (_lz4 if compression == "lz4" else _zstd)(data, step):
+            pieces.append(piece)
+            length += len(piece)
+            if length > size:
+                break
+    except (zstandard.ZstdError, RuntimeError, EOFError, MemoryError):
+        return b"".join(pieces), True
     return b"".join(pieces), False
+
+
+def _lz4(data: bytes, step: int) -> Iterator[bytes]:
+    """What ``data`` unpacks to, in pieces of ``_PIECE`` at most."""
+    machine = lz4.frame.LZ4FrameDecompressor()
+    for begin in range(0, len(data), step):
+        piece = machine.decompress(data[begin : begin + step], max_length=_PIECE)
+        yield piece
+        while not machine.needs_input and not machine.eof:
+            piece = machine.decompress(b"", max_length=_PIECE)
+            yield piece
+        if machine.eof:
+            return
+
+
+def _zstd(data: bytes, step: int) -> Iterator[bytes]:
+    """The same of Zstandard."""
+    with zstandard.ZstdDecompressor().stream_reader(data, read_size=step) as machine:
+        while piece := machine.read1(min(step, _PIECE)):
+            yield piece
 
 
 def _whole_records(content: bytes) -> bytes:

@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import IO
 
 import numpy as np
-from mcap.reader import SeekingReader
 from mcap.records import ChunkIndex
 
+from app.plain_file import open_plain
 from app.recording import mcap_layout as layout
+from app.recording.mcap_bounds import BoundedReader
 from app.recording.mcap_reading import DAMAGE, RECORD_HEAD
 
 _HEAD = struct.Struct("<BQHI")
@@ -25,9 +26,9 @@ def channel_bytes(path: Path) -> Mapping[str, int]:
     program's file, channels are topics. Raises OSError.
     """
     total: Counter[str] = Counter()
-    with path.open("rb") as stream:
+    with open_plain(path) as stream:
         try:
-            summary = SeekingReader(stream).get_summary()
+            summary = BoundedReader(stream).get_summary()
             if summary is None:
                 return {}
             names = {

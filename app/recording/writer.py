@@ -22,6 +22,7 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
+from app.recording.disk_time import DiskTime
 from app.recording.mcap_file import UnrecordableMessage
 
 T = TypeVar("T")
@@ -29,6 +30,8 @@ T = TypeVar("T")
 log = logging.getLogger("hbba.recording")
 
 MEGABYTE = 1_000_000
+#: Where writing waits for the disk for this share of the time, it is the disk that is too slow.
+_DISKS_SHARE = 0.5
 #: What waits is written this often (s), in one go: a thread that woke for each message would cost more than writing it.
 BEAT_S = 0.05
 #: A chunk is closed at least this often (s): what a killed program loses at most.
@@ -129,8 +132,9 @@ class RecordingWriter:
         on_change: Callable[[], None] = lambda: None,
         charge: Callable[[Callable[[], None]], None] = lambda work: work(),
         free_bytes: Callable[[Path], int] = lambda folder: shutil.disk_usage(folder).free,
+        disk: DiskTime | None = None,
     ) -> None:
-        """Begin; the thread calls ``open_sink`` first, which may raise OSError.
+        """Begin; the thread calls ``open_sink`` first, which may raise OSError. ``disk`` times the files it opens.
 
         ``on_change`` is called in the thread once the sink is open and once all is over; ``charge(work)`` calls
         ``work()`` there and notes its CPU time.
@@ -149,6 +153,9 @@ class RecordingWriter:
         # Each is written by one thread only: the difference needs no lock.
         self._bytes_in = self._bytes_out = 0
         self._dropping_since: float | None = None
+        self._disk = disk or DiskTime()
+        #: When dropping began, and how long the disk had been waited for by then (s).
+        self._kept_up_until = self._waited_before = 0.0
         self._ended = False
         self._over = False
         self._reason = ""
@@ -201,11 +208,9 @@ class RecordingWriter:
             self._dropped += 1
             if self._dropping_since is None:
                 self._dropping_since = at
+                self._kept_up_until, self._waited_before = time.monotonic(), self._disk.waited_s
             elif at - self._dropping_since > self._limits.too_slow_after_s:
-                self._end(
-                    f"the disk is too slow: {self._dropped} messages found no room within "
-                    f"{at - self._dropping_since:.1f} s; record to a faster disk ($HBBA_RECORDINGS)"
-                )
+                self._end(self._too_slow(at - self._dropping_since))
             return
         if self._dropping_since is not None and 2 * held < self._limits.queue_bytes:
             self._dropping_since = None
@@ -256,6 +261,18 @@ class RecordingWriter:
             self._ended = True
             self._reason = reason
             self._calls.put(None)
+
+    def _too_slow(self, seconds: float) -> str:
+        """Whether the disk or the computer did not keep up for ``seconds``, and what to do."""
+        what = f"{self._dropped} messages found no room within {seconds:.1f} s"
+        passed = max(time.monotonic() - self._kept_up_until, 1e-9)
+        share = min(1.0, (self._disk.waited_s - self._waited_before) / passed)
+        if share >= _DISKS_SHARE:
+            return f"the disk is too slow: {what}; record to a faster disk ($HBBA_RECORDINGS)"
+        return (
+            f"this computer is too busy to record: {what}, and the disk was waited for in only {100 * share:.0f} % of "
+            "that; end other programs, or record less"
+        )
 
     # --- the thread ---
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from app.errors import ConfigError
 from app.geometry import Pose3
+from app.plain_file import open_plain
 
 MOVING_TYPES = ("revolute", "continuous", "prismatic")
 
@@ -95,7 +96,8 @@ def rotation_about(axis: NDArray[np.float64], angle: float) -> NDArray[np.float6
 def load_model(path: Path) -> RobotModel:
     """Read the URDF file ``path``. Raises ConfigError if it is none, or if its links are no tree."""
     try:
-        robot = ElementTree.parse(path).getroot()
+        with open_plain(path) as file:
+            robot = ElementTree.parse(file).getroot()
         joints = tuple(_joint(element) for element in robot.findall("joint"))
         links = [element.attrib["name"] for element in robot.findall("link")]
     except OSError as failure:

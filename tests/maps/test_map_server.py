@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import struct
+import subprocess
+import sys
+import zlib
 from pathlib import Path
 
 import cv2
@@ -9,6 +14,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
+from app import pictures
 from app.errors import ConfigError
 from app.maps.map_server import pgm_bytes, read_map, yaml_text
 from app.messages import OccupancyGrid
@@ -107,6 +113,80 @@ def test_a_damaged_picture_is_told(tmp_path: Path, picture: bytes) -> None:
     with pytest.raises(ConfigError, match="damaged or cut off") as mistake:
         read_map(path)
     assert mistake.value.file == str(tmp_path / "map.pgm")
+
+
+def white_png(width: int, height: int, rows: int) -> bytes:
+    """A white PNG that says it has this size and holds the first ``rows`` of it."""
+
+    def chunk(name: bytes, content: bytes) -> bytes:
+        return struct.pack(">I", len(content)) + name + content + struct.pack(">I", zlib.crc32(name + content))
+
+    packer = zlib.compressobj(9)
+    packed = b"".join(packer.compress(b"\0" + b"\xff" * width) for _ in range(rows)) + packer.flush()
+    head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", packed) + chunk(b"IEND", b"")
+
+
+def test_a_picture_of_too_many_cells_is_refused_before_it_is_decoded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pictures.cv2, "imdecode", None)
+    for picture in (b"P5\n8000 8001\n255\n", white_png(14_000, 14_000, 1), b"P5\n2000000000 2000000000\n255\n"):
+        path = write(tmp_path, FOREIGN_YAML, picture)
+        with pytest.raises(ConfigError, match=r"the map's picture has \d+ x \d+ pixels; at most 64 million") as refusal:
+            read_map(path)
+        assert refusal.value.file == str(tmp_path / "map.pgm")
+
+
+@pytest.mark.slow
+def test_a_map_of_as_many_cells_as_may_be_takes_some_four_bytes_for_each(tmp_path: Path) -> None:
+    (tmp_path / "map.png").write_bytes(white_png(8_000, 8_000, 8_000))
+    (tmp_path / "map.yaml").write_text(FOREIGN_YAML.replace("map.pgm", "map.png"), encoding="utf-8")
+    measure = (
+        "import resource, sys; from pathlib import Path; from app.maps.library import MapLibrary;"
+        "peak = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024;"
+        "before = peak(); facts = MapLibrary(Path(sys.argv[1])).facts(sys.argv[2]);"
+        "print(facts.known_m2, peak() - before)"
+    )
+    call = [sys.executable, "-c", measure, str(tmp_path.parent), tmp_path.name]
+    known, grown = subprocess.run(call, check=True, capture_output=True, text=True).stdout.split()
+    assert float(known) == pytest.approx(64e6 * 0.01)
+    assert int(grown) < 300
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+def test_colored_pictures_are_as_grey_as_the_mean_of_their_colors(dtype: type[np.generic], tmp_path: Path) -> None:
+    scale = 1 if dtype == np.uint8 else 256
+    colors = np.random.default_rng(3).integers(0, 256, (150, 7, 4)) * scale
+    (tmp_path / "map.png").write_bytes(cv2.imencode(".png", colors.astype(dtype))[1].tobytes())
+    yaml = FOREIGN_YAML.replace("map.pgm", "map.png").replace("0.65", "0.5").replace("0.196", "0.5") + "mode: scale\n"
+    (tmp_path / "map.yaml").write_text(yaml, encoding="utf-8")
+    grey = (colors[..., :3] // scale).mean(axis=2).round()
+    expected = np.where((255 - grey) / 255 > 0.5, 100, 0)
+    expected[colors[..., 3] // scale < 255] = -1
+    assert np.array_equal(read_map(tmp_path / "map.yaml").cells, expected[::-1])
+
+
+@pytest.mark.parametrize("ending", [".jpg", ".bmp", ".tiff", ".webp", ".gif"])
+def test_no_picture_but_pgm_and_png_is_decoded(ending: str, tmp_path: Path) -> None:
+    picture = cv2.imencode(ending, np.zeros((20, 20, 3), np.uint8))[1].tobytes()
+    with pytest.raises(ConfigError, match="of a kind that is none of PGM and PNG"):
+        read_map(write(tmp_path, FOREIGN_YAML, picture))
+
+
+@pytest.mark.parametrize("name", ["map.yaml", "map.pgm"])
+@pytest.mark.parametrize("kind", ["a pipe", "a device"])
+def test_a_pipe_or_a_device_in_a_files_place_is_refused_and_not_waited_for(
+    name: str, kind: str, tmp_path: Path
+) -> None:
+    path = write(tmp_path, FOREIGN_YAML, FOREIGN_PGM)
+    (tmp_path / name).unlink()
+    if kind == "a pipe":
+        os.mkfifo(tmp_path / name)
+    else:
+        (tmp_path / name).symlink_to("/dev/zero")
+    with pytest.raises(ConfigError, match=f"cannot be read: is {kind}, no regular file"):
+        read_map(path)
 
 
 def test_a_picture_that_is_not_there_is_told(tmp_path: Path) -> None:

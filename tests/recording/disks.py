@@ -90,6 +90,8 @@ class Disk:
         #: Raised by every write from now on.
         self.error: OSError | None = None
         self.unblock = threading.Event()
+        #: A write has come.
+        self.met = threading.Event()
         #: How many writes wait.
         self.waiting = 0
         self.unblock.set()
@@ -99,6 +101,7 @@ class Disk:
 
     def _fault(self, size: int) -> None:
         self.waiting += 1
+        self.met.set()
         self.unblock.wait()
         self.waiting -= 1
         if self.error is not None:

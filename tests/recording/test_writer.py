@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import threading
 import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -16,14 +18,17 @@ from hypothesis import strategies as st
 from mcap.reader import make_reader
 from mcap.records import Statistics
 
+from app.recording.disk_time import DiskTime
 from app.recording.file_sink import FileSink
 from app.recording.mcap_file import is_being_written
 from app.recording.ring import Hold, Ring
 from app.recording.ring_folder import leftovers, rescue
+from app.recording.ros.encoder import Encoder
+from app.recording.ros.record import Record
 from app.recording.writer import Limits, RecordingWriter, Sink, weight
 from tests.patience import PATIENCE_S
 
-from .disks import BEGIN, MANIFEST, Disk, encoder, image, landmarks, odometry
+from .disks import BEGIN, MANIFEST, Disk, encoder, image, landmarks, odometry, table
 
 
 def file_writer(
@@ -32,14 +37,16 @@ def file_writer(
     disk: Disk | None = None,
     free_bytes: Callable[[Path], int] = lambda _: 1 << 40,
     charge: Callable[[Callable[[], None]], None] = lambda work: work(),
+    new_encoder: Callable[[], Encoder] = encoder,
 ) -> RecordingWriter:
-    disk = disk or Disk()
+    disk, disk_time = disk or Disk(), DiskTime()
     return RecordingWriter(
-        lambda: FileSink([folder / "log.mcap"], encoder(), MANIFEST, BEGIN, disk.open),
+        lambda: FileSink([folder / "log.mcap"], new_encoder(), MANIFEST, BEGIN, disk_time.timed(disk.open)),
         limits or Limits(),
         lambda: BEGIN,
         free_bytes=free_bytes,
         charge=charge,
+        disk=disk_time,
     )
 
 
@@ -156,15 +163,39 @@ def test_a_disk_that_stays_too_slow_ends_the_recording_with_a_reason_and_the_fil
     disk = Disk()
     disk.unblock.clear()
     writer = file_writer(tmp_path, Limits(queue_messages=100, too_slow_after_s=2.0), disk)
+    assert disk.met.wait(60)
     for i in range(400):
         writer.put(BEGIN + i / 100, "odometry", odometry(BEGIN + i / 100))
-    assert "the disk is too slow" in writer.reason
+    assert re.match(r"the disk is too slow: \d+ messages found no room within 2\.0 s; record to a", writer.reason)
     dropped = writer.dropped
     writer.put(BEGIN + 5, "odometry", odometry(BEGIN + 5))
     assert writer.dropped == dropped  # it is over: what comes now is nobody's loss
     disk.unblock.set()
     ended(writer)
     assert counts(tmp_path / "log.mcap")["/odometry"] == 100
+
+
+def test_a_computer_that_stays_too_busy_is_told_apart_from_a_slow_disk(tmp_path: Path) -> None:
+    class Slow(Encoder):
+        """Encodes when it is let."""
+
+        def encode(self, channel: str, message: Any) -> list[Record]:
+            encoding.set()
+            let.wait()
+            return super().encode(channel, message)
+
+    encoding, let = threading.Event(), threading.Event()
+    limits = Limits(queue_messages=100, too_slow_after_s=2.0)
+    writer = file_writer(tmp_path, limits, new_encoder=lambda: Slow(table()))
+    writer.put(BEGIN, "odometry", odometry(BEGIN))
+    assert encoding.wait(60)
+    for i in range(400):
+        writer.put(BEGIN + i / 100, "odometry", odometry(BEGIN + i / 100))
+    assert writer.reason.startswith("this computer is too busy to record: ")
+    assert "messages found no room within 2.0 s, and the disk was waited for in only 0 % of that" in writer.reason
+    let.set()
+    ended(writer)
+    assert counts(tmp_path / "log.mcap")["/odometry"] >= 100
 
 
 def test_a_full_queue_that_empties_again_is_forgiven(tmp_path: Path) -> None:

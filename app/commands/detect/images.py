@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.errors import ConfigError
+from app.plain_file import read_plain
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,18 +20,6 @@ SUFFIXES = frozenset({".jpg", ".jpeg", ".png", ".webp", ".bmp", ".tif", ".tiff",
 #: How copies end on which what was found is drawn: folders are searched without them.
 FACES_DRAWN = ".faces.jpg"
 CODES_DRAWN = ".codes.jpg"
-
-#: How files of each kind begin: one that begins so and cannot be read is damaged.
-_BEGINNINGS: dict[str, re.Pattern[bytes]] = {
-    "JPEG": re.compile(rb"\xff\xd8\xff"),
-    "PNG": re.compile(rb"\x89PNG\r\n\x1a\n"),
-    "WebP": re.compile(rb"RIFF....WEBP", re.DOTALL),
-    "BMP": re.compile(rb"BM"),
-    "TIFF": re.compile(rb"II\*\0|MM\0\*"),
-    "GIF": re.compile(rb"GIF8[79]a"),
-    "PNM": re.compile(rb"P[56]\s"),
-}
-_HEAD = 16
 
 
 class NoImage(Exception):
@@ -68,20 +56,20 @@ def read_image(path: Path) -> NDArray[np.uint8]:
     import cv2
     import numpy as np
 
+    from app.pictures import BEGINNINGS, MOST_BYTES, TooLarge, decoded, kind_of
+
     try:
-        raw = np.frombuffer(path.read_bytes(), np.uint8)
+        raw = read_plain(path, MOST_BYTES)
+        image = decoded(raw, cv2.IMREAD_COLOR)
     except OSError as failure:
         raise NoImage(f"{path}: cannot be read: {failure.strerror or failure}") from None
-    try:
-        image = cv2.imdecode(raw, cv2.IMREAD_COLOR) if raw.size else None
-    except cv2.error as failure:
-        raise NoImage(f"{path}: cannot be read as an image: {failure.err}") from None
+    except TooLarge as failure:
+        raise NoImage(f"{path}: {failure}") from None
     if image is None:
-        head = raw[:_HEAD].tobytes()
-        begun = next((kind for kind, beginning in _BEGINNINGS.items() if beginning.match(head)), None)
+        begun = kind_of(raw)
         if begun is not None:
             raise NoImage(f"{path}: is damaged: it begins as a {begun} file and cannot be read to its end")
-        raise NoImage(f"{path}: is no image that can be read here ({', '.join(_BEGINNINGS)})")
+        raise NoImage(f"{path}: is no image that can be read here ({', '.join(BEGINNINGS)})")
     return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), np.uint8)
 
 

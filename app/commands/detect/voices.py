@@ -14,6 +14,7 @@ from app.commands.detect.voices_report import Heard, Writer, percept, print_tabl
 from app.commands.output import add_json, print_json
 from app.commands.progress import Progress, shown
 from app.errors import ConfigError
+from app.plain_file import check_plain
 
 if TYPE_CHECKING:
     import numpy as np
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 COMMAND = "hbba detect voices"
 #: Slower sound has no room for what tells voices apart.
 LEAST_RATE = 16_000
+#: No sound card gives more.
+MOST_RATE = 384_000
 FORMATS = "WAV, FLAC, Ogg"
 
 
@@ -121,6 +124,7 @@ def _listen(
     from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
 
     try:
+        check_plain(path)
         recording = soundfile.SoundFile(path)
     except soundfile.LibsndfileError as failure:
         reason = failure.error_string.rstrip(".")
@@ -140,6 +144,8 @@ def _listen(
             raise _NoRecording(f"{path}: holds no sound")
         if rate < LEAST_RATE:
             raise _NoRecording(f"{path}: has {rate} samples a second; at least {LEAST_RATE} are needed")
+        if rate > MOST_RATE:
+            raise _NoRecording(f"{path}: says it has {rate} samples a second; at most {MOST_RATE} are taken")
         lifted = array.positions - array.middle + np.array([0.0, 0.0, args.height or 0.0])
         used = MicrophoneArray(lifted, body_m=array.body_m).subset(args.microphones or len(array))
         pipeline = VoicePipeline(used, rate, PipelineSettings(separation=args.separate is not None))

@@ -11,6 +11,10 @@ from numpy.typing import NDArray
 from app.commands.slam.sweeps import sweep_key
 from app.errors import ConfigError
 from app.messages import LaserScan, Odometry
+from app.plain_file import read_plain
+
+#: A list of relations is no longer.
+_MOST_BYTES = 100_000_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,9 +41,11 @@ class Reference:
 def read_relations(path: Path) -> Relations:
     """The relations in ``path``. Raises ConfigError with the line."""
     try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as failure:
-        raise ConfigError(f"--relations: {path} cannot be read: {failure}") from None
+        text = read_plain(path, _MOST_BYTES).decode("utf-8")
+    except OSError as failure:
+        raise ConfigError(f"--relations: {path} cannot be read: {failure.strerror or failure}") from None
+    except UnicodeDecodeError:
+        raise ConfigError(f"--relations: {path} cannot be read: it is no text in UTF-8") from None
     rows: list[list[float]] = []
     for line, words in enumerate((line.split() for line in text.splitlines()), 1):
         if not words or words[0].startswith("#"):

@@ -10,10 +10,12 @@ from typing import Any
 
 from fastapi import APIRouter
 from fastapi.routing import APIRoute
+from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import Response
 
 from app.console.problems import Problem
+from app.json_source import BeyondBounds, load_json
 from app.yaml_source import suggestion
 
 #: Pairs of these make one character; one alone is none, though JSON can say it.
@@ -39,7 +41,16 @@ class _Route(APIRoute):
             if known and (unknown := [name for name in request.query_params if name not in known]):
                 errors = [(f"query.{name}", f"unknown parameter; {suggestion(name, known)}") for name in unknown]
                 raise Problem(422, "invalid-request", "; ".join(map(": ".join, errors)), errors=errors)
-            return await handle(_StrictRequest(request.scope, request.receive))
+            try:
+                return await handle(_StrictRequest(request.scope, request.receive))
+            except HTTPException as failure:
+                # What reading a body raises, FastAPI says to be malformed: this is JSON, and is not taken.
+                if isinstance(failure.__cause__, BeyondBounds):
+                    message = str(failure.__cause__)
+                    raise Problem(
+                        422, "invalid-request", f"The body is not taken: {message}.", errors=[("body", message)]
+                    ) from None
+                raise
 
         return handle_strictly
 
@@ -49,7 +60,7 @@ class _StrictRequest(Request):
     with text that no answer could repeat."""
 
     async def json(self) -> Any:
-        """The body's value. Raises json.JSONDecodeError."""
+        """The body's value. Raises json.JSONDecodeError, BeyondBounds."""
         if not hasattr(self, "_strict_json"):
             body = (await self.body()).decode()
 
@@ -61,10 +72,7 @@ class _StrictRequest(Request):
                     raise json.JSONDecodeError(f"{name!r} stands twice in one object", body, max(second, 0))
                 return members
 
-            try:
-                value = json.loads(body, object_pairs_hook=member)
-            except RecursionError:
-                raise json.JSONDecodeError("it is nested too deeply", body, 0) from None
+            value = load_json(body, member)
             if (escaped := _ESCAPED_SURROGATE.search(body)) is not None and _has_half_characters(value):
                 raise json.JSONDecodeError("it holds half a character, which UTF-8 cannot write", body, escaped.start())
             self._strict_json = value

@@ -20,12 +20,16 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_valida
 
 from app.errors import ConfigError
 from app.geometry import Pose2
+from app.json_source import BeyondBounds, load_json
+from app.plain_file import read_plain
 from app.robots.config import StartPose
 from app.robots.simulated.world_config import CylindersConfig, LightConfig, MaterialConfig, WorldConfig
 from app.yaml_source import validation_message
 
 #: How high the cylinders are (m): above any laser on such a robot.
 HEIGHT_M = 1.0
+#: A file of worlds is no larger: the benchmark's 300 take a hundredth of it.
+_MOST_BYTES = 100_000_000
 
 _Number = Annotated[float, Field(allow_inf_nan=False)]
 _Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -138,14 +142,16 @@ class Worlds:
 def load_worlds(path: Path) -> Worlds:
     """Read a file of worlds. Raises ConfigError, naming the world and the value that cannot be."""
     try:
-        raw = path.read_bytes()
-        document = json.loads(raw)
+        raw = read_plain(path, _MOST_BYTES)
+        document = load_json(raw.decode("utf-8"))
     except OSError as failure:
         raise ConfigError(f"cannot be read: {failure.strerror or failure}", str(path)) from None
     except UnicodeDecodeError:
         raise ConfigError("is not a text file in UTF-8", str(path)) from None
     except json.JSONDecodeError as failure:
         raise ConfigError(f"is no JSON: {failure.msg}", str(path), failure.lineno) from None
+    except BeyondBounds as failure:
+        raise ConfigError(f"is not read: {failure}", str(path)) from None
     try:
         file = _File.model_validate(document)
     except ValidationError as failure:

@@ -24,6 +24,7 @@ from app.attention.timeline import EventKind
 from app.messages import EventRecord, Image, Message, ModuleRecord, PointCloud, RecorderStatus
 from app.modules.recording.ring_saver import NO_RING, RingSaver
 from app.recording.control import RecorderControl, RecorderUnavailable
+from app.recording.disk_time import DiskTime
 from app.recording.file_sink import FileSink
 from app.recording.library import RecordingLibrary, default_name
 from app.recording.log import LogError
@@ -195,28 +196,29 @@ class Recorder(Module):
         self._turns = self._keep_s > 0
         self._lost_before = self._lost()
         at, keep_s, name = self.clock.now(), self._keep_s, str(self._wanted.get("name", ""))
+        disk = DiskTime()
+        open_file = disk.timed(type(self).open_file)
         self._writer = RecordingWriter(
-            lambda: self._open(at, keep_s, name),
+            lambda: self._open(at, keep_s, name, open_file),
             limits,
             self.clock.now,
             on_change=self._changed_in_thread,
             charge=self._meter.call,
+            disk=disk,
         )
         for channel, message in self._states().values():
             self._writer.put(at, channel, message)
 
-    def _open(self, at: float, keep_s: float, name: str) -> Sink:
+    def _open(self, at: float, keep_s: float, name: str, open_file: OpenFile) -> Sink:
         # Before anything is made: a disk that is nearly full is not to gather files of nothing, one for each try.
         least_free = int(self.settings.least_free_mb * MEGABYTE)
         check_room(self._library.folder, self._library.free_bytes(), least_free)
         if keep_s:
             return Ring(
                 self._library.ring_folder, self._new_encoder, self._manifest, at, keep_s,
-                state_key=self._state_key, segment_s=self.settings.segment_s, open_file=type(self).open_file,
+                state_key=self._state_key, segment_s=self.settings.segment_s, open_file=open_file,
             )  # fmt: skip
-        return FileSink(
-            self._library.candidates(name, at), self._new_encoder(), self._manifest, at, type(self).open_file
-        )
+        return FileSink(self._library.candidates(name, at), self._new_encoder(), self._manifest, at, open_file)
 
     def _new_encoder(self) -> Encoder:
         return Encoder(self._table, self.settings.jpeg_quality)

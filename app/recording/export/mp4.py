@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from av import VideoStream
 
 SLOWEST_HZ, FASTEST_HZ = 1.0, 60.0
+#: So long (s) an image may usually be on its way.
+LATE_S = 0.5
 #: Ticks a second of a video's own clock, the usual one.
 CLOCK_HZ = 90_000
 
@@ -44,7 +46,11 @@ class Video(Protocol):
 
 
 class Mp4(Unsurveyed):
-    """``<channel>.mp4``; it begins with the first image."""
+    """``<channel>.mp4``; it begins with the first image, and lies within the time that is asked for.
+
+    An image may arrive long after it was captured, from a busy computer: one captured more than ``LATE_S`` before that
+    time is shown from its begin on, until the next.
+    """
 
     def accepts(self, message_type: type[Any]) -> bool:
         """Images, also those that are JPEG already."""
@@ -58,21 +64,37 @@ class Mp4(Unsurveyed):
         video: Video | None = None
         size = (0, 0)
         first, last, count = 0.0, 0.0, 0
+        earlier: NDArray[np.uint8] | None = None
 
-        def write(message: Any) -> None:
+        def add(image: NDArray[np.uint8], at: float) -> None:
             nonlocal video, size, first, last, count
-            image = _even(rgb_of(message))
             if video is None:
-                size, first = (image.shape[1], image.shape[0]), message.stamp
+                size, first = (image.shape[1], image.shape[0]), at
                 video = open_video(part, size, channel.rate_hz)
             if image.shape[1::-1] != size:
                 image = cv2.resize(image, size, interpolation=cv2.INTER_AREA).astype(np.uint8, copy=False)
-            video.add(image, message.stamp - first)
-            last, count = message.stamp, count + 1
+            video.add(image, at - first)
+            last, count = at, count + 1
+
+        def add_earlier() -> None:
+            nonlocal earlier
+            if earlier is not None and video is None:
+                add(earlier, target.begin)
+            earlier = None
+
+        def write(message: Any) -> None:
+            nonlocal earlier
+            image = _even(rgb_of(message))
+            if message.stamp < target.begin - LATE_S:
+                earlier = image
+            else:
+                add_earlier()
+                add(image, min(message.stamp, target.end))
 
         with target.file(name) as part:
             try:
                 yield write
+                add_earlier()
             except BaseException:
                 if video is not None:
                     with suppress(LogError):  # what came first is what matters

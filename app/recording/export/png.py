@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.messages import EncodedImage, Image
+from app.pictures import TooLarge, decoded
 from app.recording.export.target import Target, Unsurveyed, Write, stamp_name
 from app.recording.log import LogError, LoggedChannel
 
@@ -52,10 +53,13 @@ def rgb_of(message: Image | EncodedImage) -> NDArray[np.uint8]:
     """Colours (H, W, 3) uint8 RGB of an image. Raises LogError for a JPEG that is damaged."""
     if isinstance(message, Image):
         return message.color
-    decoded = cv2.imdecode(np.frombuffer(message.jpeg, np.uint8), cv2.IMREAD_COLOR_RGB)
-    if decoded is None:
+    try:
+        color = decoded(message.jpeg, cv2.IMREAD_COLOR_RGB)
+    except TooLarge as failure:
+        raise LogError(f"the image of {message.frame} at {message.stamp:.6f} s {failure}") from None
+    if color is None:
         raise LogError(f"the image of {message.frame} at {message.stamp:.6f} s is no JPEG")
-    return decoded.astype(np.uint8, copy=False)
+    return color.astype(np.uint8, copy=False)
 
 
 def _encoded(image: NDArray[Any]) -> bytes:

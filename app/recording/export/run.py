@@ -67,7 +67,8 @@ def export(log: Log, wish: Wish, progress: Progress = unwatched) -> Exported:
         raise LogError(f"{wish.folder} is a file, no folder; -o names another") from None
     except OSError as failure:
         raise disk_trouble(failure, wish.folder) from failure
-    target = Target(wish.folder, wish.force)
+    begin, end = _span(log, wish)
+    target = Target(wish.folder, wish.force, begin, end)
     rounds = 2 if form.surveys else 1
     try:
         if form.surveys:
@@ -82,9 +83,7 @@ def export(log: Log, wish: Wish, progress: Progress = unwatched) -> Exported:
 
 def _pass(log: Log, wish: Wish, takers: Mapping[str, Write], progress: Progress) -> None:
     """Give every message that is wanted to the taker of its channel."""
-    info = log.info
-    begin = info.begin if wish.begin is None else wish.begin
-    end = info.end if wish.end is None else wish.end
+    begin, end = _span(log, wish)
     length = max(1, round((end - begin) * SECOND))
     met: Counter[str] = Counter()
     for logged in log.messages(begin, tuple(takers)):
@@ -95,6 +94,12 @@ def _pass(log: Log, wish: Wish, takers: Mapping[str, Write], progress: Progress)
             takers[logged.channel](logged.message)
         met[logged.channel] += 1
     progress(length, length)
+
+
+def _span(log: Log, wish: Wish) -> tuple[float, float]:
+    """The time (robot's clock, s) that is asked for."""
+    info = log.info
+    return info.begin if wish.begin is None else wish.begin, info.end if wish.end is None else wish.end
 
 
 def _surveyor(form: Format, channel: str) -> Write:

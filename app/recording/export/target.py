@@ -17,10 +17,13 @@ Write = Callable[[Any], None]
 
 @dataclass(slots=True)
 class Target:
-    """The folder to write to, and what has been written: a line for people each."""
+    """The folder to write to, the time (robot's clock, s) that is asked for, and what has been written: a line for
+    people each."""
 
     folder: Path
     force: bool
+    begin: float
+    end: float
     written: list[str] = field(default_factory=list)
 
     def file(self, name: str) -> AbstractContextManager[Path]:
@@ -37,7 +40,7 @@ class Target:
         if path.is_dir() and any(path.iterdir()) and not self.force:
             raise LogError(f"{path} has files already; --force adds to them and replaces, -o names another folder")
         path.mkdir(exist_ok=True)
-        return Target(path, self.force, self.written)
+        return Target(path, self.force, self.begin, self.end, self.written)
 
     def put(self, name: str, data: bytes) -> None:
         """Write a small file whole."""

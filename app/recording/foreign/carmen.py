@@ -21,6 +21,7 @@ import numpy as np
 
 from app.geometry import Pose2, Pose3
 from app.messages import LaserScan, Odometry, read_only
+from app.plain_file import open_plain
 from app.recording.foreign.carmen_lines import KINDS, Beams, Odom, Param, Times, parse
 from app.recording.log import LogError, Logged, LoggedChannel, LogInfo
 from app.recording.manifest import Manifest
@@ -30,6 +31,12 @@ _BACK_S = 10.0
 _ON_S = 86400.0
 #: No time of a line that is that small (s) was measured.
 _NO_TIME_S = 1e-9
+#: A line is no longer (bytes): a thousand rays take some 20 kB. Of a longer one nothing is read,
+_LONGEST_LINE = 1 << 20
+#: and one that is longer than this is no line of a log: a packed file may hold gigabytes of nothing.
+_NO_LINE = 64_000_000
+#: So much is kept of the name of a line and of what is wrong with one (characters), and of so many names.
+_LONGEST_KIND, _LONGEST_COMPLAINT, _MOST_KINDS = 40, 200, 1_000
 #: Bytes between the places where reading may begin.
 _MARK_EVERY = 1 << 20
 #: A message is logged less than this (s) after its capture.
@@ -266,14 +273,16 @@ def _surveyed(path: Path) -> _Survey:
             row = parse(line)
         except ValueError as failure:
             survey.malformed += 1
-            survey.complaint = survey.complaint or f"line {number}: {failure}"
+            survey.complaint = survey.complaint or f"line {number}: {str(failure)[:_LONGEST_COMPLAINT]}"
             continue
         if row is None:
             if line.strip() and not line.startswith("#"):
-                survey.kinds[line.split(maxsplit=1)[0][:40]] += 1
+                unknown = line.split(maxsplit=1)[0][:_LONGEST_KIND]
+                survey.kinds[unknown if unknown in survey.kinds or len(survey.kinds) < _MOST_KINDS else "others"] += 1
             continue
         if isinstance(row, Param):
-            survey.params[row.name] = row.value
+            if row.name in _OFFSET_PARAMS.values():
+                survey.params[row.name] = row.value
             continue
         kind = row.kind if isinstance(row, Beams) else "ODOM"
         after = clock.next(row.times)
@@ -314,15 +323,32 @@ def _first_clock(path: Path) -> _Clock:
 def _lines(path: Path, offset: int) -> Iterator[tuple[int, str]]:
     """Byte offset (in the text) and text of each line from ``offset`` on. Raises LogError where it cannot be read."""
     try:
-        with path.open("rb") as raw, _unpacked(raw) as file:
+        with open_plain(path) as raw, _unpacked(raw) as file:
             file.seek(offset)
-            for line in file:
+            while line := file.readline(_LONGEST_LINE):
+                length = len(line)
+                if length == _LONGEST_LINE and not line.endswith(b"\n"):
+                    # Its name alone remains: a line that is cut off.
+                    length += _skipped(path, file)
+                    line = line[:_LONGEST_KIND].split(maxsplit=1)[0] if line[:_LONGEST_KIND].strip() else b""
                 yield offset, line.decode("utf-8", "replace")
-                offset += len(line)
+                offset += length
     except EOFError:
         raise LogError(f"{path}: ends in the middle of its packed text") from None
     except (OSError, zlib.error) as failure:
         raise LogError(f"{path}: is damaged: {failure}") from None
+
+
+def _skipped(path: Path, file: BinaryIO) -> int:
+    """Go to the end of a line; how many bytes that were. Raises LogError where it does not come."""
+    length = 0
+    while piece := file.readline(_LONGEST_LINE):
+        length += len(piece)
+        if piece.endswith(b"\n"):
+            break
+        if length > _NO_LINE:
+            raise LogError(f"{path}: has a line of more than {_NO_LINE // 10**6} MB, so it is no log")
+    return length
 
 
 def _unpacked(raw: BinaryIO) -> BinaryIO:

@@ -33,6 +33,10 @@ _LMS = {
 }
 
 
+#: No laser has readings by the million.
+_MOST_DIGITS = 6
+
+
 @dataclass(frozen=True, slots=True)
 class Times:
     """``captured``: ipc_timestamp (s), when the message was made; ``logged``: logger_timestamp (s), of its arrival."""
@@ -156,8 +160,8 @@ def lms_angles(count: int) -> tuple[float, float]:
 def _count(words: Sequence[str], at: int) -> int:
     if at >= len(words):
         raise ValueError("the line is cut off")
-    if not words[at].isdecimal():
-        raise ValueError(f"{words[at]!r} is no number of readings")
+    if not words[at].isdecimal() or len(words[at]) > _MOST_DIGITS:
+        raise ValueError(f"{words[at][:40]!r} is no number of readings")
     return int(words[at])
 
 

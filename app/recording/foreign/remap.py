@@ -21,7 +21,7 @@ from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, field_validator,
 
 from app.errors import ConfigError
 from app.geometry import Pose3
-from app.recording.log import LogError
+from app.recording.log import LogError, LogInfo
 from app.yaml_source import Document, load_yaml
 
 _ARROW = re.compile(r"\s*(\S+)\s*->\s*(\S+)\s*")
@@ -30,6 +30,15 @@ TopicName = Annotated[str, Field(min_length=1)]
 
 class RemapError(LogError):
     """A sound log, of which it is not said what its channels are, or said though it says so itself."""
+
+
+class Undecided(RemapError):
+    """A bag that does not say which of its topics are meant. ``info`` is what else is known of it: all of its topics
+    are ignored there."""
+
+    def __init__(self, message: str, info: LogInfo) -> None:
+        super().__init__(message)
+        self.info = info
 
 
 class _Model(BaseModel):

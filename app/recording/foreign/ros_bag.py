@@ -2,34 +2,18 @@
 
 from __future__ import annotations
 
-import os
-import struct
-import sys
-import tempfile
-import zlib
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.interfaces import Connection
-from rosbags.rosbag1 import Reader as Bag1
-from rosbags.rosbag1 import ReaderError as Bag1Error
-from rosbags.rosbag2 import Reader as Bag2
-from rosbags.rosbag2 import ReaderError as Bag2Error
-from rosbags.serde import SerdeError
-from rosbags.typesys import Stores, TypesysError, get_typestore
-
-if sys.version_info >= (3, 14):
-    from compression.zstd import ZstdError
-else:
-    from backports.zstd import ZstdError
 
 from app.geometry import Pose3
 from app.messages import Image, JointState, LaserScan, Odometry
 from app.recording.foreign import ros_messages as ros
-from app.recording.foreign.remap import Remap, RemapError
+from app.recording.foreign.remap import Remap, Undecided
 from app.recording.foreign.ros_camera import Calibration, PinholeCamera
+from app.recording.foreign.ros_open import DAMAGE, opened, words
 from app.recording.foreign.ros_stream import Received, RosStream, Setting, add_transforms, is_static
 from app.recording.foreign.ros_topics import (
     COLOR_TYPES,
@@ -42,6 +26,7 @@ from app.recording.foreign.ros_topics import (
     FromTf,
     FromTopic,
     Topic,
+    described,
     guessed,
     ignored,
     message_type,
@@ -54,26 +39,8 @@ from app.recording.foreign.transforms import Transforms
 from app.recording.log import LogError, Logged, LoggedChannel, LogInfo
 from app.recording.manifest import Manifest
 from app.recording.stamps import SECOND, from_ns, to_ns
+from app.recording.unpacking import TooMuch
 
-#: What damaged bags make rosbags raise.
-_DAMAGE = (
-    AnyReaderError,
-    Bag1Error,
-    Bag2Error,
-    SerdeError,
-    TypesysError,
-    OSError,
-    EOFError,
-    ValueError,
-    LookupError,
-    AssertionError,
-    MemoryError,
-    OverflowError,
-    RuntimeError,  # of the lz4 library
-    ZstdError,
-    struct.error,
-    zlib.error,
-)
 #: Before the time that is asked for, so much (s) is read for transforms and depths.
 _BEFORE_S = 2.0
 #: So much of the moving transforms (s, messages) is read for knowing which frames there are.
@@ -81,7 +48,6 @@ _SAMPLE_S = 5.0
 _SAMPLE_MESSAGES = 5000
 #: The standing transforms of a bag are few; a bag that repeats them is read no longer than this.
 _STATIC_MESSAGES = 20000
-_TYPES = COLOR_TYPES | TF_TYPES | {INFO_TYPE, *PLAIN}
 _BASES = ("base_link", "base_footprint")
 #: The camera's optical frame where nothing is known: in the base's origin, looking ahead.
 _AHEAD = Pose3.from_translation_rpy((0.0, 0.0, 0.0), (-1.5707963267948966, 0.0, -1.5707963267948966))
@@ -105,7 +71,7 @@ class RosBag:
         does not fit it.
         """
         self._path = path
-        self._reader, self._others, self._named = _opened(path)
+        self._reader, self._others, self._named = opened(path)
         try:
             self._connections: dict[str, list[Connection]] = {}
             for connection in self._reader.connections:
@@ -121,16 +87,16 @@ class RosBag:
             try:
                 self._channels = remapped(topics, remap) if remap and remap.channels else guessed(topics, found)
             except Ambiguous as doubt:
-                raise RemapError(f"{path}: {doubt}") from None
+                raise Undecided(f"{path}: {doubt}", self._undecided(topics)) from None
             if not self._channels:
                 kinds = sorted({topic.type for topic in topics}) or ["nothing"]
                 raise LogError(f"{path}: has no topic that becomes a channel; it holds {', '.join(kinds)}")
             notes: list[str] = []
             self._setting = self._settled(topics, notes)
             self._info = self._described(topics, notes, chosen=bool(remap and remap.channels))
-        except _DAMAGE as failure:
+        except DAMAGE as failure:
             self.close()
-            raise LogError(f"{path}: is damaged: {_words(failure)}") from None
+            raise LogError(f"{path}: is damaged: {words(failure)}") from None
         except BaseException:
             self.close()
             raise
@@ -181,8 +147,10 @@ class RosBag:
             for connection, at, data in self._reader.messages(connections, start=start):
                 message = self._reader.deserialize(data, connection.msgtype)
                 yield Received(from_ns(at), connection.topic, message, len(data))
-        except _DAMAGE as failure:
-            raise LogError(f"{self._path}: is damaged: {_words(failure)}") from None
+        except TooMuch as refusal:
+            raise LogError(f"{self._path}: a message, or a chunk of them, {refusal}") from None
+        except DAMAGE as failure:
+            raise LogError(f"{self._path}: is damaged: {words(failure)}") from None
 
     def _topics(self) -> list[Topic]:
         topics = []
@@ -289,14 +257,26 @@ class RosBag:
         return max(self._reader.end_time - 1 - self._reader.start_time, 0) / SECOND
 
     def _described(self, topics: list[Topic], notes: list[str], *, chosen: bool) -> LogInfo:
-        counts = {topic.name: topic.count for topic in topics}
         channels = {}
+        counts = {topic.name: topic.count for topic in topics}
         for name, source in self._channels.items():
             of = used_by(source)[:1] or [topic for topic in self._tf if not is_static(topic)]
             count = sum(counts[topic] for topic in of)
             rate = (count - 1) / self._duration_s if count > 1 and self._duration_s > 0 else None
             channels[name] = LoggedChannel(name, message_type(source), count, rate)
-        empty = not any(counts.values())
+        return self._told(topics, channels, ignored(topics, self._channels, chosen), tuple(notes))
+
+    def _undecided(self, topics: list[Topic]) -> LogInfo:
+        return self._told(topics, {}, {topic.name: described(topic) for topic in topics}, ())
+
+    def _told(
+        self,
+        topics: list[Topic],
+        channels: dict[str, LoggedChannel],
+        reasons: Mapping[str, str],
+        notes: tuple[str, ...],
+    ) -> LogInfo:
+        empty = not any(topic.count for topic in topics)
         return LogInfo(
             self._path,
             "ROS 2 bag" if self._reader.is2 else "ROS 1 bag",
@@ -304,8 +284,8 @@ class RosBag:
             0.0 if empty else from_ns(self._reader.end_time - 1),
             channels,
             _size(self._path),
-            ignored(topics, self._channels, chosen),
-            tuple(notes),
+            reasons,
+            notes,
         )
 
 
@@ -318,71 +298,7 @@ def _facts(channels: Mapping[str, ChannelSource]) -> dict[str, str]:
     return facts
 
 
-class _Bag1(Bag1):
-    """Shows the connections that can be read alone: no other type's definition need be understood."""
-
-    others: list[Connection]
-
-    def open(self) -> None:
-        super().open()
-        self.connections, self.others = _sorted_out(self.connections)
-
-
-class _Bag2(Bag2):
-    """The same of ROS 2."""
-
-    others: list[Connection]
-
-    def open(self) -> None:
-        super().open()
-        self.storage.connections, self.others = _sorted_out(self.storage.connections)
-
-
-def _sorted_out(connections: list[Connection]) -> tuple[list[Connection], list[Connection]]:
-    read = [connection for connection in connections if connection.msgtype in _TYPES]
-    return read, [connection for connection in connections if connection.msgtype not in _TYPES]
-
-
-def _opened(path: Path) -> tuple[AnyReader, list[Connection], tempfile.TemporaryDirectory[str] | None]:
-    """The bag, opened, and its connections of types that are not read.
-
-    rosbags goes by a file's ending; one that is named otherwise gets a name of its own.
-    """
-    named: tempfile.TemporaryDirectory[str] | None = None
-    shown = path
-    if path.is_file():
-        ending = _ending(path)
-        if path.suffix != ending:
-            named = tempfile.TemporaryDirectory(prefix="hbba-bag-")
-            shown = Path(named.name) / f"bag{ending}"
-            os.symlink(path.resolve(), shown)
-    try:
-        reader = AnyReader([shown], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
-        reader.readers = [_Bag2(shown)] if reader.is2 else [_Bag1(shown)]
-        reader.open()
-    except _DAMAGE as failure:
-        if named is not None:
-            named.cleanup()
-        words = _words(failure)
-        hint = "; 'rosbag reindex' of ROS 1 makes it whole" if "reindex" in words or "index" in words.lower() else ""
-        raise LogError(f"{path}: is a bag that cannot be read: {words}{hint}") from None
-    others = [connection for bag in reader.readers for connection in bag.others]
-    return reader, others, named
-
-
-def _ending(path: Path) -> str:
-    with path.open("rb") as file:
-        head = file.read(16)
-    if head.startswith(b"#ROSBAG"):
-        return ".bag"
-    return ".db3" if head.startswith(b"SQLite") else ".mcap"
-
-
 def _size(path: Path) -> int:
     if path.is_dir():
         return sum(file.stat().st_size for file in path.iterdir() if file.is_file())
     return path.stat().st_size
-
-
-def _words(failure: BaseException) -> str:
-    return str(failure) or type(failure).__name__

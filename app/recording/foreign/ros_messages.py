@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from app.geometry import Pose2, Pose3
 from app.messages import JointState, LaserScan, Odometry, Twist, read_only
+from app.pictures import TooLarge, decoded
 from app.recording.stamps import SECOND, from_ns
 
 #: Pixels' channels and, for the others than 8-bit colour, what OpenCV calls the way to RGB.
@@ -140,7 +141,7 @@ def encoding_of(message: Any) -> str:
 def color_image(message: Any) -> NDArray[np.uint8]:
     """(H, W, 3) uint8 RGB of a sensor_msgs/Image or CompressedImage. Raises Unreadable."""
     if not hasattr(message, "encoding"):
-        picture = cv2.imdecode(np.asarray(message.data, np.uint8), cv2.IMREAD_COLOR_RGB) if len(message.data) else None
+        picture = _decoded(message.data, cv2.IMREAD_COLOR_RGB)
         if picture is None:
             raise Unreadable("the picture is neither JPEG nor PNG")
         return np.asarray(picture, np.uint8)
@@ -179,6 +180,13 @@ def _pixels(message: Any, kind: str, channels: int) -> NDArray[Any]:
     return pixels if channels == 1 else pixels.reshape(height, width, channels)
 
 
+def _decoded(data: Any, flags: int) -> NDArray[Any] | None:
+    try:
+        return decoded(np.asarray(data, np.uint8), flags)
+    except TooLarge as failure:
+        raise Unreadable(f"the picture {failure}") from None
+
+
 def _millimetres(metres: NDArray[Any]) -> NDArray[np.uint16]:
     known = np.isfinite(metres) & (metres > 0) & (metres < 65.5355)
     return np.where(known, np.rint(np.where(known, metres, 0) * 1000.0), 0).astype(np.uint16)
@@ -192,7 +200,7 @@ def _compressed_depth(message: Any) -> NDArray[np.uint16]:
         if not head.endswith(_PNG):
             raise Unreadable(f"depth of the format {form!r} is no PNG")
         data = data[_DEPTH_HEADER.size :]
-    picture = cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
+    picture = _decoded(data, cv2.IMREAD_UNCHANGED)
     if picture is None or picture.ndim != 2 or picture.dtype != np.uint16:
         raise Unreadable("the PNG of the depth is damaged or has no 16 bits")
     if not form.startswith("32FC1") or head.startswith(_PNG):

@@ -103,8 +103,9 @@ def guessed(topics: Sequence[Topic], odometry_in_tf: tuple[str, str] | None) -> 
     doubts: list[tuple[str, tuple[str, ...]]] = []
     colors = _cameras(topics)
     if colors:
-        color = colors[0]
-        depths = _depths(topics, color)
+        color = min(colors, key=lambda color: not _depths(topics, color, beside=len(colors) > 1))
+        colors = [color, *(other for other in colors if other is not color)]
+        depths = _depths(topics, color, beside=len(colors) > 1)
         channels[_CAMERA] = FromCamera(color.name, depths[0].name if depths else None, _info(topics, color))
         if len(colors) > 1:
             doubts.append((_CAMERA, tuple(topic.name for topic in colors)))
@@ -167,6 +168,13 @@ def _plain(channel: str, source: Source, topic: Topic, remap: Remap) -> FromTopi
     if source.X_BL is not None and kind is not LaserScan:
         raise remap.error(f"X_BL places a laser; {topic.name} is {topic.type}", ("channels", channel, "X_BL"))
     return FromTopic(kind, topic.name, source.X_BL.pose() if source.X_BL else None)
+
+
+def described(topic: Topic) -> str:
+    """What a topic holds, for people."""
+    what = {"color": ", in color", "mono": ", grey", "depth": ", depth"}.get(topic.holds, "")
+    frame = f", in {topic.frame}" if topic.frame else ""
+    return f"{topic.type}{what}{frame}, {topic.count} message{'s' * (topic.count != 1)}"
 
 
 def ignored(topics: Iterable[Topic], channels: Mapping[str, ChannelSource], chosen: bool) -> dict[str, str]:
@@ -258,11 +266,14 @@ def _rank(topic: Topic) -> tuple[bool, bool, bool, str]:
     return topic.holds != "color", not rectified(topic.name), "compressed" in topic.name, topic.name
 
 
-def _depths(topics: Sequence[Topic], color: Topic) -> list[Topic]:
-    """The depths that could be meant, one of each place: registered ones first, else those nearest by name."""
+def _depths(topics: Sequence[Topic], color: Topic, *, beside: bool) -> list[Topic]:
+    """The depths that could be meant, one of each place: registered ones first, else those nearest by name.
+
+    ``beside``: only those of the same camera, by its frame or by what their names begin with.
+    """
     best: dict[str, Topic] = {}
     for topic in topics:
-        if not topic.count or not _shows_depth(topic):
+        if not topic.count or not _shows_depth(topic) or (beside and not _of_one_camera(topic, color)):
             continue
         place = _camera(topic.name)
         if place not in best or _rank(topic) < _rank(best[place]):
@@ -270,6 +281,13 @@ def _depths(topics: Sequence[Topic], color: Topic) -> list[Topic]:
     found = sorted(best.values(), key=lambda topic: topic.name)
     fitting = [topic for topic in found if registered(topic, color)]
     return fitting or found
+
+
+def _of_one_camera(one: Topic, other: Topic) -> bool:
+    if one.frame and one.frame == other.frame:
+        return True
+    first, second = (topic.name.strip("/").split("/")[0] for topic in (one, other))
+    return first == second
 
 
 def _info(topics: Sequence[Topic], color: Topic) -> str | None:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from app.geometry import CameraModel, FisheyeModel, Pose3
 from app.messages import EncodedImage, Image, read_only
+from app.pictures import decoded
 from app.recording.ros import typestore
 from app.recording.ros.frames import BASE, TF, Transform, header, pose3_numbers
 from app.recording.ros.generated import generated
@@ -119,7 +120,7 @@ class ImageConverter:
         if "color" not in parts or (info.has_depth and "depth" not in parts):
             return None
         jpeg = typestore.deserialise(_COMPRESSED, parts["color"]).data
-        color = cv2.imdecode(jpeg, cv2.IMREAD_COLOR_RGB) if jpeg.size else None
+        color = decoded(jpeg, cv2.IMREAD_COLOR_RGB)
         if color is None:
             raise ValueError("the colour image is no JPEG")
         depth: NDArray[np.uint16] | None = None

@@ -13,6 +13,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from app.pictures import MOST_BYTES, MOST_PIXELS, TooLarge, decoded
+from app.plain_file import read_plain
 from app.robots.devices.config import CameraConfig
 
 Picture = NDArray[np.uint8]
@@ -120,6 +122,11 @@ class _Video:
                 "is of another kind"
             )
         self._capture = capture
+        width, height = (int(capture.get(side)) for side in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT))
+        if width * height > MOST_PIXELS:
+            raise Unavailable(
+                f"{path} has {width} x {height} pixels; at most {MOST_PIXELS / 1e6:g} million are decoded"
+            )
         self.rate_hz = config.rate_hz or _rate(capture) or DEFAULT_RATE_HZ
 
     def read(self) -> Picture | None:
@@ -202,10 +209,11 @@ def _rate(capture: cv2.VideoCapture) -> float | None:
 
 def _picture(file: Path) -> Picture:
     try:
-        data = np.fromfile(file, np.uint8)
+        picture = decoded(read_plain(file, MOST_BYTES), cv2.IMREAD_COLOR)
     except OSError as failure:
         raise Unavailable(f"{file} cannot be read: {failure.strerror}") from None
-    picture = cv2.imdecode(data, cv2.IMREAD_COLOR) if data.size else None
+    except TooLarge as failure:
+        raise Unavailable(f"{file} {failure}") from None
     if picture is None:
         raise Unavailable(f"{file} is no picture that can be read ({PICTURES})")
     return _rgb(picture)

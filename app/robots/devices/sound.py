@@ -11,12 +11,15 @@ import numpy as np
 import soundfile
 from numpy.typing import NDArray
 
+from app.plain_file import check_plain
 from app.robots.devices.config import SoundConfig, SpeakerConfig
 from app.robots.devices.pictures import Unavailable
 
 Samples = NDArray[np.int16]
 #: What can be read, in words.
 SOUNDS = "WAV, FLAC, Ogg, MP3"
+#: No sound card gives more.
+_MOST_RATE, _MOST_CHANNELS = 384_000, 64
 _OR_A_FILE = "--microphones FILE takes a sound file instead"
 
 
@@ -59,6 +62,7 @@ class _File:
     def __init__(self, path: Path, config: SoundConfig) -> None:
         self._path = path
         try:
+            check_plain(path)
             self._file = soundfile.SoundFile(str(path))
         except (soundfile.LibsndfileError, OSError) as failure:
             reason = getattr(failure, "error_string", None) or getattr(failure, "strerror", None) or str(failure)
@@ -66,6 +70,11 @@ class _File:
         except TypeError:  # what soundfile raises for .raw: nothing in it says how it is to be read
             raise Unavailable(f"{path} cannot be read as sound: samples without a header; make it a WAV") from None
         self.rate, self.channels = self._file.samplerate, self._file.channels
+        if self.rate > _MOST_RATE or self.channels > _MOST_CHANNELS:
+            raise Unavailable(
+                f"{path} says it has {self.channels} channels of {self.rate} samples a second; at most "
+                f"{_MOST_CHANNELS} of {_MOST_RATE} are read"
+            )
         if not self._file.frames:
             raise Unavailable(f"{path} holds no sound")
         self._loop = config.loop

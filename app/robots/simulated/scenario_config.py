@@ -12,6 +12,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, PlainValidator, field_validator, model_validator
 
+from app.plain_file import check_plain
 from app.robots.simulated.acoustics.sounds import NAMES
 from app.robots.simulated.faces import FACES
 from app.yaml_source import load_yaml, suggestion
@@ -265,6 +266,7 @@ def _seconds(file: Path) -> float:
     import soundfile
 
     try:
+        check_plain(file)
         seconds = float(soundfile.info(str(file)).duration)
     except (soundfile.SoundFileError, OSError) as failure:
         raise ValueError(f"the sound file {file} cannot be read: {failure}") from None

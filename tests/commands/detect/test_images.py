@@ -1,14 +1,17 @@
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
+from app import paths
 from app.cli import main
 from app.commands.detect.images import NoImage, find_images, read_image
 from app.errors import ConfigError
+from tests.test_pictures import BOMBS
 
 
 @pytest.mark.parametrize("suffix", [".jpg", ".png", ".webp", ".bmp", ".tiff"])
@@ -22,6 +25,24 @@ def test_an_image_that_is_cut_off_is_said_to_be_damaged(tmp_path: Path, suffix: 
         read_image(file)
     file.write_bytes(whole)
     assert read_image(file).shape == (60, 80, 3)
+
+
+@pytest.mark.parametrize("kind", BOMBS)
+def test_an_image_that_says_it_is_gigabytes_is_refused_and_not_decoded(kind: str, tmp_path: Path) -> None:
+    file = tmp_path / "a.jpg"
+    file.write_bytes(BOMBS[kind])
+    with pytest.raises(NoImage, match=r"a\.jpg: has \d+ x \d+ pixels; at most 128 million are decoded"):
+        read_image(file)
+
+
+@pytest.mark.parametrize("what", ["qr", "faces", "voices"])
+def test_a_pipe_in_a_files_place_is_not_waited_for(
+    what: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    os.mkfifo(tmp_path / "a.jpg")
+    array = ["--array", str(paths.config_dir() / "arrays" / "irl1.yaml")] if what == "voices" else []
+    assert main(["detect", what, *array, str(tmp_path / "a.jpg")]) != 0
+    assert "a.jpg: cannot be read: is a pipe, no regular file" in capsys.readouterr().err
 
 
 def test_a_gif_is_read_and_told_of(tmp_path: Path) -> None:

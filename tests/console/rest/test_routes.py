@@ -331,6 +331,19 @@ async def test_what_is_said_twice_is_not_guessed_at(client: httpx.AsyncClient, s
     assert system.workspace.desires() == ()
 
 
+@pytest.mark.parametrize("value", ["9" * 5_000, "-" + "9" * 300, "[" * 900 + "]" * 900, "[" * 20_000 + "]" * 20_000])
+async def test_a_body_beyond_all_bounds_is_refused(value: str, client: httpx.AsyncClient, system: System) -> None:
+    headers = {"Content-Type": "application/json"}
+    for key in ("utility", "params"):
+        body = f'{{"class": "Telepresence", "{key}": {value}}}'
+        document = is_problem(
+            await client.post("/desires", content=body.encode(), headers=headers), 422, "invalid-request"
+        )
+        assert document["errors"][0]["field"] == "body"
+        assert "digits" in document["detail"] or "nested too deeply" in document["detail"]
+    assert system.workspace.desires() == ()
+
+
 async def test_a_time_that_is_none_is_refused(client: httpx.AsyncClient) -> None:
     for name in ("since", "until"):
         for value in ("nan", "inf", "-inf"):
@@ -364,10 +377,10 @@ async def test_two_halves_are_a_character(client: httpx.AsyncClient) -> None:
     assert "\U0001f916" in is_problem(response, 422, "unknown-desire-class")["detail"]
 
 
-async def test_what_is_nested_too_deeply_is_no_json_here(client: httpx.AsyncClient) -> None:
+async def test_what_is_nested_too_deeply_is_not_taken(client: httpx.AsyncClient) -> None:
     for body in (b"[" * 60_000, b'{"params": ' * 5_000 + b"1" + b"}" * 5_000):
         response = await client.post("/desires", content=body, headers={"Content-Type": "application/json"})
-        assert "nested too deeply" in is_problem(response, 400, "malformed-json")["detail"]
+        assert "nested too deeply" in is_problem(response, 422, "invalid-request")["detail"]
 
 
 async def test_desires_over_the_console_have_a_bound_and_motivations_none(

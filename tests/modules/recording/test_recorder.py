@@ -158,7 +158,9 @@ async def test_a_write_that_blocks_holds_up_nobody(tmp_path: Path, disk: Disk) -
     async with Robot(tmp_path, queue_messages=100, too_slow_after_s=0.2) as robot:
         other = robot.graph.channel("odometry").subscribe("another module", capacity=100_000)
         disk.unblock.clear()
+        disk.met.clear()
         robot.desire(name="walk")
+        await asyncio.to_thread(disk.met.wait)
         fed, longest = 0, 0.0
         while True:  # until it gives up by itself: not one of these turns of the loop waits for the disk
             before = robot.clock.now()

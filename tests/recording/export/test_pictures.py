@@ -123,6 +123,24 @@ def test_a_video_shows_at_each_moment_what_was_the_newest_then(writer: str, tmp_
         assert len(shown) == 17
 
 
+def test_a_video_begins_with_the_time_asked_for_whenever_its_first_picture_was_captured(
+    writer: str, tmp_path: Path
+) -> None:
+    # A busy computer: what arrived just after the begin was captured long before it.
+    arrived = [(-7.3, -7.5, 0), (0.01, -7.2, 60), (0.02, -3.0, 120), (1.0, 0.99, 180), (1.5, 1.49, 240)]
+    log = MemoryLog([Logged(BEGIN + at, "camera", image(BEGIN + stamp, level)) for at, stamp, level in arrived], 10.0)
+    result = export(log, Wish("mp4", tmp_path / "out", begin=BEGIN))
+    shown = frames(tmp_path / "out" / "camera.mp4")
+    assert shown[-1][0] == pytest.approx(1.5, abs=0.06)
+    assert "3 images over 1.5 s" in result.lines()[0]
+    for moment, level in ((0.0, 120), (0.9, 120), (1.2, 180), (1.5, 240)):
+        _, frame = max((each for each in shown if each[0] <= moment + 0.06), key=lambda each: each[0])
+        assert abs(red(frame) - level) <= 5, moment
+    export(log, Wish("mp4", tmp_path / "early", begin=BEGIN, end=BEGIN + 0.5))
+    ((_, frame),) = frames(tmp_path / "early" / "camera.mp4")
+    assert abs(red(frame) - 120) <= 5
+
+
 def test_a_camera_without_a_nominal_rate_has_the_one_it_came_at(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import math
 import os
+import tracemalloc
 from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
@@ -95,6 +96,37 @@ def test_a_log_cut_off_in_the_middle_is_read_to_there(tmp_path: Path) -> None:
     assert "end of the file" in log.info.ignored
     read = list(log.messages())
     assert 1000 < len(read) == log.info.channels["odometry"].count < 20000
+
+
+@pytest.mark.parametrize("packed", [False, True])
+@pytest.mark.parametrize("kind", ["FLASER 900000", "PARAM name", "ODD", ""])
+def test_a_line_of_megabytes_is_passed_over(kind: str, packed: bool, tmp_path: Path) -> None:
+    plain = open_log(small(tmp_path, name="plain"))
+    head, rest = SMALL.split("RLASER 5", 1)
+    text = head + kind + " 1.5" * 1_500_000 + "\nRLASER 5" + rest
+    log = open_log(small(tmp_path, text, packed=packed))
+    assert [(m.channel, m.at) for m in log.messages()] == [(m.channel, m.at) for m in plain.messages()]
+    assert all(len(words) < 300 for words in (*log.info.ignored, *log.info.ignored.values()))
+
+
+def test_a_packed_line_that_never_ends_is_given_up(tmp_path: Path) -> None:
+    path = small(tmp_path, SMALL * 6 + "FLASER 180 " + "1 " * 60_000_000 + "\n" + SMALL, packed=True)
+    assert path.stat().st_size < 1_000_000
+    tracemalloc.start()
+    log = open_log(path)
+    count = sum(1 for _ in log.messages())
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert count == 6 * 8
+    assert "has a line of more than 64 MB, so it is no log" in log.info.ignored["end of the file"]
+    assert peak < 30_000_000
+
+
+def test_names_without_end_are_not_all_remembered(tmp_path: Path) -> None:
+    names = "".join(f"X{number} 1 2\nPARAM p{number} {number} host 0.0\n" for number in range(5_000))
+    ignored = open_log(small(tmp_path, SMALL + names)).info.ignored
+    assert len(ignored) < 1_100
+    assert int(ignored["others"].split()[0]) > 3_900
 
 
 def test_reading_may_begin_anywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from app.cli import main
 from app.commands.check import check_file
 from app.commands.log_report import look_into
 from app.errors import ConfigError
@@ -18,7 +20,7 @@ from app.recording.foreign.remap import load_remap
 from app.recording.log import Log, LogError
 from app.recording.open import open_log
 from tests.recording.foreign import drive
-from tests.recording.foreign.bags import Sent, write_ros1, write_ros2_mcap
+from tests.recording.foreign.bags import Sent, header, write_ros1, write_ros2_mcap
 
 EXAMPLES = sorted((Path(__file__).parents[3] / "docs" / "examples").glob("remap-*.yaml"))
 
@@ -74,6 +76,47 @@ def test_two_cameras_are_a_question_but_two_transports_of_one_are_not(tmp_path: 
     left = renamed([m for m in sent if m.topic == "/camera/rgb/image_raw"], lambda _: "/left/image_raw")
     with pytest.raises(LogError, match=r"'kinect': /camera/rgb/image_raw, /left/image_raw"):
         opened(other, sent + left)
+
+
+def test_of_two_cameras_the_one_with_a_depth_of_its_own_is_the_first_guess(tmp_path: Path) -> None:
+    sent = short()
+    panorama = renamed([m for m in sent if m.topic == "/camera/rgb/image_raw"], lambda _: "/a_panorama/image_raw")
+    panorama = [replace(m, fields=m.fields | {"header": header(m.at, "panorama")}) for m in panorama]
+    with pytest.raises(LogError, match=r"'kinect': /camera/rgb/image_raw, /a_panorama/image_raw") as question:
+        opened(tmp_path, panorama + sent)
+    proposal = re.search(r"channels:\n(?:  .*\n)+", str(question.value))
+    assert proposal is not None
+    assert "kinect: {color: /camera/rgb/image_raw, depth: /camera/depth_registered/image_raw" in proposal[0]
+    other = tmp_path / "other"
+    other.mkdir()
+    apart = [m for m in panorama + sent if m.topic != "/camera/rgb/image_raw"]
+    left = renamed(list(panorama), lambda _: "/left/image_raw")
+    with pytest.raises(LogError, match="2 topics") as question:
+        opened(other, apart + left)
+    assert "depth:" not in str(question.value), "a depth of neither camera is nobody's"
+
+
+@pytest.mark.parametrize("as_json", [True, False])
+def test_what_is_in_a_bag_is_told_before_it_is_decided_what_it_means(
+    as_json: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sent = short()
+    both = sent + renamed([m for m in sent if m.topic == "/scan"], lambda _: "/scan_rear")
+    path = write_ros1(tmp_path / "run.bag", both)
+    assert main(["log", "info", str(path), *["--json"] * as_json]) == 0
+    told = capsys.readouterr().out
+    if as_json:
+        contents = json.loads(told)
+        told = contents["undecided"]
+        assert contents["duration_s"] == pytest.approx(look_into(path).duration_s)
+        assert contents["ignored"]["/scan_rear"] == "sensor_msgs/msg/LaserScan, in laser, 80 messages"
+        assert contents["ignored"]["/camera/rgb/image_raw"].startswith("sensor_msgs/msg/Image, in color, in ")
+    else:
+        assert "\n  /scan_rear: sensor_msgs/msg/LaserScan, in laser, 80 messages\n" in told
+        assert "\n2 topics could be the channel 'scan'" in told
+    remap = re.search(r"channels:\n(?:  .*\n)+", told)
+    assert remap is not None
+    assert main(["log", "info", str(path), "--remap", str(written(tmp_path, remap[0]))]) == 0
 
 
 def test_a_remap_file_names_channels_as_it_likes(tmp_path: Path) -> None:

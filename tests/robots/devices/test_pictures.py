@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from app.robots.devices.config import CameraConfig
 from app.robots.devices.pictures import Pace, Unavailable, open_pictures
+from tests.test_pictures import BOMBS
 
 from .files import picture_file, video_file
 
@@ -63,6 +64,7 @@ def test_nobody_writes_into_another_s_picture(tmp_path: Path) -> None:
         ("gone.mp4", None, "there is no file"),
         ("gone.png", None, "cannot be read: No such file"),
         ("broken.png", b"not a picture", "is no picture"),
+        ("huge.png", BOMBS["PNG"], "huge.png has 60000 x 60000 pixels; at most 128 million are decoded"),
         ("broken.mp4", b"not a video", "cannot be read as a video (MP4, AVI, MKV, WebM) or a picture"),
         ("empty", "folder", "there are no pictures"),
     ],

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import struct
 import sys
 from pathlib import Path
 
@@ -45,6 +46,16 @@ def test_what_cannot_be_opened_says_why(tmp_path: Path, name: str, content: byte
     if content is not None:
         path.write_bytes(content)
     with pytest.raises(Unavailable, match=said):
+        open_sound(SoundConfig(source=str(path)))
+
+
+@pytest.mark.parametrize(("rate", "channels"), [(2_000_000_000, 1), (48_000, 500)])
+def test_a_file_that_says_what_no_sound_card_gives_is_refused(rate: int, channels: int, tmp_path: Path) -> None:
+    path = sound_file(tmp_path, ramp(8))
+    data = bytearray(path.read_bytes())
+    struct.pack_into("<HIIH", data, 22, channels, rate, min(rate * channels * 2, 0xFFFFFFFF), channels * 2)
+    path.write_bytes(bytes(data) + bytes(2_000))
+    with pytest.raises(Unavailable, match=f"says it has {channels} channels of {rate} samples .* at most 64 of 384000"):
         open_sound(SoundConfig(source=str(path)))
 
 

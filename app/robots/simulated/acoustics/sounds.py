@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.errors import ConfigError
+from app.plain_file import check_plain
 from app.robots.simulated.acoustics.activity import ACTIVITY_S, activity, pieces
 from app.robots.simulated.acoustics.bands import fast_length
 from app.robots.simulated.acoustics.espeak import NoSpeechSynthesis, speak
@@ -140,6 +141,11 @@ class Library:
         return Clip(samples.astype(np.float32, copy=False), active, level, self._rate)
 
 
+#: A sound file has no more samples, all channels together (four bytes of memory each), and a rate (Hz) that sound has.
+_MOST_SAMPLES = 60_000_000
+_RATES = (1_000, 384_000)
+
+
 def _is_file(clip: str) -> bool:
     return clip.lower().endswith(FILES)
 
@@ -148,7 +154,15 @@ def _read(path: Path) -> tuple[Samples, int]:
     import soundfile
 
     try:
-        samples, rate = soundfile.read(path, dtype="float32", always_2d=True)
+        check_plain(path)
+        with soundfile.SoundFile(path) as file:
+            rate, size = file.samplerate, file.frames * file.channels
+            if size > _MOST_SAMPLES or not _RATES[0] <= rate <= _RATES[1]:
+                raise ConfigError(
+                    f"{path} says it has {size} samples, {rate} a second; at most {_MOST_SAMPLES} are read, from "
+                    f"{_RATES[0]} to {_RATES[1]} a second"
+                )
+            samples = file.read(dtype="float32", always_2d=True)
     except (soundfile.SoundFileError, OSError) as failure:
         raise ConfigError(f"{path} cannot be read as sound: {failure}") from None
     if not samples.size:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 import soundfile
 
 from app.errors import ConfigError
-from app.robots.simulated.acoustics import espeak
+from app.robots.simulated.acoustics import espeak, sounds
 from app.robots.simulated.acoustics.sounds import MEAN_DB_SPL, PEAK_DB_SPL, RECORDINGS, SPEECH, Library
 from app.robots.simulated.acoustics.synthesis import MAKERS
 
@@ -115,3 +116,17 @@ def test_the_recordings_are_small_and_their_licences_stated() -> None:
     for file in files:
         line = next(line for line in notice.splitlines() if file.name in line)
         assert "public domain" in line
+
+
+@pytest.mark.parametrize(("rate", "seconds"), [(2_000_000_000, 0.0), (100, 1.0), (48_000, 1_251.0)])
+def test_a_file_that_says_more_than_sound_has_is_refused(rate: int, seconds: float, tmp_path: Path) -> None:
+    path = tmp_path / "endless.flac" if seconds > 10 else tmp_path / "odd.wav"
+    soundfile.write(path, np.zeros(max(10, int(rate * seconds)), np.int16), rate)
+    with pytest.raises(ConfigError, match=rf"says it has \d+ samples, {rate} a second; at most"):
+        sounds._read(path)
+
+
+def test_a_pipe_in_a_files_place_is_refused_and_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "a.wav")
+    with pytest.raises(ConfigError, match="is a pipe, no regular file"):
+        sounds._read(tmp_path / "a.wav")
