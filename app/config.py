@@ -41,6 +41,9 @@ class ConsoleConfig(_Model):
     port: int = Field(8080, ge=0, le=65535, description="0: any free port")
     # Beyond loopback a token is required: given here, on the command line, or made up and printed at the start.
     token: str | None = Field(None, min_length=8)
+    command_validity_s: float = Field(
+        0.4, ge=0.1, le=2, description="a drive command that is older when it comes moves nothing"
+    )
 
 
 class ProgramConfig(_Model):

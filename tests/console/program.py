@@ -36,6 +36,7 @@ STREAMS = {
 
 PROGRAM = """\
 robot: robot.yaml
+console: {command_validity_s: 2}  # a busy computer may not make a command late that is not meant to be
 channels: channels.yaml
 strategies: [strategies.yaml]
 modules:

@@ -17,6 +17,7 @@ from app.attention.serialize import desire_to_json, event_to_json, intention_to_
 from app.console import control, reports
 from app.console.driving import Driving, hands
 from app.console.goals import withdraw_all
+from app.console.live.command_age import CommandAge
 from app.console.live.feeds import GRIDS, PICTURES, SOUND_CHANNEL, Feeds, comes
 from app.console.live.protocol import CAMERA, COSTMAP, MAP, PANORAMA, PROTOCOL
 from app.console.live.sampler import Sampler
@@ -135,7 +136,8 @@ class Hub:
 
     def join(self, operator: str) -> Viewer:
         """A page connected: greet it and tell it all there is."""
-        viewer = Viewer(secrets.token_hex(6), operator)
+        validity_s = self._system.config.program.console.command_validity_s
+        viewer = Viewer(secrets.token_hex(6), operator, CommandAge(validity_s))
         first = not self._viewers
         self._viewers[viewer.session] = viewer
         self.driving.handle(control.Connected(viewer.session, operator))
@@ -200,11 +202,13 @@ class Hub:
             viewer.outbox.put(kind, frame)
 
     def broadcast_status(self, status: dict[str, Any]) -> None:
-        """Give everybody ``status``, which differs only in whose wheel and voice it is: encoded once for all others."""
+        """Give everybody ``status``, which differs only in whose wheel and voice it is and in why one's driving waits:
+        encoded once for all others."""
         lease, speaker = self.driving.lease, self.speech.speaker
-        frames: dict[tuple[bool, bool], str] = {}
+        frames: dict[tuple[bool, bool, str], str] = {}
         for session, viewer in self._viewers.items():
-            mine = (session == lease.driver, speaker is not None and session == speaker[0])
+            waits = self.waits(viewer)
+            mine = (session == lease.driver, speaker is not None and session == speaker[0], waits)
             if mine not in frames:
                 driver = _whose(lease.driver_name, mine[0])
                 frames[mine] = encode_text(
@@ -212,9 +216,15 @@ class Hub:
                     | {
                         "driver": None if driver is None else driver | {"holds": lease.moving},
                         "speaker": _whose(None if speaker is None else speaker[1], mine[1]),
+                        "waits": waits,
                     }
                 )
             viewer.outbox.put("status", frames[mine])
+
+    def waits(self, viewer: Viewer) -> str:
+        """Why the driving of ``viewer`` waits, in words; "": it does not."""
+        judged = viewer.age.last
+        return f"{judged.cause}: driving waits." if judged.lasting and self.driving.drivable else ""
 
     # --- What is watched only while somebody watches -----------------------------------------------------------------
 

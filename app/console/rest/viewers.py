@@ -27,6 +27,8 @@ def viewers_router(hub: Hub, view: View) -> APIRouter:
                     "operator": viewer.operator,
                     "driving": viewer.session == driver,
                     "rtt_ms": viewer.rtt_ms,
+                    "late_ms": None if viewer.age.last.age_s is None else round(1e3 * viewer.age.last.age_s, 1),
+                    "waits": hub.waits(viewer),
                     "waiting": counters.waiting,
                     "sent": counters.taken,
                     "replaced": counters.replaced,

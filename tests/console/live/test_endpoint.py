@@ -308,6 +308,7 @@ async def test_the_emergency_stop_refuses_driving_and_says_so_once(url: str, sys
         await ann.until("notice")
         await ann.until("status", lambda s: s["guard"]["e_stopped"])
         await ann.drive(1.0)
+        await ann.until("status")
         await ann.send("clear_e_stop")
         await ann.send("ping", t=1)
         await ann.until("pong")
@@ -337,7 +338,7 @@ async def test_a_viewer_that_does_not_read_delays_nobody(url: str, system: Syste
     """Its sockets full, frames are replaced, not queued, and others are served on time."""
     async with page(url, "slow", max_queue=1) as slow, page(url, "fast") as fast:
         await slow.until("hello")
-        slow.connection.transport.pause_reading()
+        await slow.stop_reading()
         viewer = next(viewer for viewer in hub.viewers if viewer.operator == "slow")
         long = "x" * 50_000
         number = 0
@@ -352,7 +353,7 @@ async def test_a_viewer_that_does_not_read_delays_nobody(url: str, system: Syste
         assert second["stamp"] - first["stamp"] < 0.25
         assert viewer.outbox.statistics().events <= MOST_EVENTS
         assert viewer.outbox.statistics().waiting <= 8
-        slow.connection.transport.resume_reading()
+        slow.begin_reading()
         await slow.until("notice", lambda n: "timeline" in n["text"])
         await slow.until("status", lambda s: s["stamp"] >= second["stamp"])
         # So that it ends in good order.
