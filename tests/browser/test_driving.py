@@ -34,7 +34,8 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
 @pytest.fixture(autouse=True)
 def _free_to_drive(robot: Robot) -> None:
     """Whatever the test before left."""
-    assert robot.request("DELETE", "/robot/e-stop")[0] == 200
+    seen = robot.get("/robot")["stamp"]
+    assert robot.request("DELETE", f"/robot/e-stop?seen={seen}")[0] == 200
 
 
 def moving(row: GuardRow) -> bool:

@@ -1,0 +1,182 @@
+"""The whole program over a slow network, and frozen: commands that come late never move the wheels.
+
+The guard's own log is the witness. Nothing here is about how long something takes: a busy computer makes commands only
+older.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import signal
+from collections.abc import AsyncIterator, Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from app.robots.simulated.guard_log import GuardRow
+from tests.browser.running import Robot, running_robot
+from tests.console.live_client import Page, page
+from tests.console.slow_link import slow_link
+from tests.robots.conftest import needs_gl
+
+pytestmark = [pytest.mark.slow, needs_gl]
+
+BEAT_S = 0.05
+STILL_S = 0.5
+PATIENCE_S = 60.0
+VALIDITY_S = 0.4
+
+
+@pytest.fixture(scope="module")
+def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
+    """One for the whole file."""
+    with running_robot(tmp_path_factory.mktemp("robot"), calm=True) as running:
+        yield running
+
+
+def moving(row: GuardRow) -> bool:
+    return row.linear_mps != 0 or row.angular_radps != 0
+
+
+def still(rows: list[GuardRow]) -> bool:
+    """Whether they have been given nothing for a while: not by a hitch of a busy computer."""
+    return bool(rows) and not any(moving(row) for row in rows if row.monotonic_s >= rows[-1].monotonic_s - STILL_S)
+
+
+async def until(robot: Robot, holds: Callable[[list[GuardRow]], bool]) -> list[GuardRow]:
+    """What the wheels were given, once ``holds`` is true of it."""
+    async with asyncio.timeout(PATIENCE_S):
+        while not holds(rows := await asyncio.to_thread(robot.wheels)):
+            await asyncio.sleep(BEAT_S)
+    return rows
+
+
+async def guard_goes_on(robot: Robot, seconds: float) -> list[GuardRow]:
+    """Until the guard has decided for so long."""
+    last = (await asyncio.to_thread(robot.wheels))[-1].monotonic_s
+    return await until(robot, lambda rows: rows[-1].monotonic_s > last + seconds)
+
+
+@contextlib.asynccontextmanager
+async def held(ann: Page) -> AsyncIterator[None]:
+    """Ann turns on the spot, her key held: a command each 50 ms."""
+
+    async def hold() -> None:
+        while True:
+            await ann.drive(0.0, 1.0)
+            await asyncio.sleep(BEAT_S)
+
+    await ann.drive(0.0, held=False)
+    holding = asyncio.create_task(hold())
+    try:
+        yield
+    finally:
+        holding.cancel()
+        await asyncio.wait({holding})
+
+
+async def drive_off(robot: Robot, ann: Page) -> None:
+    """Returns once the wheels turn: what comes too late on a busy computer is pressed anew."""
+    before = len(await asyncio.to_thread(robot.wheels))
+    await until(robot, lambda rows: any(map(moving, rows[before:])))
+
+
+async def all_arrived(ann: Page) -> None:
+    """Until the robot has taken everything that was sent before."""
+    sent = ann.clock()
+    await ann.send("ping", t=sent)
+    await ann.until("pong", lambda pong: pong["t"] == sent, within_s=PATIENCE_S)
+
+
+async def test_on_a_quick_link_it_drives_and_stops(robot: Robot) -> None:
+    async with slow_link(robot.url) as link, page(link.url) as ann:
+        async with held(ann):
+            await drive_off(robot, ann)
+        await ann.drive(0.0, held=False)
+        await until(robot, still)
+
+
+@pytest.mark.parametrize(("up_s", "down_s"), [(0.5, 0.0), (3.0, 0.0), (0.0, 3.0), (3.0, 3.0)])
+async def test_over_a_slow_link_it_never_moves_and_says_so(robot: Robot, up_s: float, down_s: float) -> None:
+    before = len(await until(robot, still))
+    async with slow_link(robot.url) as link, page(robot.url, "Eve") as eve:
+        link.up_s, link.down_s = up_s, down_s
+        async with page(link.url) as ann:
+            async with held(ann):
+                notice = await ann.until("notice", within_s=PATIENCE_S)
+                status = await ann.until("status", lambda s: s["waits"] != "", within_s=PATIENCE_S)
+            for told in (notice["text"], status["waits"]):
+                assert told.endswith(": driving waits.")
+            # The release, too, is heard however late.
+            await ann.drive(0.0, held=False)
+            await all_arrived(ann)
+            assert (await eve.until("status"))["waits"] == "", "only who is late is told"
+            pages = {p["operator"]: p for p in (await asyncio.to_thread(robot.get, "/viewers"))["pages"]}
+            assert pages["Ann"]["waits"].endswith(": driving waits.")
+            assert pages["Ann"]["late_ms"] > 1e3 * max(up_s, down_s)
+            assert pages["Eve"]["waits"] == ""
+    rows = await asyncio.to_thread(robot.wheels)
+    assert not any(map(moving, rows[before:]))
+
+
+async def test_a_delay_that_begins_while_driving_stops_for_good(robot: Robot) -> None:
+    async with slow_link(robot.url) as link, page(link.url) as ann:
+        async with held(ann):
+            await drive_off(robot, ann)
+            link.up_s = 3.0
+            stopped = len(await until(robot, still))
+            sent = ann.sequence
+            # Held all the while, and let go only when the first late ones have come.
+            await ann.until("notice", lambda n: n["text"].endswith(": driving waits."), within_s=PATIENCE_S)
+        await ann.drive(0.0, held=False)
+        assert ann.sequence - sent > 10
+        await all_arrived(ann)
+        rows = await until(robot, still)
+        assert not any(map(moving, rows[stopped:]))
+        # The network is well again: what is pressed anew drives.
+        link.up_s = 0.0
+        await all_arrived(ann)
+        await ann.until("status", lambda s: s["waits"] == "", within_s=PATIENCE_S)
+        async with held(ann):
+            await drive_off(robot, ann)
+        await ann.drive(0.0, held=False)
+        await until(robot, still)
+
+
+async def test_what_piled_up_before_a_frozen_program_moves_nothing_when_it_thaws(robot: Robot) -> None:
+    async with page(robot.url) as ann:
+        async with held(ann):
+            await drive_off(robot, ann)
+            robot.process.send_signal(signal.SIGSTOP)
+            try:
+                stopped = len(await until(robot, still))
+                sent = ann.sequence
+                while ann.sequence < sent + 10:
+                    await asyncio.sleep(BEAT_S)
+            except BaseException:
+                robot.process.send_signal(signal.SIGCONT)
+                raise
+        # The guard's log, which goes on, is the clock: what waits in the socket is too old by then.
+        await guard_goes_on(robot, VALIDITY_S)
+        robot.process.send_signal(signal.SIGCONT)
+        await all_arrived(ann)
+        rows = await guard_goes_on(robot, 1.0)
+        assert not any(map(moving, rows[stopped:]))
+
+
+async def test_the_emergency_stop_is_obeyed_late_and_its_release_is_not(robot: Robot) -> None:
+    async with slow_link(robot.url) as link, page(robot.url, "Eve") as eve, page(link.url) as ann:
+        await ann.greeted()
+        await eve.greeted()
+        link.up_s = 3.0
+        await ann.send("e_stop")
+        await ann.send("clear_e_stop")
+        await ann.until("notice", lambda n: n["text"].endswith("the emergency stop stays latched."), PATIENCE_S)
+        await eve.until("status", lambda s: s["guard"]["e_stopped"], PATIENCE_S)
+        latched = await eve.until("status")
+        await eve.send("clear_e_stop", heard=latched["stamp"] - 60)
+        await eve.until("notice", lambda n: "emergency stop" in n["text"])
+        assert (await eve.until("status"))["guard"]["e_stopped"]
+        await eve.send("clear_e_stop")
+        await eve.until("status", lambda s: not s["guard"]["e_stopped"], PATIENCE_S)
