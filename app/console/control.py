@@ -48,8 +48,8 @@ class Heard:
 class Drive:
     """A drive command: ``linear`` and ``angular`` should be in [-1, 1]; ``override`` is held too, or not.
 
-    ``cause``: why it may move nothing (a clause for people; "": it may), as one that comes too late; ``lasting``: it has
-    been so for a while.
+    ``cause``: why it may move nothing (a clause for people; "": it may), as one that comes too late; ``lasting``: that
+    has been so for a while.
     """
 
     session: str

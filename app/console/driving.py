@@ -110,7 +110,7 @@ class Driving:
         return True
 
     def release_e_stop(self, session: str, judged: Judgement, seen: float | None) -> None:
-        """A page asks for the release of the latch; one that comes late, or knows of no stop so new, is told why not."""
+        """A page asks for the release of the latch; if late, or if it knows of no stop so new, it is told why not."""
         if self._is_in_vain(session):
             return
         if judged.cause or seen is None:

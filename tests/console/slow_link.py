@@ -70,7 +70,7 @@ async def slow_link(url: str) -> AsyncIterator[SlowLink]:
     """A slow way to the console at ``url``; no slower than any other until its delays are set."""
     link = SlowLink(url)
     server = await asyncio.start_server(link.accept, "127.0.0.1", 0)
-    link.url = "http://127.0.0.1:{}".format(server.sockets[0].getsockname()[1])
+    link.url = f"http://127.0.0.1:{server.sockets[0].getsockname()[1]}"
     try:
         yield link
     finally:

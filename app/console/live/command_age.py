@@ -1,8 +1,8 @@
 """How old an operator's command is when it comes: an upper bound that no delay can hide.
 
-A message of a page says three times: when it was sent and when the newest stamp of the robot had come (both by the page's
-clock), and that stamp (by the robot's clock). With its arrival here these are NTP's four timestamps (RFC 5905), taken
-from this end:
+A message of a page says three times: when it was sent and when the newest stamp of the robot had come (both by the
+page's clock), and that stamp (by the robot's clock). With its arrival here these are NTP's four timestamps (RFC 5905),
+taken from this end:
 
     robot   T1 heard ──────╮                      ╭──▶ T4 now
                            ▼                      │

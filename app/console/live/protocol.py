@@ -33,8 +33,8 @@ _SOUND_HEADER = struct.Struct("<B3xIdHHI")
 class TimedMessage(msgspec.Struct):
     """A message that says when it was sent.
 
-    ``t``: by the page's clock (ms). ``heard``: the stamp of the newest ``hello``, ``status`` or ``pong`` that the page had
-    received (s), ``heard_t``: when that came, by the page's clock (ms). None: it does not say.
+    ``t``: by the page's clock (ms). ``heard``: the stamp of the newest ``hello``, ``status`` or ``pong`` that the page
+    had received (s), ``heard_t``: when that came, by the page's clock (ms). None: it does not say.
     """
 
     t: float | None = None

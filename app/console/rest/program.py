@@ -102,13 +102,13 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
             float | None,
             Query(
                 allow_inf_nan=False,
-                description="The `stamp` of GET /robot or of the stop's own answer, at most 5 s old; may be left out only "
-                "where nothing is latched.",
+                description="The `stamp` of GET /robot or of the stop's own answer, at most 5 s old; may be left out "
+                "only where nothing is latched.",
             ),
         ] = None,
     ) -> Response:
-        """Releases no stop that whoever releases has not seen: one that was pressed after `seen` stays latched, so that a
-        release that comes late frees nothing. The base stays still until the next fresh command. Answers once the guard
+        """Releases no stop that nobody has seen: one that was pressed after `seen` stays latched, so that a release
+        that comes late frees nothing. The base stays still until the next fresh command. Answers once the guard
         has confirmed it, or half a second later: a goal that is given next is not refused for a latch that is gone."""
         _refuse_recording(hub)
         if not hub.driving.lease.e_stopped:
