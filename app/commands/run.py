@@ -118,7 +118,7 @@ async def _live(
     async with system:
         settling = asyncio.create_task(_settle(system), name="settling")
         console = asyncio.create_task(serve(app, host, port, listener=listener, started=announce), name="console")
-        failure = asyncio.create_task(system.wait_failed(), name="body's failure")
+        failure = asyncio.create_task(system.keep_going(), name="body's failure")
         try:
             await asyncio.wait({console, failure}, return_when=asyncio.FIRST_COMPLETED)
             if failure.done():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Literal
 
 from app.console import control
@@ -17,6 +18,7 @@ from app.runtime.graph import Graph
 
 CHANNEL = "operator_drive"
 UNDRIVABLE = f"This program drives nothing: no module takes {CHANNEL}."
+LOST = "The body does not answer"
 PRESSED_AGAIN = "The emergency stop was pressed after what you saw: look again, then release it."
 RECORDING = "This is a recording: there is no robot to drive or to stop."
 
@@ -59,6 +61,7 @@ class Driving:
         self._sequence = 0
         self._timer: asyncio.TimerHandle | None = None
         self._told_undrivable: set[str] = set()
+        self._lost = False
         #: When the emergency stop was pressed last, or found latched (s, robot's clock).
         self._stopped_at = -math.inf
 
@@ -77,6 +80,8 @@ class Driving:
         if self._channel is None and isinstance(event, control.Drive | control.TakeControl):
             self._refuse(event.session)
             return
+        if self._lost and isinstance(event, control.Drive) and event.held:
+            event = replace(event, cause=LOST, lasting=True)
         now = self._clock.now()
         self._lease, actions = control.step(self._lease, now, event)
         for action in actions:
@@ -133,6 +138,14 @@ class Driving:
             self.handle(control.EmergencyStop(status.e_stopped))
             if not self.recording:
                 self._stopped()
+
+    def body(self, lost: bool) -> None:
+        """The body does not answer any more, or does again: who drove must press anew, and nobody's goal is left."""
+        self._lost = lost
+        driver = self._lease.driver
+        if lost and driver is not None and self._lease.moving:
+            self.handle(control.Drive(driver, self._lease.sequence + 1, True, 0.0, 0.0))
+        self._stopped()
 
     def close(self) -> None:
         """Stop whoever drives; no timer is left."""

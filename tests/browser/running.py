@@ -51,6 +51,9 @@ class Robot:
     start: Pose2
     posters: dict[str, tuple[float, float, float]]
     process: subprocess.Popen[str]
+    #: What it has printed so far, by lines; all of it once ``reader`` has ended.
+    output: list[str]
+    reader: threading.Thread
 
     def request(self, method: str, path: str, body: Any = None) -> tuple[int, str, Any]:
         """One REST call: status, content type, decoded body."""
@@ -120,7 +123,7 @@ def running_program(program: Path, guard_log: Path, start: Pose2) -> Iterator[Ro
     reader.start()
     try:
         posters = {p.text: (p.at[0], p.at[1], p.height) for p in world.posters}
-        yield Robot(_address(lines, output), guard_log, start, posters, process)
+        yield Robot(_address(lines, output), guard_log, start, posters, process, output, reader)
     finally:
         process.terminate()
         process.wait(10)

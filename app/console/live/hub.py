@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 
 Level = Literal["info", "warning", "error"]
 
+REVIVED = "The body answers again. What drives must be pressed anew, goals be given anew, and the map begins anew."
 SILENT = "There is nothing to listen to: no module here makes sound for people."
 
 
@@ -91,6 +92,7 @@ class Hub:
     def open(self) -> None:
         """Begin to heed the guard and to remember the lanes."""
         self._stack.callback(self._system.link.attach("status", self._on_status))
+        self._stack.callback(self._system.revival.observe(self._on_body))
         self._stack.callback(self.percepts.open())
         self._stack.callback(self.way.open())
         self._stack.callback(asyncio.create_task(self._sampler.remember(), name="console lanes").cancel)
@@ -126,6 +128,19 @@ class Hub:
             viewer.outbox.begin_anew(jump)
             for kind, frame in frames.items():
                 viewer.outbox.put(kind, frame)
+
+    def _on_body(self, problem: str) -> None:
+        """The body does not answer, for this reason; or ("") does again, with an odometry of its own."""
+        self.driving.body(lost=problem != "")
+        for session in self._viewers:
+            self.notify(session, "error" if problem else "info", problem or REVIVED)
+        if not problem:
+            self.percepts.forget()
+            self.way.forget()
+            self._feeds.forget()
+            for kind, frame in self._standing_frames().items():
+                if kind in ("landmarks", "perceived"):
+                    self.broadcast(kind, frame)
 
     # --- Viewers -----------------------------------------------------------------------------------------------------
 

@@ -56,7 +56,7 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
             {
                 "stamp": now,
                 "robot": reports.robot_json(system.link, replayed=hub.driving.recording),
-                "guard": reports.guard_json(status, now, speed),
+                "guard": reports.guard_json(status, now, speed, system.revival.problem),
                 "world_rate": 1.0 if status is None else status.world_rate,
                 "odometry": reports.odometry_json(reports.latest(system.graph, "odometry")),
                 "driver": hub.driving.lease.driver_name,
@@ -168,7 +168,7 @@ def program_router(system: System, hub: Hub) -> APIRouter:
         problems = [
             f"{state.name}: {state.status}" for state in system.supervisor.states.values() if state.status != "running"
         ]
-        guard = reports.guard_json(hub.link_status, system.clock.now(), rate(system.clock))
+        guard = reports.guard_json(hub.link_status, system.clock.now(), rate(system.clock), system.revival.problem)
         if guard["state"] in ("silent", "sensor_failure"):
             problems.append(guard["reason"])
         status = "degraded" if problems else "ok"

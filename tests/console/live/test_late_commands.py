@@ -7,23 +7,28 @@ older.
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import signal
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import Iterator
 
 import pytest
 
-from app.robots.simulated.guard_log import GuardRow
 from tests.browser.running import Robot, running_robot
-from tests.console.live_client import Page, page
+from tests.console.live.driving_robot import (
+    PATIENCE_S,
+    all_arrived,
+    drive_off,
+    guard_goes_on,
+    held,
+    moving,
+    still,
+    until,
+)
+from tests.console.live_client import page
 from tests.console.slow_link import slow_link
 from tests.robots.conftest import needs_gl
 
 pytestmark = [pytest.mark.slow, needs_gl]
 
-BEAT_S = 0.05
-STILL_S = 0.5
-PATIENCE_S = 60.0
 VALIDITY_S = 0.4
 
 
@@ -32,60 +37,6 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
     """One for the whole file."""
     with running_robot(tmp_path_factory.mktemp("robot"), calm=True) as running:
         yield running
-
-
-def moving(row: GuardRow) -> bool:
-    return row.linear_mps != 0 or row.angular_radps != 0
-
-
-def still(rows: list[GuardRow]) -> bool:
-    """Whether they have been given nothing for a while: not by a hitch of a busy computer."""
-    return bool(rows) and not any(moving(row) for row in rows if row.monotonic_s >= rows[-1].monotonic_s - STILL_S)
-
-
-async def until(robot: Robot, holds: Callable[[list[GuardRow]], bool]) -> list[GuardRow]:
-    """What the wheels were given, once ``holds`` is true of it."""
-    async with asyncio.timeout(PATIENCE_S):
-        while not holds(rows := await asyncio.to_thread(robot.wheels)):  # noqa: ASYNC110  # a file tells no news
-            await asyncio.sleep(BEAT_S)
-    return rows
-
-
-async def guard_goes_on(robot: Robot, seconds: float) -> list[GuardRow]:
-    """Until the guard has decided for so long."""
-    last = (await asyncio.to_thread(robot.wheels))[-1].monotonic_s
-    return await until(robot, lambda rows: rows[-1].monotonic_s > last + seconds)
-
-
-@contextlib.asynccontextmanager
-async def held(ann: Page) -> AsyncIterator[None]:
-    """Ann turns on the spot, her key held: a command each 50 ms."""
-
-    async def hold() -> None:
-        while True:
-            await ann.drive(0.0, 1.0)
-            await asyncio.sleep(BEAT_S)
-
-    await ann.drive(0.0, held=False)
-    holding = asyncio.create_task(hold())
-    try:
-        yield
-    finally:
-        holding.cancel()
-        await asyncio.wait({holding})
-
-
-async def drive_off(robot: Robot, ann: Page) -> None:
-    """Returns once the wheels turn: what comes too late on a busy computer is pressed anew."""
-    before = len(await asyncio.to_thread(robot.wheels))
-    await until(robot, lambda rows: any(map(moving, rows[before:])))
-
-
-async def all_arrived(ann: Page) -> None:
-    """Until the robot has taken everything that was sent before."""
-    sent = ann.clock()
-    await ann.send("ping", t=sent)
-    await ann.until("pong", lambda pong: pong["t"] == sent, within_s=PATIENCE_S)
 
 
 async def test_on_a_quick_link_it_drives_and_stops(robot: Robot) -> None:
