@@ -9,11 +9,12 @@ import time
 from collections.abc import Callable, Iterator
 
 import pytest
-from playwright.sync_api import Page, TimeoutError, expect
+from playwright.sync_api import Browser, Page, TimeoutError, expect
 
 from app.robots.simulated.guard_log import GuardRow
 from tests.browser.hands import hold, wait_driving
 from tests.browser.running import Robot, running_robot
+from tests.console.slow_link import slow_link_aside
 
 #: What the guard's ramp adds to the moment of the stop: 0.4 m/s at 0.4 m/s2, as an ordinary command brakes.
 BRAKING_S = 1.0
@@ -260,3 +261,28 @@ def test_turning_left_is_to_the_left_and_right_is_back(robot: Robot, page: Page)
     after = robot.odometry()
     assert turned(after) < 0.2
     assert math.hypot(after["x"] - before["x"], after["y"] - before["y"]) < 0.1
+
+
+def test_over_a_slow_network_driving_waits_and_the_page_says_why(robot: Robot, browser: Browser) -> None:
+    """Commands that take 3 s move nothing, though the key is held; on a quick network again they do."""
+    with slow_link_aside(robot.url) as link:
+        context = browser.new_context(viewport={"width": 1000, "height": 640})
+        page = context.new_page()
+        page.goto(f"{link.url}/?scene=off")
+        page.locator("[data-testid=connection][data-phase=live]").wait_for()
+        hold(page, "KeyW")
+        link.up_s = 3.0
+        hint = page.locator(".drive-hint.warn")
+        expect(hint).to_contain_text("late: driving waits.", timeout=30_000)
+        rested = len(wait_for_rest(robot, page, lasting_s=0.3))
+        page.keyboard.up("KeyW")
+        page.keyboard.down("KeyW")
+        expect(page.get_by_test_id("notice").filter(has_text="driving waits")).not_to_have_count(0)
+        page.keyboard.up("KeyW")
+        link.up_s = 0.0
+        expect(hint).to_have_count(0, timeout=30_000)
+        assert not any(map(moving, robot.wheels()[rested:]))
+        hold(page, "KeyW")
+        page.keyboard.up("KeyW")
+        wait_for_rest(robot, page)
+        context.close()

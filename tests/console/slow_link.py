@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import AsyncIterator, Callable
+import threading
+from collections.abc import AsyncIterator, Callable, Iterator
 from urllib.parse import urlsplit
 
 
@@ -76,3 +77,33 @@ async def slow_link(url: str) -> AsyncIterator[SlowLink]:
     finally:
         server.close()
         await link.close()
+
+
+@contextlib.contextmanager
+def slow_link_aside(url: str) -> Iterator[SlowLink]:
+    """The same on an event loop in a thread of its own, for who has none."""
+    ready: list[SlowLink] = []
+    loop = asyncio.new_event_loop()
+    up, end = threading.Event(), asyncio.Event()
+
+    async def run() -> None:
+        async with slow_link(url) as link:
+            ready.append(link)
+            up.set()
+            await end.wait()
+
+    def serve() -> None:
+        try:
+            loop.run_until_complete(run())
+        finally:
+            up.set()
+            loop.close()
+
+    thread = threading.Thread(target=serve, name="slow link")
+    thread.start()
+    up.wait()
+    try:
+        yield ready[0]
+    finally:
+        loop.call_soon_threadsafe(end.set)
+        thread.join()
