@@ -51,9 +51,6 @@ class Robot:
     start: Pose2
     posters: dict[str, tuple[float, float, float]]
     process: subprocess.Popen[str]
-    #: What it has printed so far, by lines; all of it once ``reader`` has ended.
-    output: list[str]
-    reader: threading.Thread
 
     def request(self, method: str, path: str, body: Any = None) -> tuple[int, str, Any]:
         """One REST call: status, content type, decoded body."""
@@ -123,7 +120,7 @@ def running_program(program: Path, guard_log: Path, start: Pose2) -> Iterator[Ro
     reader.start()
     try:
         posters = {p.text: (p.at[0], p.at[1], p.height) for p in world.posters}
-        yield Robot(_address(lines, output), guard_log, start, posters, process, output, reader)
+        yield Robot(_address(lines, output), guard_log, start, posters, process)
     finally:
         process.terminate()
         process.wait(10)
