@@ -35,7 +35,7 @@ VIEW_ALLOWANCE_S = 0.5
 LASTING_S = 0.5
 _MOST_SAMPLES = 1000
 
-UNTIMED = "The command does not say when it was given (t, heard and heard_t of the live stream)"
+UNTIMED = "A command without t, heard and heard_t does not say when it was given (How old a command is, live-stream.md)"
 FUTURE = "The command comes from the future: this page's clock is not understood"
 
 

@@ -22,12 +22,14 @@ def viewers_router(hub: Hub, view: View) -> APIRouter:
         pages = []
         for viewer in hub.viewers:
             counters = viewer.outbox.statistics()
+            # A recording's clock tells nothing of when a page said something.
+            age_s = None if hub.driving.recording else viewer.age.last.age_s
             pages.append(
                 {
                     "operator": viewer.operator,
                     "driving": viewer.session == driver,
                     "rtt_ms": viewer.rtt_ms,
-                    "late_ms": None if viewer.age.last.age_s is None else round(1e3 * viewer.age.last.age_s, 1),
+                    "late_ms": None if age_s is None else round(1e3 * age_s, 1),
                     "waits": hub.waits(viewer),
                     "waiting": counters.waiting,
                     "sent": counters.taken,

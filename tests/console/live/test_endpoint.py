@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import struct
 from typing import Any
 
@@ -317,6 +318,39 @@ async def test_the_emergency_stop_refuses_driving_and_says_so_once(url: str, sys
         await ann.drive(0, held=False)
         await ann.drive(0.5)
         assert (await wheel.next()).linear == 0.5
+
+
+async def test_who_does_not_say_when_drives_nothing_and_is_told_what_to_send(url: str, system: System) -> None:
+    wheel = Wheel(system)
+    async with page(url) as ann:
+        await ann.greeted()
+        for missing in ("t", "heard", "heard_t"):
+            await ann.send("drive", seq=1, held=True, linear=1.0, angular=0, **{missing: None})
+            notice = await ann.until("notice")
+            assert notice["text"].startswith("A command without t, heard and heard_t")
+            await ann.send("drive", seq=2, held=False, linear=0, angular=0)
+        await ann.drive(0.5)
+        assert (await wheel.next()).linear == 0.5
+
+
+async def test_a_page_is_told_how_late_it_is_and_programs_too(url: str, system: System) -> None:
+    wheel = Wheel(system)
+    async with page(url) as ann, page(url, "Bob") as bob, httpx.AsyncClient(base_url=f"{url}/api/v1") as rest:
+        await ann.greeted()
+        late = 3000.0
+        status = {"waits": ""}
+        while not status["waits"]:
+            await ann.send("drive", t=ann.clock() - late, seq=1, held=True, linear=1.0, angular=0)
+            status = await ann.until("status")
+        assert re.fullmatch(r"Commands arrive up to 3\.\d s late: driving waits\.", status["waits"])
+        assert (await bob.until("status"))["waits"] == ""
+        pages = {one["operator"]: one for one in (await rest.get("/viewers")).json()["pages"]}
+        assert pages["Ann"]["late_ms"] >= late
+        assert pages["Ann"]["waits"]
+        assert (pages["Bob"]["late_ms"], pages["Bob"]["waits"]) == (None, "")
+        # What came late neither drove nor took the wheel.
+        await bob.drive(0.25)
+        assert (await wheel.next()).linear == 0.25
 
 
 async def test_what_is_no_command_is_refused_and_stops(url: str, system: System) -> None:
