@@ -19,7 +19,7 @@ from tests.console.program import Body, build
 
 
 class Mortal(Body):
-    """A body that dies when it is told to, and does not come up ``stillborn`` times."""
+    """A body that dies on demand, and does not come up ``stillborn`` times."""
 
     def __init__(self) -> None:
         super().__init__()

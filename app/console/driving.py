@@ -105,7 +105,7 @@ class Driving:
     def clear_e_stop(self, seen: float, session: str | None = None) -> bool:
         """Release the latch; nothing moves before a fresh command.
 
-        ``seen`` is the newest stamp of the robot (s) that whoever releases knew: a stop that was pressed later is not
+        ``seen`` is the newest stamp of the robot (s) that the person who releases knew: a stop that was pressed later is not
         released, since nobody has seen it. Returns whether it was released.
         """
         if self._is_in_vain(session) or seen <= self._stopped_at:
@@ -115,7 +115,7 @@ class Driving:
         return True
 
     def release_e_stop(self, session: str, judged: Judgement, seen: float | None) -> None:
-        """A page asks for the release of the latch; if late, or if it knows of no stop so new, it is told why not."""
+        """A page asks for the release of the latch; if late, or if it knows of no stop so new, it gets the reason."""
         if self._is_in_vain(session):
             return
         if judged.cause or seen is None:
@@ -140,7 +140,7 @@ class Driving:
                 self._stopped()
 
     def body(self, lost: bool) -> None:
-        """The body does not answer any more, or does again: who drove must press anew, and nobody's goal is left."""
+        """The body does not answer any more, or does again: the driver must press again, and nobody's goal is left."""
         self._lost = lost
         driver = self._lease.driver
         if lost and driver is not None and self._lease.moving:

@@ -31,7 +31,7 @@ FUTURE_TOLERANCE_S = 0.05
 #: What the operator sees may be older than a command by this: the page itself refuses to drive when it has heard no
 #: status for so long.
 VIEW_ALLOWANCE_S = 0.5
-#: Late for longer, a hold is over: a hitch is not told, nor is the key to be pressed anew after it.
+#: Late for longer, a hold is over: a hitch gives no notice, and the key need not be pressed again after it.
 LASTING_S = 0.5
 _MOST_SAMPLES = 1000
 

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 Level = Literal["info", "warning", "error"]
 
-REVIVED = "The body answers again. What drives must be pressed anew, goals be given anew, and the map begins anew."
+REVIVED = "The body answers again. Press again to drive, and give goals again; the map begins at nothing."
 SILENT = "There is nothing to listen to: no module here makes sound for people."
 
 

@@ -22,7 +22,7 @@ def viewers_router(hub: Hub, view: View) -> APIRouter:
         pages = []
         for viewer in hub.viewers:
             counters = viewer.outbox.statistics()
-            # A recording's clock tells nothing of when a page said something.
+            # A recording's clock does not show when a page said something.
             age_s = None if hub.driving.recording else viewer.age.last.age_s
             pages.append(
                 {

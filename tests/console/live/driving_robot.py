@@ -57,7 +57,7 @@ async def held(ann: Page) -> AsyncIterator[None]:
 
 
 async def drive_off(robot: Robot, ann: Page) -> None:
-    """Returns once the wheels turn: what comes too late on a busy computer is pressed anew."""
+    """Returns once the wheels turn: what comes too late on a busy computer is pressed again."""
     before = len(await asyncio.to_thread(robot.wheels))
     await until(robot, lambda rows: any(map(moving, rows[before:])))
 

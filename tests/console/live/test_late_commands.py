@@ -61,7 +61,7 @@ async def test_over_a_slow_link_it_never_moves_and_says_so(robot: Robot, up_s: f
             # The release, too, is heard however late.
             await ann.drive(0.0, held=False)
             await all_arrived(ann)
-            assert (await eve.until("status"))["waits"] == "", "only who is late is told"
+            assert (await eve.until("status"))["waits"] == "", "only the page that is late waits"
             pages = {p["operator"]: p for p in (await asyncio.to_thread(robot.get, "/viewers"))["pages"]}
             assert pages["Ann"]["waits"].endswith(": driving waits.")
             assert pages["Ann"]["late_ms"] > 1e3 * max(up_s, down_s)
@@ -84,7 +84,7 @@ async def test_a_delay_that_begins_while_driving_stops_for_good(robot: Robot) ->
         await all_arrived(ann)
         rows = await until(robot, still)
         assert not any(map(moving, rows[stopped:]))
-        # The network is well again: what is pressed anew drives.
+        # The network is well again: what is pressed again drives.
         link.up_s = 0.0
         await all_arrived(ann)
         await ann.until("status", lambda s: s["waits"] == "", within_s=PATIENCE_S)

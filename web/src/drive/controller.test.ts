@@ -75,7 +75,7 @@ describe("Space", () => {
 describe("commands that come late", () => {
   const waits = "Commands arrive up to 3.0 s late: driving waits.";
 
-  test("are not sent, and the page says why; what was held must be pressed anew", () => {
+  test("are not sent, and the page says why; what was held must be pressed again", () => {
     const { drive, press, sent, store } = hands();
     store.link.value = { ...store.link.peek(), phase: "live" };
     const status = { guard: { e_stopped: false }, driver: null } as unknown as Status;
