@@ -102,7 +102,7 @@ class Revival:
         self._supervisor.start_modules()
         self.problem = ""
         log.info("the body answers again")
-        self._timeline.add("guard", "body", "The body answers again: its odometry begins again at zero", {"problem": ""})
+        self._timeline.add("guard", "body", "The body answers again, its odometry at zero", {"problem": ""})
         self._notify()
         return None
 

@@ -105,8 +105,8 @@ class Driving:
     def clear_e_stop(self, seen: float, session: str | None = None) -> bool:
         """Release the latch; nothing moves before a fresh command.
 
-        ``seen`` is the newest stamp of the robot (s) that the person who releases knew: a stop that was pressed later is not
-        released, since nobody has seen it. Returns whether it was released.
+        ``seen`` is the newest stamp of the robot (s) that who releases it knew: a stop that was pressed later is
+        not released, since nobody has seen it. Returns whether it was released.
         """
         if self._is_in_vain(session) or seen <= self._stopped_at:
             return False
