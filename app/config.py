@@ -41,6 +41,9 @@ class ConsoleConfig(_Model):
     port: int = Field(8080, ge=0, le=65535, description="0: any free port")
     # Its token is no part of this: a configuration is attached to every recording.
     host_names: tuple[str, ...] = Field((), description="names it is reached by beside the computer's own")
+    command_validity_s: float = Field(
+        0.4, ge=0.1, le=2, description="a drive command that is older when it comes moves nothing"
+    )
 
 
 class ProgramConfig(_Model):

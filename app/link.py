@@ -53,6 +53,8 @@ class RobotDescription:
     footprint: tuple[tuple[float, float], ...] = ()
     #: How high it is (m): what hangs higher is not in its way.
     height_m: float = 1.5
+    #: Whether :meth:`RobotLink.start` may bring it up again after it has failed.
+    restartable: bool = False
 
 
 class RobotLink(Protocol):

@@ -21,7 +21,7 @@ from app.attention.timeline import Timeline
 from app.attention.translator import EXPLAIN_S, Hysteresis, IntentionTranslator
 from app.attention.workspace import IntentionWorkspace, random_id
 from app.config import Configuration, load_configuration
-from app.link import RobotLink
+from app.link import LinkFailed, RobotLink
 from app.maps.control import MapControl
 from app.maps.library import MapLibrary
 from app.maps.library import default_folder as default_maps_folder
@@ -29,6 +29,7 @@ from app.modules.desire_classes import desire_classes
 from app.recording.control import RecorderControl
 from app.recording.library import RecordingLibrary, default_folder
 from app.recording.manifest import Manifest
+from app.revival import Revival
 from app.robots.factory import Body, create_link, load_body
 from app.runtime.channel_table import ChannelTable
 from app.runtime.clock import Clock, RealClock
@@ -122,6 +123,7 @@ class System:
         self.load = LoadMeter(meters, self.clock.now)
         self.watchdog = LoopWatchdog(meters)
         self.translator = self._make_translator()
+        self.revival = Revival(self.link, self.supervisor, self._forget, self.timeline, self.clock)
         self._stack = AsyncExitStack()
         self._tasks: list[asyncio.Task[None]] = []
         self._report = SelfReport(self.graph.channels, self.clock.now, self.graph.filters.divisors)
@@ -141,6 +143,7 @@ class System:
                 log.warning("%s", caution)
             stack.push_async_callback(self.link.stop)
             await self.link.start()
+            self.revival.up()
             self.supervisor.observe(self._feed.module)
             self.supervisor.observe(self._report.module)
             self._report.open(self.workspace, self.translator, self.timeline)
@@ -172,12 +175,25 @@ class System:
         Desires of others than the modules, budgets and measured costs stay. Returns with the modules about to start.
         """
         await self.supervisor.stop_modules()
-        self.graph.forget()
+        self._forget()
         self.timeline.clear()
-        self.freshness.forget()
-        self._feed.forget()
         jump()
         self.supervisor.start_modules()
+
+    def _forget(self) -> None:
+        self.graph.forget()
+        self.freshness.forget()
+        self._feed.forget()
+
+    async def keep_going(self) -> Exception:
+        """As :meth:`wait_failed`, but a body that can be started again is; one that dies again and again ends it."""
+        while True:
+            failure = await self.wait_failed()
+            if not isinstance(failure, LinkFailed) or not self.link.description.restartable:
+                return failure
+            final = await self.revival.revive(failure)
+            if final is not None:
+                return final
 
     async def wait_failed(self) -> Exception:
         """Wait until the program cannot go on, and return why.

@@ -147,7 +147,7 @@ async def _live(
 async def serve_once_started(system: System, serve: Callable[[], Coroutine[Any, Any, None]]) -> None:
     """Run ``serve()`` to its end, once all modules have started or have failed to. Raises LinkFailed when the body is
     lost before."""
-    failure = asyncio.create_task(system.wait_failed(), name="body's failure")
+    failure = asyncio.create_task(system.keep_going(), name="body's failure")
     # Connections must not take the file descriptors that modules' imports need.
     starting = asyncio.create_task(system.supervisor.started(), name="modules' start")
     tasks: list[asyncio.Task[Any]] = [failure, starting]

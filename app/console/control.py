@@ -46,7 +46,11 @@ class Heard:
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """A drive command: ``linear`` and ``angular`` should be in [-1, 1]; ``override`` is held too, or not."""
+    """A drive command: ``linear`` and ``angular`` should be in [-1, 1]; ``override`` is held too, or not.
+
+    ``cause``: why it may move nothing (a clause for people; "": it may), as one that comes too late; ``lasting``: that
+    has been so for a while.
+    """
 
     session: str
     sequence: int
@@ -54,6 +58,8 @@ class Drive:
     linear: float
     angular: float
     override: bool = False
+    cause: str = ""
+    lasting: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,6 +220,8 @@ def _drive(lease: Lease, now: float, drive: Drive) -> Step:
         text = f"Drive commands go from -1 to 1, not {drive.linear:g} and {drive.angular:g}: refused."
         refused, told = _refused(stopped, session, "error", text)
         return refused, (*actions, *told)
+    if drive.cause:
+        return _late(lease, now, drive)
     if lease.e_stopped:
         return _refused(
             lease, session, "warning", "The emergency stop is latched: clear it, then press again to drive."
@@ -237,6 +245,17 @@ def _drive(lease: Lease, now: float, drive: Drive) -> Step:
         last_held=now,
     )
     return held, (command,)
+
+
+def _late(lease: Lease, now: float, drive: Drive) -> Step:
+    """A hold that may move nothing. One hitch stops the robot; what lasts ends the hold."""
+    actions: tuple[Action, ...] = ()
+    if drive.session == lease.driver:
+        lease, actions = _stopped(replace(lease, last_heard=now))
+    if not drive.lasting:
+        return lease, actions
+    lease, told = _refused(lease, drive.session, "warning", f"{drive.cause}: driving waits.")
+    return lease, (*actions, *told)
 
 
 def _within_range(value: float) -> bool:

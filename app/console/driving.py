@@ -5,9 +5,11 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Literal
 
 from app.console import control
+from app.console.live.command_age import Judgement
 from app.link import RobotLink
 from app.messages import LinkStatus, OperatorDrive
 from app.runtime.channel import Channel
@@ -16,6 +18,8 @@ from app.runtime.graph import Graph
 
 CHANNEL = "operator_drive"
 UNDRIVABLE = f"This program drives nothing: no module takes {CHANNEL}."
+LOST = "The body does not answer"
+PRESSED_AGAIN = "The emergency stop was pressed after what you saw: look again, then release it."
 RECORDING = "This is a recording: there is no robot to drive or to stop."
 
 Notify = Callable[[str, Literal["info", "warning", "error"], str], None]
@@ -57,6 +61,9 @@ class Driving:
         self._sequence = 0
         self._timer: asyncio.TimerHandle | None = None
         self._told_undrivable: set[str] = set()
+        self._lost = False
+        #: When the emergency stop was pressed last, or found latched (s, robot's clock).
+        self._stopped_at = -math.inf
 
     @property
     def lease(self) -> control.Lease:
@@ -73,6 +80,8 @@ class Driving:
         if self._channel is None and isinstance(event, control.Drive | control.TakeControl):
             self._refuse(event.session)
             return
+        if self._lost and isinstance(event, control.Drive) and event.held:
+            event = replace(event, cause=LOST, lasting=True)
         now = self._clock.now()
         self._lease, actions = control.step(self._lease, now, event)
         for action in actions:
@@ -88,22 +97,55 @@ class Driving:
         """Latch the emergency stop, by the link's own path and before anything else."""
         if self._is_in_vain(session):
             return
+        self._stopped_at = self._clock.now()
         self._link.e_stop(f"pressed by {who}")
         self.handle(control.EmergencyStop(True))
         self._stopped()
 
-    def clear_e_stop(self, session: str | None = None) -> None:
-        """Release the latch; nothing moves before a fresh command."""
-        if not self._is_in_vain(session):
-            self._stopped()
-            self._link.clear_e_stop()
+    def clear_e_stop(self, seen: float, session: str | None = None) -> bool:
+        """Release the latch; nothing moves before a fresh command.
+
+        ``seen`` is the newest stamp of the robot (s) that who releases it knew: a stop that was pressed later is
+        not released, since nobody has seen it. Returns whether it was released.
+        """
+        if self._is_in_vain(session) or seen <= self._stopped_at:
+            return False
+        self._stopped()
+        self._link.clear_e_stop()
+        return True
+
+    def release_e_stop(self, session: str, judged: Judgement, seen: float | None) -> None:
+        """A page asks for the release of the latch; if late, or if it knows of no stop so new, it gets the reason."""
+        if self._is_in_vain(session):
+            return
+        if judged.cause or seen is None:
+            self._notify(session, "warning", f"{judged.cause}: the emergency stop stays latched.")
+        elif not self.clear_e_stop(seen, session):
+            self._notify(session, "warning", PRESSED_AGAIN)
+
+    def take_control(self, session: str, judged: Judgement) -> None:
+        """A page asks for the wheel; one whose commands come late could only keep it from others."""
+        if self._channel is not None and judged.cause:
+            self._notify(session, "warning", f"{judged.cause}: the wheel stays where it is.")
+        else:
+            self.handle(control.TakeControl(session))
 
     def heed(self, status: LinkStatus) -> None:
         """Take over what the guard says of its latch."""
         if status.e_stopped != self._lease.e_stopped:
+            if status.e_stopped:
+                self._stopped_at = self._clock.now()
             self.handle(control.EmergencyStop(status.e_stopped))
             if not self.recording:
                 self._stopped()
+
+    def body(self, lost: bool) -> None:
+        """The body does not answer any more, or does again: the driver must press again, and nobody's goal is left."""
+        self._lost = lost
+        driver = self._lease.driver
+        if lost and driver is not None and self._lease.moving:
+            self.handle(control.Drive(driver, self._lease.sequence + 1, True, 0.0, 0.0))
+        self._stopped()
 
     def close(self) -> None:
         """Stop whoever drives; no timer is left."""

@@ -54,11 +54,12 @@ def class_json(system: System, name: str) -> dict[str, Any]:
     return desire_class_to_json(system.classes[name]) | {"served": served}
 
 
-def guard_json(status: LinkStatus | None, now: float, rate: float = 1.0) -> dict[str, Any]:
+def guard_json(status: LinkStatus | None, now: float, rate: float = 1.0, problem: str = "") -> dict[str, Any]:
     """What the guard says; before its first word, or when it has fallen silent, that it says nothing.
 
-    What it said last is then kept but for its state; the age of the command it had grows on. ``rate``: seconds of the
-    robot's clock in a real one, where a recording is played faster than it was lived.
+    ``problem``: why the body does not answer, where that is known. What it said last is then kept but for its state;
+    the age of the command it had grows on. ``rate``: seconds of the robot's clock in a real one, where a recording is
+    played faster than it was lived.
     """
     if status is None:
         return {
@@ -69,18 +70,18 @@ def guard_json(status: LinkStatus | None, now: float, rate: float = 1.0) -> dict
             "applied": {"linear_mps": 0.0, "angular_radps": 0.0},
         }
     silence_s = now - status.stamp
-    silent = silence_s > SILENT_AFTER_S * rate
+    silent = problem != "" or silence_s > SILENT_AFTER_S * rate
     age_s = status.command_age_s
     if silent and age_s is not None:
         age_s += silence_s
     return {
         "state": "silent" if silent else status.guard,
-        "reason": f"The body has reported nothing for {silence_s:.1f} s." if silent else status.reason,
+        "reason": (problem or f"The body has reported nothing for {silence_s:.1f} s.") if silent else status.reason,
         "e_stopped": status.e_stopped,
         "command_age_ms": None if age_s is None else round(1e3 * age_s, 1),
         "applied": {
-            "linear_mps": round(status.applied.linear_mps, 4),
-            "angular_radps": round(status.applied.angular_radps, 4),
+            "linear_mps": 0.0 if problem else round(status.applied.linear_mps, 4),
+            "angular_radps": 0.0 if problem else round(status.applied.angular_radps, 4),
         },
     }
 

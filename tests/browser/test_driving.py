@@ -9,11 +9,12 @@ import time
 from collections.abc import Callable, Iterator
 
 import pytest
-from playwright.sync_api import Page, TimeoutError, expect
+from playwright.sync_api import Browser, Page, TimeoutError, expect
 
 from app.robots.simulated.guard_log import GuardRow
 from tests.browser.hands import hold, hold_until
 from tests.browser.running import Robot, running_robot
+from tests.console.slow_link import slow_link_aside
 from tests.patience import PATIENCE_S
 
 #: The guard stops wheels that nobody commands within so long, by its own clock.
@@ -33,7 +34,8 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
 @pytest.fixture(autouse=True)
 def _free_to_drive(robot: Robot) -> None:
     """Whatever the test before left."""
-    assert robot.request("DELETE", "/robot/e-stop")[0] == 200
+    seen = robot.get("/robot")["stamp"]
+    assert robot.request("DELETE", f"/robot/e-stop?seen={seen}")[0] == 200
 
 
 def moving(row: GuardRow) -> bool:
@@ -254,3 +256,28 @@ def test_turning_left_is_to_the_left_and_right_is_back(robot: Robot, page: Page)
     after = robot.odometry()
     assert turned(after) < 0.2
     assert math.hypot(after["x"] - before["x"], after["y"] - before["y"]) < 0.1
+
+
+def test_over_a_slow_network_driving_waits_and_the_page_says_why(robot: Robot, browser: Browser) -> None:
+    """Commands that take 3 s move nothing, though the key is held; on a quick network again they do."""
+    with slow_link_aside(robot.url) as link:
+        context = browser.new_context(viewport={"width": 1000, "height": 640})
+        page = context.new_page()
+        page.goto(f"{link.url}/?scene=off")
+        page.locator("[data-testid=connection][data-phase=live]").wait_for()
+        hold(page, "KeyW")
+        link.up_s = 3.0
+        hint = page.locator(".drive-hint.warn")
+        expect(hint).to_contain_text("late: driving waits.")
+        rested = len(wait_for_rest(robot, page, lasting_s=0.3))
+        page.keyboard.up("KeyW")
+        page.keyboard.down("KeyW")
+        expect(page.get_by_test_id("notice").filter(has_text="driving waits")).not_to_have_count(0)
+        page.keyboard.up("KeyW")
+        link.up_s = 0.0
+        expect(hint).to_have_count(0)
+        assert not any(map(moving, robot.wheels()[rested:]))
+        hold(page, "KeyW")
+        page.keyboard.up("KeyW")
+        wait_for_rest(robot, page)
+        context.close()

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from app import cli, paths
+from tests.patience import PATIENCE_S
 
 CONFIG = paths.config_dir()
 FILES = sorted([*CONFIG.rglob("*.yaml"), *CONFIG.rglob("*.urdf")])
@@ -40,7 +41,7 @@ def test_what_this_computer_lacks_is_no_result(capfd: pytest.CaptureFixture[str]
     """The file is looked at, not the computer: that is what `hbba doctor` is for."""
     code = "import sys; sys.modules['sounddevice'] = None; from app.cli import main; sys.exit(main(sys.argv[1:]))"
     files = [str(CONFIG / name) for name in ("webcam.yaml", "robots/webcam.yaml", "channels.yaml")]
-    done = subprocess.run([sys.executable, "-c", code, "check", *files], timeout=60, check=False)
+    done = subprocess.run([sys.executable, "-c", code, "check", *files], timeout=PATIENCE_S, check=False)
     out, err = capfd.readouterr()
     assert (done.returncode, err) == (0, "")
     assert [line.split(":")[0] for line in out.splitlines()] == files

@@ -10,6 +10,7 @@ import pytest
 from app import cli
 from app.commands import COMMANDS
 from app.commands.completion import SHELLS
+from tests.patience import PATIENCE_S
 
 #: Completes its arguments as bash does when the last word is followed by a tab.
 _TAB = """
@@ -62,7 +63,7 @@ def test_commands_options_and_names_are_completed(
     (here / "tape.bag").touch()
     monkeypatch.setenv("HBBA_RECORDINGS", str(recordings))
     words = ["bash", "--norc", "-c", _TAB, "bash", str(script), "hbba", *line.split()]
-    done = subprocess.run(words, cwd=here, capture_output=True, text=True, timeout=30, check=True)
+    done = subprocess.run(words, cwd=here, capture_output=True, text=True, timeout=PATIENCE_S, check=True)
     assert set(done.stdout.split()) == completed
 
 

@@ -14,6 +14,7 @@ import pytest
 
 from app.commands.output import check_writable, json_text, print_json, write_text
 from app.errors import ConfigError
+from tests.patience import PATIENCE_S
 
 
 def test_what_is_no_number_is_null_and_a_path_is_text() -> None:
@@ -38,7 +39,7 @@ def test_an_answer_with_greek_letters_goes_to_a_terminal_without_them(tmp_path: 
     done = subprocess.run(
         [sys.executable, "-m", "app.cli", "solve", str(problem), "--json"],
         env={**os.environ, "PYTHONIOENCODING": "ascii"},
-        capture_output=True, timeout=60, check=True,
+        capture_output=True, timeout=PATIENCE_S, check=True,
     )  # fmt: skip
     assert json.loads(done.stdout)["strategies"][0]["name"] == "φ"
 

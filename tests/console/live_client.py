@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import json
 import struct
+import time
 from collections.abc import AsyncIterator, Callable
 from typing import Any
 
@@ -16,6 +17,8 @@ from websockets.asyncio.client import ClientConnection
 
 from tests.patience import PATIENCE_S
 
+#: Messages that say when they were sent, and by what the robot said last.
+TIMED = ("drive", "take_control", "clear_e_stop", "ping")
 #: Of sound and speech: kind, seq, stamp, samples, channels, rate.
 SOUND_HEADER = struct.Struct("<B3xIdHHI")
 
@@ -34,12 +37,49 @@ class Page:
     def __init__(self, connection: ClientConnection) -> None:
         self.connection = connection
         self.sequence = 0
+        #: The robot's newest stamp, and when it came by this page's clock (ms).
+        self.heard: dict[str, float] = {}
+        self._greeted = asyncio.Event()
+        self._frames: asyncio.Queue[dict[str, Any] | bytes | Exception] = asyncio.Queue()
+        self._reading: asyncio.Task[None] | None = None
+
+    @staticmethod
+    def clock() -> float:
+        """This page's clock (ms), of an origin of its own."""
+        return 1e3 * time.monotonic() + 12_345_678.9
+
+    def begin_reading(self) -> None:
+        """Take frames as they come, looked at or not, as a page does."""
+        self.connection.transport.resume_reading()
+        self._reading = asyncio.create_task(self._read())
+
+    async def stop_reading(self) -> None:
+        """Take no more frames, as a page that is frozen."""
+        if self._reading is not None:
+            self._reading.cancel()
+            await asyncio.wait({self._reading})
+        self.connection.transport.pause_reading()
+
+    async def _read(self) -> None:
+        try:
+            while True:
+                frame = await self.connection.recv()
+                message = frame if isinstance(frame, bytes) else json.loads(frame)
+                if isinstance(message, dict) and message["type"] in ("hello", "status", "pong"):
+                    self.heard = {"heard": message["stamp"], "heard_t": self.clock()}
+                    self._greeted.set()
+                self._frames.put_nowait(message)
+        except websockets.ConnectionClosed as end:
+            self._frames.put_nowait(end)
 
     async def receive(self) -> dict[str, Any] | bytes:
-        """The next frame."""
+        """The next frame. Raises websockets.ConnectionClosed at the end."""
         async with asyncio.timeout(PATIENCE_S):
-            frame = await self.connection.recv()
-        return frame if isinstance(frame, bytes) else json.loads(frame)
+            frame = await self._frames.get()
+        if isinstance(frame, Exception):
+            self._frames.put_nowait(frame)
+            raise frame
+        return frame
 
     async def until(
         self, kind: str, holds: Callable[[dict[str, Any]], bool] = lambda _: True, within_s: float = PATIENCE_S
@@ -69,9 +109,17 @@ class Page:
         return seq, stamp, rate, samples
 
     async def send(self, kind: str, /, **content: Any) -> None:
-        await self.connection.send(json.dumps({"type": kind, **content}))
+        """Send a message of ``kind``, with its time where it has one."""
+        timed = {"t": self.clock(), **self.heard} if kind in TIMED else {}
+        await self.connection.send(json.dumps({"type": kind, **timed, **content}))
+
+    async def greeted(self) -> None:
+        """Wait until the robot has said what time it is."""
+        async with asyncio.timeout(PATIENCE_S):
+            await self._greeted.wait()
 
     async def drive(self, linear: float, angular: float = 0.0, *, held: bool = True) -> None:
+        await self.greeted()
         self.sequence += 1
         await self.send("drive", seq=self.sequence, held=held, linear=linear, angular=angular)
 
@@ -82,4 +130,10 @@ async def page(url: str, operator: str = "Ann", **options: Any) -> AsyncIterator
     address = url.replace("http://", "ws://") + f"/api/v1/live?operator={operator}"
     options = {"max_queue": None, "close_timeout": 1, **options}
     async with websockets.connect(address, compression=None, proxy=None, max_size=None, **options) as connection:
-        yield Page(connection)
+        found = Page(connection)
+        found.begin_reading()
+        try:
+            yield found
+        finally:
+            await found.stop_reading()
+            connection.transport.resume_reading()

@@ -19,6 +19,7 @@ from app.link import BaseLimits, LinkFailed, RobotDescription, StreamDescription
 from app.maps.library import MapLibrary
 from app.messages import Audio, Image, JointState, LaserScan, LinkStatus, Odometry, Twist
 from app.recording.library import RecordingLibrary
+from app.runtime.clock import Clock
 from app.system import System
 
 MODEL = paths.config_dir() / "robots" / "irl1_tr.urdf"
@@ -36,6 +37,7 @@ STREAMS = {
 
 PROGRAM = """\
 robot: robot.yaml
+console: {command_validity_s: 2}  # a busy computer may not make a command late that is not meant to be
 channels: channels.yaml
 strategies: [strategies.yaml]
 modules:
@@ -209,12 +211,14 @@ def write_program(folder: Path, *, recorder: bool = False) -> Path:
     return folder / "program.yaml"
 
 
-def build(folder: Path, *, recorder: bool = False) -> tuple[System, Body]:
+def build(
+    folder: Path, *, recorder: bool = False, body: Body | None = None, clock: Clock | None = None
+) -> tuple[System, Body]:
     """The program, not running yet; outside the event loop, since it reads its files."""
-    body = Body()
+    body = body or Body()
     configuration = load_configuration(write_program(folder, recorder=recorder))
     recordings, maps = RecordingLibrary(folder / "recordings"), MapLibrary(folder / "maps")
-    return System(configuration, link=body, recordings=recordings, maps=maps), body
+    return System(configuration, link=body, clock=clock, recordings=recordings, maps=maps), body
 
 
 @contextlib.asynccontextmanager

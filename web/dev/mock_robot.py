@@ -272,6 +272,7 @@ class Mock:
             "driver": {"operator": driver.operator, "mine": driver is viewer, "holds": moving} if driver else None,
             "speaker": {"operator": "Bea", "mine": False} if self.mode.get("other_speaks") else None,
             "exploited": "Teleop" if moving else None,
+            "waits": self.mode.get("waits", ""),
             "sources": [{"channel": "kinect", "state": "live", "age_ms": 40, "rate_hz": 15, "expected_hz": 15}],
         }
 

@@ -57,7 +57,7 @@ async def _send(websocket: WebSocket, viewer: Viewer) -> None:
 
 def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
     """Act on one message of the page."""
-    driving, session = hub.driving, viewer.session
+    driving, session, now = hub.driving, viewer.session, clock.now()
     try:
         message = protocol.decode(text)
     except msgspec.DecodeError:
@@ -65,12 +65,24 @@ def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
         return
     match message:
         case protocol.DriveMessage():
-            drive = control.Drive(session, message.seq, message.held, message.linear, message.angular, message.override)
-            driving.handle(drive)
+            judged = viewer.age.judge(now, protocol.times(message))
+            driving.handle(
+                control.Drive(
+                    session,
+                    message.seq,
+                    message.held,
+                    message.linear,
+                    message.angular,
+                    message.override,
+                    judged.cause,
+                    judged.lasting,
+                )
+            )
         case protocol.PingMessage():
             viewer.rtt_ms = message.rtt_ms
+            viewer.age.judge(now, protocol.times(message))
             driving.handle(control.Heard(session))
-            viewer.outbox.put("pong", encode_text({"type": "pong", "t": message.t, "stamp": clock.now()}))
+            viewer.outbox.put("pong", encode_text({"type": "pong", "t": message.t, "stamp": now}))
         case protocol.AckMessage():
             viewer.outbox.picture_drawn(message.kind)
         case protocol.ViewMessage():
@@ -83,8 +95,8 @@ def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
         case protocol.EStopMessage():
             driving.e_stop(viewer.operator, session)
         case protocol.ClearEStopMessage():
-            driving.clear_e_stop(session)
+            driving.release_e_stop(session, viewer.age.judge(now, protocol.times(message)), message.heard)
         case protocol.TakeControlMessage():
-            driving.handle(control.TakeControl(session))
+            driving.take_control(session, viewer.age.judge(now, protocol.times(message)))
         case protocol.ReleaseControlMessage():
             driving.handle(control.ReleaseControl(session))

@@ -17,6 +17,7 @@ from app.attention.serialize import desire_to_json, event_to_json, intention_to_
 from app.console import control, reports
 from app.console.driving import Driving, hands
 from app.console.goals import withdraw_all
+from app.console.live.command_age import CommandAge
 from app.console.live.feeds import GRIDS, PICTURES, SOUND_CHANNEL, Feeds, comes
 from app.console.live.protocol import CAMERA, COSTMAP, MAP, PANORAMA, PROTOCOL
 from app.console.live.sampler import Sampler
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 
 Level = Literal["info", "warning", "error"]
 
+REVIVED = "The body answers again. Press again to drive, and give goals again; the map begins at nothing."
 SILENT = "There is nothing to listen to: no module here makes sound for people."
 
 
@@ -90,6 +92,7 @@ class Hub:
     def open(self) -> None:
         """Begin to heed the guard and to remember the lanes."""
         self._stack.callback(self._system.link.attach("status", self._on_status))
+        self._stack.callback(self._system.revival.observe(self._on_body))
         self._stack.callback(self.percepts.open())
         self._stack.callback(self.way.open())
         self._stack.callback(asyncio.create_task(self._sampler.remember(), name="console lanes").cancel)
@@ -126,6 +129,19 @@ class Hub:
             for kind, frame in frames.items():
                 viewer.outbox.put(kind, frame)
 
+    def _on_body(self, problem: str) -> None:
+        """The body does not answer, for this reason; or ("") does again, with an odometry of its own."""
+        self.driving.body(lost=problem != "")
+        for session in self._viewers:
+            self.notify(session, "error" if problem else "info", problem or REVIVED)
+        if not problem:
+            self.percepts.forget()
+            self.way.forget()
+            self._feeds.forget()
+            for kind, frame in self._standing_frames().items():
+                if kind in ("landmarks", "perceived"):
+                    self.broadcast(kind, frame)
+
     # --- Viewers -----------------------------------------------------------------------------------------------------
 
     @property
@@ -135,7 +151,8 @@ class Hub:
 
     def join(self, operator: str) -> Viewer:
         """A page connected: greet it and tell it all there is."""
-        viewer = Viewer(secrets.token_hex(6), operator)
+        validity_s = self._system.config.program.console.command_validity_s
+        viewer = Viewer(secrets.token_hex(6), operator, CommandAge(validity_s))
         first = not self._viewers
         self._viewers[viewer.session] = viewer
         self.driving.handle(control.Connected(viewer.session, operator))
@@ -200,11 +217,13 @@ class Hub:
             viewer.outbox.put(kind, frame)
 
     def broadcast_status(self, status: dict[str, Any]) -> None:
-        """Give everybody ``status``, which differs only in whose wheel and voice it is: encoded once for all others."""
+        """Give everybody ``status``, which differs only in whose wheel and voice it is and in why one's driving waits:
+        encoded once for all others."""
         lease, speaker = self.driving.lease, self.speech.speaker
-        frames: dict[tuple[bool, bool], str] = {}
+        frames: dict[tuple[bool, bool, str], str] = {}
         for session, viewer in self._viewers.items():
-            mine = (session == lease.driver, speaker is not None and session == speaker[0])
+            waits = self.waits(viewer)
+            mine = (session == lease.driver, speaker is not None and session == speaker[0], waits)
             if mine not in frames:
                 driver = _whose(lease.driver_name, mine[0])
                 frames[mine] = encode_text(
@@ -212,9 +231,15 @@ class Hub:
                     | {
                         "driver": None if driver is None else driver | {"holds": lease.moving},
                         "speaker": _whose(None if speaker is None else speaker[1], mine[1]),
+                        "waits": waits,
                     }
                 )
             viewer.outbox.put("status", frames[mine])
+
+    def waits(self, viewer: Viewer) -> str:
+        """Why the driving of ``viewer`` waits, in words; "": it does not."""
+        judged = viewer.age.last
+        return f"{judged.cause}: driving waits." if judged.lasting and self.driving.drivable else ""
 
     # --- What is watched only while somebody watches -----------------------------------------------------------------
 

@@ -123,6 +123,7 @@ class Status(Answer):
     speaker: SpeakerModel | None
     exploited: str | None = Field(description="The behavior that drives.")
     limited: str = Field(description="Why the collision monitor slowed or stopped it, in words.")
+    waits: str = Field(description="Why this viewer's driving waits, its commands coming too late; empty: it does not.")
     sources: list[SourceState]
 
 

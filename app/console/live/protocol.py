@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from app.console.live.command_age import Times
 from app.messages import Audio, EncodedImage, read_only
 
 PROTOCOL = 1
@@ -31,7 +32,19 @@ SOUND_HEADER = struct.Struct("<B3xIdHHI")
 SOUND_FIELDS = ("kind", "seq", "stamp", "samples", "channels", "rate")
 
 
-class DriveMessage(msgspec.Struct, tag="drive"):
+class TimedMessage(msgspec.Struct):
+    """A message that says when it was sent.
+
+    ``t``: by the page's clock (ms). ``heard``: the stamp of the newest ``hello``, ``status`` or ``pong`` that the page
+    had received (s), ``heard_t``: when that came, by the page's clock (ms). None: it does not say.
+    """
+
+    t: float | None = None
+    heard: float | None = None
+    heard_t: float | None = None
+
+
+class DriveMessage(TimedMessage, tag="drive", kw_only=True):
     """The operator's hands."""
 
     seq: int
@@ -45,11 +58,11 @@ class EStopMessage(msgspec.Struct, tag="e_stop"):
     """Latch the emergency stop."""
 
 
-class ClearEStopMessage(msgspec.Struct, tag="clear_e_stop"):
+class ClearEStopMessage(TimedMessage, tag="clear_e_stop"):
     """Release it."""
 
 
-class TakeControlMessage(msgspec.Struct, tag="take_control"):
+class TakeControlMessage(TimedMessage, tag="take_control"):
     """Ask for the wheel."""
 
 
@@ -57,10 +70,9 @@ class ReleaseControlMessage(msgspec.Struct, tag="release_control"):
     """Give it back."""
 
 
-class PingMessage(msgspec.Struct, tag="ping"):
+class PingMessage(TimedMessage, tag="ping"):
     """A sign of life; ``t`` comes back as it is."""
 
-    t: float
     rtt_ms: float | None = None
 
 
@@ -104,6 +116,13 @@ _decoder: msgspec.json.Decoder[FromPage] = msgspec.json.Decoder(FromPage)
 def decode(text: str | bytes) -> FromPage:
     """A message from the page. Raises msgspec.DecodeError (malformed) or its ValidationError (not of the protocol)."""
     return _decoder.decode(text)
+
+
+def times(message: TimedMessage) -> Times | None:
+    """What ``message`` says of its time; None: not enough."""
+    if message.t is None or message.heard is None or message.heard_t is None:
+        return None
+    return Times(1e-3 * message.t, message.heard, 1e-3 * message.heard_t)
 
 
 def picture_frame(kind: int, image: EncodedImage, sequence: int) -> bytes:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from app.console.live.command_age import CommandAge
 from app.console.live.outbox import Outbox
 from app.console.live.protocol import CAMERA
 
@@ -14,6 +15,8 @@ class Viewer:
 
     session: str
     operator: str
+    #: How old its commands are.
+    age: CommandAge
     outbox: Outbox = field(default_factory=Outbox)
     #: Kinds of pictures that its page shows.
     shows: set[int] = field(default_factory=lambda: {CAMERA})

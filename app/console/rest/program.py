@@ -6,12 +6,12 @@ import asyncio
 import contextlib
 from typing import TYPE_CHECKING, Annotated, Any
 
-from fastapi import APIRouter, Path, Request
+from fastapi import APIRouter, Path, Query, Request
 from fastapi.responses import Response
 
 from app.attention.chronicle import source_words
 from app.console import reports
-from app.console.driving import RECORDING
+from app.console.driving import PRESSED_AGAIN, RECORDING
 from app.console.live.hub import Hub
 from app.console.playback import rate
 from app.console.problems import Problem
@@ -35,8 +35,14 @@ if TYPE_CHECKING:
     from app.system import System
 
 
+#: Who releases the emergency stop has looked at the robot within this time (s).
+SEEN_WITHIN_S = 5.0
 #: The guard reports 20 times a second; a stop it has not confirmed by then is not to be relied on.
 CONFIRM_WITHIN_S = 0.5
+LOOK_FIRST = (
+    f"The emergency stop is latched: look at the robot, then release it with ?seen= and the stamp of GET /robot, "
+    f"at most {SEEN_WITHIN_S:.0f} s old."
+)
 
 
 def robot_router(system: System, hub: Hub) -> APIRouter:
@@ -51,7 +57,7 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
             {
                 "stamp": now,
                 "robot": reports.robot_json(system, replayed=hub.driving.recording),
-                "guard": reports.guard_json(status, now, speed),
+                "guard": reports.guard_json(status, now, speed, system.revival.problem),
                 "world_rate": 1.0 if status is None else status.world_rate,
                 "odometry": reports.odometry_json(reports.latest(system.graph, "odometry")),
                 "driver": hub.driving.lease.driver_name,
@@ -91,25 +97,39 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
             ) from None
         finally:
             detach()
-        return Json({"e_stop": "latched"})
+        return Json({"e_stop": "latched", "stamp": system.clock.now()})
 
     @router.delete(
         "/robot/e-stop", response_model=EStopModel, summary="Release the emergency stop", responses=problems(409)
     )
-    async def release_e_stop() -> Response:
-        """The base stays still until the next fresh command. Answers once the guard has confirmed it, or half a second
-        later: a goal that is given next is not refused for a latch that is gone."""
+    async def release_e_stop(
+        seen: Annotated[
+            float | None,
+            Query(
+                allow_inf_nan=False,
+                description="The `stamp` of GET /robot or of the stop's own answer, at most 5 s old; may be left out "
+                "only where nothing is latched.",
+            ),
+        ] = None,
+    ) -> Response:
+        """Releases no stop that nobody has seen: one that was pressed after `seen` stays latched, so that a release
+        that comes late frees nothing. The base stays still until the next fresh command. Answers once the guard
+        has confirmed it, or half a second later: a goal that is given next is not refused for a latch that is gone."""
         _refuse_recording(hub)
+        if not hub.driving.lease.e_stopped:
+            return Json({"e_stop": "released", "stamp": system.clock.now()})
+        if seen is None or not 0 <= system.clock.now() - seen <= SEEN_WITHIN_S:
+            raise Problem(409, "stop-not-seen", LOOK_FIRST)
         released = asyncio.Event()
         detach = system.link.attach("status", lambda status: None if status.e_stopped else released.set())
         try:
-            hub.driving.clear_e_stop()
-            if hub.driving.lease.e_stopped:
-                with contextlib.suppress(TimeoutError):
-                    await asyncio.wait_for(released.wait(), CONFIRM_WITHIN_S)
+            if not hub.driving.clear_e_stop(seen):
+                raise Problem(409, "stop-not-seen", PRESSED_AGAIN)
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(released.wait(), CONFIRM_WITHIN_S)
         finally:
             detach()
-        return Json({"e_stop": "released"})
+        return Json({"e_stop": "released", "stamp": system.clock.now()})
 
     return router
 
@@ -155,7 +175,7 @@ def program_router(system: System, hub: Hub) -> APIRouter:
         problems = [
             f"{state.name}: {state.status}" for state in system.supervisor.states.values() if state.status != "running"
         ]
-        guard = reports.guard_json(hub.link_status, system.clock.now(), rate(system.clock))
+        guard = reports.guard_json(hub.link_status, system.clock.now(), rate(system.clock), system.revival.problem)
         if guard["state"] in ("silent", "sensor_failure"):
             problems.append(guard["reason"])
         if stopped := recorder.problem():

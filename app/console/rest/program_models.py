@@ -139,6 +139,7 @@ class EStopModel(Answer):
     """What was asked of the guard; its own word follows in GET /api/v1/robot within 50 ms."""
 
     e_stop: Literal["latched", "released"]
+    stamp: float = Field(description="The robot's clock then (s): what a release names by `seen`.")
 
 
 class LoginRequest(Request):
@@ -160,6 +161,8 @@ class PageModel(Answer):
     operator: str
     driving: bool
     rtt_ms: float | None = Field(description="Last round trip that the page measured.")
+    late_ms: float | None = Field(description="How old its last message was when it came, at most; null: not known.")
+    waits: str = Field(description="Why its driving waits, in words; empty: it does not.")
     waiting: int = Field(description="Frames that wait for it.")
     sent: int = Field(description="Frames sent.")
     replaced: int = Field(description="Frames replaced by a newer one of their kind before they could be sent.")

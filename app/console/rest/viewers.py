@@ -22,11 +22,15 @@ def viewers_router(hub: Hub, view: View) -> APIRouter:
         pages = []
         for viewer in hub.viewers:
             counters = viewer.outbox.statistics()
+            # A recording's clock does not show when a page said something.
+            age_s = None if hub.driving.recording else viewer.age.last.age_s
             pages.append(
                 {
                     "operator": viewer.operator,
                     "driving": viewer.session == driver,
                     "rtt_ms": viewer.rtt_ms,
+                    "late_ms": None if age_s is None else round(1e3 * age_s, 1),
+                    "waits": hub.waits(viewer),
                     "waiting": counters.waiting,
                     "sent": counters.taken,
                     "replaced": counters.replaced,

@@ -94,7 +94,9 @@ class View:
     def open(self) -> None:
         """The program runs."""
         if self._playback is not None:
-            self._end_watch = self._playback.on_jump(self._on_jump)
+            self._end_watch = self._playback.on_jump(lambda _: self._on_jump())
+        else:
+            self._end_watch = self._system.revival.observe(lambda problem: None if problem else self._on_jump())
         if self._early:
             self._start()
 
@@ -222,8 +224,8 @@ class View:
             self._feeding.cancel()
             self._feeding = None
 
-    def _on_jump(self, _: float) -> None:
-        """A recording is at another place: nothing is where it was."""
+    def _on_jump(self) -> None:
+        """A recording is at another place, or a new body has begun: nothing is where it was."""
         self._poses = PoseBuffer(span_s=2.0)
         self._odometry = self._scan = self._placed = self._joints = self._cloud = None
         self._landmarks = reports.latest(self._system.graph, "landmarks")

@@ -213,6 +213,7 @@ def describe(robot: RobotConfig) -> RobotDescription:
         loudspeaker=robot.loudspeaker is not None and streams.microphones is not None,
         footprint=robot.footprint,
         height_m=robot.height_m,
+        restartable=True,
     )
 
 

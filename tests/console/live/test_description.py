@@ -22,6 +22,7 @@ from tests.console.live.whole_stream import heard, say_everything
 from tests.console.live_client import page as connected
 from tests.console.live_client import voice
 from tests.console.program import Body, build, image, sound
+from tests.patience import PATIENCE_S
 from tests.replay.logs import BEGIN, lab_log
 from tests.replay.playing import prepare
 
@@ -103,7 +104,10 @@ async def test_what_the_robot_tells_is_as_described(url: str, system: System, bo
 
 
 async def test_what_a_recording_tells_is_as_described(replay_url: str) -> None:
-    async with connected(replay_url) as ann, httpx.AsyncClient(base_url=f"{replay_url}/api/v1", timeout=30) as rest:
+    async with (
+        connected(replay_url) as ann,
+        httpx.AsyncClient(base_url=f"{replay_url}/api/v1", timeout=PATIENCE_S) as rest,
+    ):
         check("hello", await ann.until("hello"))
         assert (await rest.patch("/playback", json={"position": BEGIN + 1.0})).status_code == 200
         seen = set()

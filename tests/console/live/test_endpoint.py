@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import struct
 from typing import Any
 
@@ -309,6 +310,7 @@ async def test_the_emergency_stop_refuses_driving_and_says_so_once(url: str, sys
         await ann.until("notice")
         await ann.until("status", lambda s: s["guard"]["e_stopped"])
         await ann.drive(1.0)
+        await ann.until("status")
         await ann.send("clear_e_stop")
         await ann.send("ping", t=1)
         await ann.until("pong")
@@ -317,6 +319,39 @@ async def test_the_emergency_stop_refuses_driving_and_says_so_once(url: str, sys
         await ann.drive(0, held=False)
         await ann.drive(0.5)
         assert (await wheel.next()).linear == 0.5
+
+
+async def test_who_does_not_say_when_drives_nothing_and_is_told_what_to_send(url: str, system: System) -> None:
+    wheel = Wheel(system)
+    async with page(url) as ann:
+        await ann.greeted()
+        for missing in ("t", "heard", "heard_t"):
+            await ann.send("drive", seq=1, held=True, linear=1.0, angular=0, **{missing: None})
+            notice = await ann.until("notice")
+            assert notice["text"].startswith("A command without t, heard and heard_t")
+            await ann.send("drive", seq=2, held=False, linear=0, angular=0)
+        await ann.drive(0.5)
+        assert (await wheel.next()).linear == 0.5
+
+
+async def test_a_page_is_told_how_late_it_is_and_programs_too(url: str, system: System) -> None:
+    wheel = Wheel(system)
+    async with page(url) as ann, page(url, "Bob") as bob, httpx.AsyncClient(base_url=f"{url}/api/v1") as rest:
+        await ann.greeted()
+        late = 3000.0
+        status = {"waits": ""}
+        while not status["waits"]:
+            await ann.send("drive", t=ann.clock() - late, seq=1, held=True, linear=1.0, angular=0)
+            status = await ann.until("status")
+        assert re.fullmatch(r"Commands arrive up to 3\.\d s late: driving waits\.", status["waits"])
+        assert (await bob.until("status"))["waits"] == ""
+        pages = {one["operator"]: one for one in (await rest.get("/viewers")).json()["pages"]}
+        assert pages["Ann"]["late_ms"] >= late
+        assert pages["Ann"]["waits"]
+        assert (pages["Bob"]["late_ms"], pages["Bob"]["waits"]) == (None, "")
+        # What came late neither drove nor took the wheel.
+        await bob.drive(0.25)
+        assert (await wheel.next()).linear == 0.25
 
 
 async def test_what_is_no_command_is_refused_and_stops(url: str, system: System) -> None:
@@ -338,7 +373,7 @@ async def test_a_viewer_that_does_not_read_delays_nobody(url: str, system: Syste
     """Its sockets full, frames are replaced, not queued, and others are served on time."""
     async with page(url, "slow", max_queue=1) as slow, page(url, "fast") as fast:
         await slow.until("hello")
-        slow.connection.transport.pause_reading()
+        await slow.stop_reading()
         viewer = next(viewer for viewer in hub.viewers if viewer.operator == "slow")
         long = "x" * 50_000
         number = 0
@@ -353,7 +388,7 @@ async def test_a_viewer_that_does_not_read_delays_nobody(url: str, system: Syste
         assert second["stamp"] - first["stamp"] < 0.25
         assert viewer.outbox.statistics().events <= MOST_EVENTS
         assert viewer.outbox.statistics().waiting <= 8
-        slow.connection.transport.resume_reading()
+        slow.begin_reading()
         await slow.until("notice", lambda n: "timeline" in n["text"])
         await slow.until("status", lambda s: s["stamp"] >= second["stamp"])
         # So that it ends in good order.

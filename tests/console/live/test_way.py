@@ -245,6 +245,7 @@ async def test_the_override_is_held_with_the_drive(url: str, system: System) -> 
     commands: list[OperatorDrive] = []
     system.graph.channel("operator_drive").observe(commands.append)
     async with page(url) as ann:
+        await ann.greeted()
         for seq, override in enumerate((False, True)):
             await ann.send("drive", seq=seq, held=True, linear=0.5, angular=0.0, override=override)
         await ann.send("drive", seq=2, held=False, linear=0.0, angular=0.0)

@@ -130,7 +130,7 @@ async def test_whoever_stops_the_robot_it_does_not_set_out_again(
         await stop()
         assert goals(system) == [], stop.__name__
         system.workspace.add("GoTo", intensity=1, utility=1, source=own, params={"x": 8, "y": 8})
-        await client.delete("/robot/e-stop")
+        await client.delete("/robot/e-stop", params={"seen": system.clock.now()})
         assert goals(system) == [], "what was wanted while it was stopped is not set out for at its release"
         body.emit_status(system.clock.now())
 
@@ -140,7 +140,7 @@ async def test_no_goal_is_taken_while_the_emergency_stop_is_latched(client: http
     document = is_problem(await client.put("/goal", json={"x": 1, "y": 1}), 409, "e-stop-latched")
     assert document["detail"] == "The emergency stop is latched: release it first."
     assert goals(system) == []
-    await client.delete("/robot/e-stop")
+    await client.delete("/robot/e-stop", params={"seen": system.clock.now()})
     assert (await client.put("/goal", json={"x": 1, "y": 1})).status_code == 200, "as soon as it is released"
 
 

@@ -10,6 +10,7 @@ import httpx
 import pytest
 
 from app.attention.desires import Source
+from app.console.live.hub import Hub
 from app.console.rest import models, program_models
 from app.runtime.filter import CLOSED
 from app.system import System
@@ -235,10 +236,34 @@ async def test_the_timeline_is_queried_by_time_kind_and_number(client: httpx.Asy
 
 
 async def test_the_emergency_stop_is_latched_and_released(client: httpx.AsyncClient, body: Body) -> None:
-    assert (await client.post("/robot/e-stop")).json() == {"e_stop": "latched"}
+    latched = (await client.post("/robot/e-stop")).json()
+    assert latched["e_stop"] == "latched"
     assert body.stops == ["pressed by REST client"]
-    assert (await client.get("/robot")).json()["guard"]["state"] == "e_stopped"
-    assert (await client.delete("/robot/e-stop")).json() == {"e_stop": "released"}
+    robot = (await client.get("/robot")).json()
+    assert robot["guard"]["state"] == "e_stopped"
+    assert robot["stamp"] > latched["stamp"]
+    released = await client.delete("/robot/e-stop", params={"seen": robot["stamp"]})
+    assert released.json()["e_stop"] == "released"
+    assert not body.e_stopped
+    assert (await client.delete("/robot/e-stop")).json()["e_stop"] == "released", "nothing is latched: may be repeated"
+
+
+async def test_a_stop_that_nobody_has_seen_is_not_released(
+    client: httpx.AsyncClient, body: Body, system: System, hub: Hub
+) -> None:
+    before = (await client.get("/robot")).json()["stamp"]
+    first = (await client.post("/robot/e-stop")).json()["stamp"]
+    problem = is_problem(await client.delete("/robot/e-stop"), 409, "stop-not-seen")
+    assert "?seen=" in problem["detail"]
+    for stamp in (before, first - 60, system.clock.now() + 60):
+        is_problem(await client.delete("/robot/e-stop", params={"seen": stamp}), 409, "stop-not-seen")
+    # Released by who saw the first stop, but late: another has pressed it again meanwhile.
+    hub.driving.e_stop("Ann")
+    is_problem(await client.delete("/robot/e-stop", params={"seen": first}), 409, "stop-not-seen")
+    assert body.e_stopped
+    is_problem(await client.delete("/robot/e-stop", params={"seen": "nan"}), 422, "invalid-request")
+    seen = (await client.get("/robot")).json()["stamp"]
+    assert (await client.delete("/robot/e-stop", params={"seen": seen})).status_code == 200
     assert not body.e_stopped
 
 

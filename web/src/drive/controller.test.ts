@@ -72,6 +72,29 @@ describe("Space", () => {
   });
 });
 
+describe("commands that come late", () => {
+  const waits = "Commands arrive up to 3.0 s late: driving waits.";
+
+  test("are not sent, and the page says why; what was held must be pressed again", () => {
+    const { drive, press, sent, store } = hands();
+    store.link.value = { ...store.link.peek(), phase: "live" };
+    const status = { guard: { e_stopped: false }, driver: null } as unknown as Status;
+    store.status.value = status;
+    expect(drive.refusal.value).toBe(null);
+    press("keydown", "KeyW");
+    store.status.value = { ...status, waits };
+    expect(drive.refusal.value).toBe(waits);
+    drive.input({ type: "allow", allowed: drive.refusal.value === null });
+    expect(sent.at(-1)).toMatchObject({ type: "drive", held: false });
+    press("keydown", "KeyW", true);
+    press("keydown", "KeyD");
+    expect(sent.at(-1)).toMatchObject({ type: "drive", held: false });
+    expect(store.notices.value.at(-1)?.text).toBe(waits);
+    store.status.value = { ...status, waits: "" };
+    expect(drive.refusal.value).toBe(null);
+  });
+});
+
 describe("Escape with the help open", () => {
   function open({ going = false, state = "idle", live = true } = {}) {
     const made = hands({ going });

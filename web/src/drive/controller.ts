@@ -221,6 +221,8 @@ function whyNot(store: Store): string | null {
   if (phase !== "live") return "Not connected to the robot.";
   const status = store.status.value;
   if (status?.guard.e_stopped) return "The emergency stop is latched. Release it to drive.";
+  if (status?.guard.state === "silent") return status.guard.reason;
+  if (status?.waits) return status.waits;
   if (status?.driver && !status.driver.mine)
     return `${status.driver.operator} drives. Take the wheel to drive yourself.`;
   return null;

@@ -81,6 +81,43 @@ describe("a connection that stands", () => {
   });
 });
 
+describe("what may move something", () => {
+  const moving = [drive(true), { type: "clear_e_stop" }, { type: "take_control" }, { type: "ping", rtt_ms: null }] as const;
+
+  test.each(moving)("says when it was sent, and what had been heard by then: $type", (message) => {
+    const { live } = connect();
+    newest().accept();
+    vi.advanceTimersByTime(100);
+    newest().say({ type: "status", stamp: 1000.5 });
+    const heard_t = performance.now();
+    vi.advanceTimersByTime(30);
+    newest().say({ type: "lanes", stamp: 1000.6 });
+    live.send(message);
+    expect(newest().sent.at(-1)).toMatchObject({ ...message, t: heard_t + 30, heard: 1000.5, heard_t });
+    newest().say({ type: "pong", t: 1, stamp: 1001 });
+    live.send(message);
+    expect(newest().sent.at(-1)).toMatchObject({ heard: 1001, heard_t: heard_t + 30 });
+  });
+
+  test("says nothing of what another connection heard", () => {
+    const { live } = connect();
+    newest().accept();
+    newest().say({ type: "hello", stamp: 1000.5 });
+    newest().close();
+    vi.advanceTimersByTime(1000);
+    newest().accept();
+    live.send(drive(true));
+    expect(newest().sent.at(-1)).not.toHaveProperty("heard");
+  });
+
+  test("the emergency stop needs no time", () => {
+    const { live } = connect();
+    newest().accept();
+    live.send({ type: "e_stop" });
+    expect(newest().sent.at(-1)).toEqual({ type: "e_stop" });
+  });
+});
+
 describe("a connection that is lost", () => {
   test("is opened again, more and more patiently, and at once patiently no more when it stood", () => {
     const { handlers } = connect();

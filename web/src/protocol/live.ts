@@ -1,6 +1,6 @@
 /** One connection to `/api/v1/live`: opens, pings, watches, and opens again with back-off when it is lost. */
 
-import type { FromRobot, ToRobot } from "./types";
+import type { FromRobot, Timed, ToRobot } from "./types";
 
 export interface LiveHandlers {
   opened(): void;
@@ -19,6 +19,8 @@ const FIRST_RETRY_MS = 400;
 const LAST_RETRY_MS = 5000;
 /** Above this much unsent, a held drive command would arrive late: it is left out, the next one is newer. */
 const BACKLOG_BYTES = 16_384;
+/** What may move something says when it was sent; a ping does, too, so that the robot knows how late it comes. */
+const TIMED: ReadonlySet<ToRobot["type"]> = new Set(["drive", "clear_e_stop", "take_control", "ping"]);
 
 export class LiveConnection {
   private socket: WebSocket | null = null;
@@ -27,6 +29,8 @@ export class LiveConnection {
   private attempt = 0;
   private lastHeard = 0;
   private rttMs: number | null = null;
+  /** The robot's newest stamp on this connection, and when it came. */
+  private heard: Omit<Timed, "t"> = {};
   private closed = false;
 
   constructor(
@@ -42,6 +46,7 @@ export class LiveConnection {
     socket.binaryType = "arraybuffer";
     this.socket = socket;
     this.lastHeard = performance.now();
+    this.heard = {};
     let stood = false;
     socket.onopen = () => {
       stood = true;
@@ -68,7 +73,8 @@ export class LiveConnection {
     const socket = this.socket;
     if (!socket || socket.readyState !== WebSocket.OPEN) return false;
     if (message.type === "drive" && message.held && socket.bufferedAmount > BACKLOG_BYTES) return false;
-    socket.send(JSON.stringify(message));
+    const times = TIMED.has(message.type) ? { t: performance.now(), ...this.heard } : {};
+    socket.send(JSON.stringify({ ...message, ...times }));
     return true;
   }
 
@@ -87,6 +93,8 @@ export class LiveConnection {
       return;
     }
     const message = JSON.parse(data) as FromRobot;
+    if (message.type === "hello" || message.type === "status" || message.type === "pong")
+      this.heard = { heard: message.stamp, heard_t: this.lastHeard };
     if (message.type === "pong") {
       this.rttMs = performance.now() - message.t;
       this.handlers.roundTrip(this.rttMs);
@@ -95,7 +103,7 @@ export class LiveConnection {
   }
 
   private ping(): void {
-    this.send({ type: "ping", t: performance.now(), rtt_ms: this.rttMs });
+    this.send({ type: "ping", rtt_ms: this.rttMs });
   }
 
   /** A cable pulled leaves a socket that looks open: silence is a loss. */

@@ -175,6 +175,8 @@ export interface Status {
   exploited: string | null;
   /** Why the collision monitor slowed or stopped the robot; empty: it did not. Absent from older programs. */
   limited?: string;
+  /** Why this page's driving waits: its commands come late; empty: it does not. Absent from older programs. */
+  waits?: string;
   sources: SourceState[];
 }
 
@@ -493,6 +495,13 @@ export type FromRobot =
   | { type: "pong"; t: number; stamp: number }
   | { type: "notice"; level: NoticeLevel; text: string };
 
+/** When a message was sent (page's clock, ms), the robot's newest stamp by then, and when that had come (page's, ms). */
+export interface Timed {
+  t: number;
+  heard?: number;
+  heard_t?: number;
+}
+
 export interface DriveCommand {
   type: "drive";
   seq: number;
@@ -509,7 +518,7 @@ export type ToRobot =
   | { type: "clear_e_stop" }
   | { type: "take_control" }
   | { type: "release_control" }
-  | { type: "ping"; t: number; rtt_ms: number | null }
+  | { type: "ping"; rtt_ms: number | null }
   | { type: "ack"; kind: number; seq: number }
   | { type: "view"; camera?: boolean; panorama?: boolean; map?: boolean; costmap?: boolean }
   | { type: "listen"; on: boolean };

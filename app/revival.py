@@ -1,0 +1,122 @@
+"""A body that died is started again, while program and console stay up.
+
+Its odometry begins again elsewhere, so whatever was built on the old one is void: all modules end before and begin
+afresh after, as when a recording jumps. A body that dies or fails to start ``MOST_IN_A_ROW`` times in a row ends the
+program.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+
+from app.attention.timeline import Timeline
+from app.link import LinkFailed, RobotLink
+from app.runtime.clock import Clock
+from app.runtime.supervisor import Supervisor
+
+log = logging.getLogger("hbba.body")
+
+MOST_IN_A_ROW = 5
+FIRST_DELAY_S = 0.5
+LONGEST_DELAY_S = 8.0
+#: A body that was up for so long is trusted again.
+TRUSTED_AFTER_S = 60.0
+
+
+class Restarts:
+    """When to start a body again: after 0.5 s, 1 s, 2 s ... 8 s, at most ``MOST_IN_A_ROW - 1`` times in a row."""
+
+    def __init__(self) -> None:
+        self._failures = 0
+        self._up_since: float | None = None
+
+    def up(self, now: float) -> None:
+        """The body was up at ``now`` (s)."""
+        self._up_since = now
+
+    def failed(self, now: float) -> float | None:
+        """The body died, or did not come up, at ``now``: how long to wait (s) before the next start; None: give up."""
+        if self._up_since is not None and now - self._up_since >= TRUSTED_AFTER_S:
+            self._failures = 0
+        self._up_since = None
+        self._failures += 1
+        if self._failures >= MOST_IN_A_ROW:
+            return None
+        return min(FIRST_DELAY_S * 2.0 ** (self._failures - 1), LONGEST_DELAY_S)
+
+
+class Revival:
+    """Starts ``link`` again after it has failed. ``problem`` says why the body does not answer; "" while it does."""
+
+    def __init__(
+        self, link: RobotLink, supervisor: Supervisor, forget: Callable[[], None], timeline: Timeline, clock: Clock
+    ) -> None:
+        """``forget`` has the program forget every message."""
+        self._link = link
+        self._supervisor = supervisor
+        self._forget = forget
+        self._timeline = timeline
+        self._clock = clock
+        self._restarts = Restarts()
+        self._observers: list[Callable[[str], None]] = []
+        self.problem = ""
+
+    def up(self) -> None:
+        """The body has come up."""
+        self._restarts.up(self._clock.now())
+
+    def observe(self, callback: Callable[[str], None]) -> Callable[[], None]:
+        """Call ``callback(problem)`` when the body is lost and when it is back (""); returns what ends it."""
+        self._observers.append(callback)
+
+        def end() -> None:
+            if callback in self._observers:
+                self._observers.remove(callback)
+
+        return end
+
+    async def revive(self, failure: LinkFailed) -> LinkFailed | None:
+        """Bring the body up after ``failure``; returns None once it and the modules run again, else why it never will.
+
+        In between no module lives, so nothing drives.
+        """
+        delay_s = self._restarts.failed(self._clock.now())
+        if delay_s is None:
+            return _final(failure)
+        self._tell(failure)
+        await self._supervisor.stop_modules()
+        while True:
+            await self._clock.sleep(delay_s)
+            try:
+                await self._link.start()
+            except LinkFailed as again:
+                delay_s = self._restarts.failed(self._clock.now())
+                if delay_s is None:
+                    return _final(again)
+                self._tell(again)
+            else:
+                break
+        self.up()
+        self._forget()
+        self._supervisor.start_modules()
+        self.problem = ""
+        log.info("the body answers again")
+        self._timeline.add("guard", "body", "The body answers again, its odometry at zero", {"problem": ""})
+        self._notify()
+        return None
+
+    def _tell(self, failure: LinkFailed) -> None:
+        reason = str(failure)
+        self.problem = f"The body does not answer: {reason[:1].lower()}{reason[1:].rstrip('.')}. It is started again."
+        log.warning("%s", self.problem)
+        self._timeline.add("guard", "body", self.problem, {"problem": reason})
+        self._notify()
+
+    def _notify(self) -> None:
+        for observer in tuple(self._observers):
+            observer(self.problem)
+
+
+def _final(failure: LinkFailed) -> LinkFailed:
+    return LinkFailed(f"{str(failure).rstrip('.')}; that was the {MOST_IN_A_ROW}th time in a row, so the program ends.")
