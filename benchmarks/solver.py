@@ -22,11 +22,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from app.attention.cached_solver import CachedSolver
 from app.attention.cpsat import solve_cpsat
 from app.attention.desires import Desire, Source
 from app.attention.instance import build_instance
 from app.attention.problem import Problem
-from app.attention.solver import CachedSolver, solve
+from app.attention.solver import solve
 from app.attention.strategies import Strategy
 from benchmarks.report import Row, benchmark_main, row
 
