@@ -57,10 +57,10 @@ class Instance:
     """Whole numbers only. Index s counts the strategies kept, k the classes concerned.
 
     ``table`` (s) index in the problem's table; ``cls`` (s) class k; ``utility`` (s) v; ``requires`` (s) {k: l};
-    ``costs`` (s) a c per limited resource; ``capacities`` m; ``members`` (k) its s; ``cliques`` (k) groups of them of
-    which at most one can be chosen; ``exclusive`` (k) whether they all exclude each other; ``desired`` {k: u'} with u'
-    > 0; ``needed`` the k that some kept strategy requires; ``security`` the k with z' = 1 kept; ``impossible``: a
-    security class has no strategy at all.
+    ``costs`` (s) a c per limited resource; ``capacities`` m; ``members`` (k) its s; ``exclusive`` (k) whether they all
+    exclude each other; ``cliques`` (k) where not, groups of them of which at most one can be chosen; ``desired`` {k:
+    u'} with u' > 0; ``needed`` the k that some kept strategy requires; ``security`` the k with z' = 1 kept;
+    ``impossible``: a security class has no strategy at all.
     """
 
     problem: Problem
@@ -110,7 +110,7 @@ def build_instance(problem: Problem, *, relaxed: frozenset[str] = frozenset()) -
     desires = problem.desires
     table = problem.table
     inhibited = {cls for cls, desire in desires.items() if desire.utility == 0}
-    limits = {name: thousandths(value, f"the capacity of {name}") for name, value in problem.capacities.items()}
+    limits = {name: thousandths(value, "the capacity of ", name) for name, value in problem.capacities.items()}
     kept = _useful(problem, table, inhibited, limits)
     number: dict[str, int] = {}
     for index in kept:
@@ -138,12 +138,12 @@ def build_instance(problem: Problem, *, relaxed: frozenset[str] = frozenset()) -
     requires = tuple({number[c]: amount for c, amount in table.requires[index].items()} for index in kept)
     cliques, exclusive = _exclusion(table, kept, names, members)
     desired = {
-        number[c]: thousandths(d.utility, f"desired utility of {c}")
+        number[c]: thousandths(d.utility, "desired utility of ", c)
         for c, d in desires.items()
         if c in number and c not in inhibited
     }
     security = frozenset(number[c] for c, d in desires.items() if d.security and c in number and c not in relaxed)
-    intensity = {k: thousandths(desires[names[k]].intensity, f"intensity of {names[k]}") for k in desired}
+    intensity = {k: thousandths(desires[names[k]].intensity, "intensity of ", names[k]) for k in desired}
 
     thrift = thrift_resource(problem)
     criteria = _criteria(
@@ -185,19 +185,21 @@ def _exclusion(
     table: PreparedTable, kept: list[int], names: tuple[str, ...], members: list[list[int]]
 ) -> tuple[tuple[tuple[tuple[int, ...], ...], ...], tuple[bool, ...]]:
     """By class k, its cliques among the strategies kept, and whether these all exclude each other."""
-    place = {index: s for s, index in enumerate(kept)}
+    place: dict[int, int] = {}
     cliques: list[tuple[tuple[int, ...], ...]] = []
     exclusive: list[bool] = []
     for name, group in zip(names, members, strict=True):
         known = table.members.get(name)
-        if known is None or len(group) < 2:
+        if known is None or known.exclusive or len(group) < 2:
+            # Nobody asks for groups where one of all is chosen anyway.
             cliques.append(())
             exclusive.append(True)
             continue
+        place = place or {index: s for s, index in enumerate(kept)}
         left = (tuple(place[index] for index in clique if index in place) for clique in known.cliques)
         mine = tuple(clique for clique in left if len(clique) > 1)
         cliques.append(mine)
-        exclusive.append(known.exclusive or all_exclude(group, mine))
+        exclusive.append(all_exclude(group, mine))
     return tuple(cliques), tuple(exclusive)
 
 

@@ -26,8 +26,8 @@ class Option:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """The classes' options and what couples them, of which ``graded`` are resources that come in more amounts than all
-    or nothing. ``best`` is the sum of the classes' best values."""
+    """The classes' options and what couples them; so many of it are ``graded``: resources for which several classes
+    contend in more amounts than all or nothing. ``best`` is the sum of the classes' best values."""
 
     groups: list[list[Option]]
     capacities: tuple[int, ...]
@@ -80,14 +80,21 @@ def list_options(instance: Instance, deadline: float = math.inf) -> Choice | Non
         for j, capacity in enumerate(capacities)
         if sum(max(option[1][j] for option in group) for group in groups) > capacity
     ]
+    resources = [j for j in binding if j < len(instance.capacities)]
     best = sum(group[0][0] for group in groups)
     pruned = [
         [Option(group[0][0] - v, tuple(c[j] for j in binding), chosen) for v, c, chosen in group] for group in groups
     ]
-    graded = sum(
-        len({option[1][j] for group in groups for option in group}) > 2 for j in binding if j < len(instance.capacities)
-    )
+    graded = len(resources)
+    if graded > 1:
+        graded = sum(_is_graded([[option[1][j] for option in group] for group in groups]) for j in resources)
     return Choice(pruned, tuple(capacities[j] for j in binding), best, graded)
+
+
+def _is_graded(costs: list[list[int]]) -> bool:
+    """Whether several classes contend for a resource (``costs`` by class and option), and not for all or nothing."""
+    users = [set(group) for group in costs if any(group)]
+    return len(users) > 1 and len(set().union(*users) - {0}) > 1
 
 
 def _efficient(

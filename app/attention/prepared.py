@@ -13,19 +13,24 @@ _FEW = 64
 """So many strategies of a class that share no filter are compared pair by pair."""
 
 
+_MOST = 2**53
+
+
 class InvalidProblem(ValueError):
     """The problem contradicts itself: a cost of an unknown resource, a negative amount, a value finer than a
     thousandth."""
 
 
-def thousandths(value: float, what: str) -> int:
-    """``value`` as a whole number of thousandths; raises InvalidProblem if it is none, or negative."""
+def thousandths(value: float, *what: str) -> int:
+    """``value`` as a whole number of thousandths; raises InvalidProblem if it is none, or negative. ``what`` it is, in
+    pieces: they are put together only for the complaint."""
     scaled = value * GRAIN
-    if not 0 <= scaled < 2**53:
-        raise InvalidProblem(f"{what} must be at least 0 and at most {2**53 // GRAIN:,}, not {value!r}")
-    if abs(scaled - round(scaled)) > 1e-4:
-        raise InvalidProblem(f"{what} must have at most three decimals, not {value!r}")
-    return round(scaled)
+    if not 0 <= scaled < _MOST:
+        raise InvalidProblem(f"{''.join(what)} must be at least 0 and at most {_MOST // GRAIN:,}, not {value!r}")
+    whole = round(scaled)
+    if abs(scaled - whole) > 1e-4:
+        raise InvalidProblem(f"{''.join(what)} must have at most three decimals, not {value!r}")
+    return whole
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,15 +63,15 @@ def prepare(strategies: tuple[Strategy, ...]) -> PreparedTable:
     costs = []
     for index, s in enumerate(strategies):
         by_class.setdefault(s.cls, []).append(index)
-        mine = {name: thousandths(cost, f"{s.name}: cost of {name}") for name, cost in s.costs.items()}
+        mine = {name: thousandths(cost, s.name, ": cost of ", name) for name, cost in s.costs.items()}
         for name, cost in mine.items():
             totals[name] = totals.get(name, 0) + cost
         costs.append(mine)
     return PreparedTable(
         strategies,
-        tuple(thousandths(s.utility, f"{s.name}: utility") for s in strategies),
+        tuple(thousandths(s.utility, s.name, ": utility") for s in strategies),
         tuple(
-            {c: thousandths(need, f"{s.name}: requires {c}") for c, need in s.requires.items() if need > 0}
+            {c: thousandths(need, s.name, ": requires ", c) for c, need in s.requires.items() if need > 0}
             for s in strategies
         ),
         tuple(costs),

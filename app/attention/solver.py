@@ -96,10 +96,12 @@ def foresees_cpsat(table: PreparedTable) -> bool:
     """Whether problems over ``table`` may be for CP-SAT: several graded resources, or many sets of a class's
     strategies."""
     amounts: dict[str, set[int]] = {}
-    for costs in table.costs:
+    users: dict[str, set[str]] = {}
+    for strategy, costs in zip(table.strategies, table.costs, strict=True):
         for resource, cost in costs.items():
             amounts.setdefault(resource, set()).add(cost)
-    graded = sum(len(each) > 1 for each in amounts.values())
+            users.setdefault(resource, set()).add(strategy.cls)
+    graded = sum(len(amounts[resource]) > 1 and len(classes) > 1 for resource, classes in users.items())
     return graded > 1 or not all(members.exclusive for members in table.members.values())
 
 
