@@ -79,6 +79,8 @@ def solve_search(
         known, _, _ = _search(choice, multipliers, None, _BEAM, deadline if firm else math.inf)
     found, cut, finished = _search(choice, multipliers, known and known[0], most_labels, deadline, most_steps)
     result = found or known
+    if firm and not finished and time.perf_counter() > deadline:
+        return None
     if result is None:
         if finished and cut is None:
             raise Infeasible

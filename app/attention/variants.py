@@ -52,13 +52,17 @@ class Variants:
         self._deadline = deadline
         self._give_up = give_up
         self._takes_s = selection.solve_time_s / 2
-        self._fulfilled = frozenset(selection.fulfilled)
         self._base = self._optimum(selection) if selection.proven else None
         self._spans: dict[str, list[_Span]] = {name: [] for name in problem.capacities}
         if self._base is not None:
             for name, capacity in problem.capacities.items():
                 self._spans[name].append(_span(self._base, name, round(capacity * GRAIN)))
         self._without: dict[str, _Optimum] = {}
+        fulfilled = frozenset(selection.fulfilled)
+        #: Those without whom the optimum may be another.
+        self._taking = tuple(
+            cls for cls, d in problem.desires.items() if self._base is None or cls in fulfilled or d.utility == 0
+        )
         self._wants: dict[str, frozenset[str]] = {}
         self.missing = False
 
@@ -70,8 +74,12 @@ class Variants:
     def without(self, cls: str, at_least: float) -> tuple[Alternative, ...]:
         """The other desires of which any one's absence would give ``cls`` at least that utility."""
         wanted, found = round(at_least * GRAIN), []
-        # Once the time is over, what was solved for others is all there is.
-        for other in tuple(self._without) if self._over() else self._problem.desires:
+        others = self._taking
+        if self._no_time():
+            # What was solved for others is all there is.
+            self.missing = self.missing or not self._without.keys() >= set(others) - {cls}
+            others = tuple(self._without)
+        for other in others:
             optimum = self._lacking(other) if other != cls else None
             if optimum is not None and optimum.got.get(cls, 0) >= wanted:
                 found.append(Alternative("without", optimum.got[cls] / GRAIN, without=other))
@@ -110,31 +118,25 @@ class Variants:
         for span in spans:
             if span.least <= capacity <= span.most:
                 return span.optimum
-        optimum = self._solved(self._problem.with_capacity(resource, capacity / GRAIN))
+        optimum = self._solved(lambda: self._problem.with_capacity(resource, capacity / GRAIN))
         if optimum is not None:
             spans.append(_span(optimum, resource, capacity))
         return optimum
 
     def _lacking(self, other: str) -> _Optimum | None:
         """The optimum had nobody desired ``other``; None if there was no time to find it."""
-        if other in self._without:
-            return self._without[other]
-        if self._base is not None and other not in self._fulfilled and self._problem.desires[other].utility > 0:
-            return self._base
-        optimum = self._solved(self._problem.without(other))
-        if optimum is not None:
-            self._without[other] = optimum
-        return optimum
+        known = self._without.get(other)
+        if known is None and (known := self._solved(lambda: self._problem.without(other))) is not None:
+            self._without[other] = known
+        return known
 
-    def _solved(self, problem: Problem) -> _Optimum | None:
-        left = self._deadline - time.perf_counter()
-        # What takes longer than is left would only be cut off.
-        if left <= self._takes_s or self._give_up():
+    def _solved(self, variant: Callable[[], Problem]) -> _Optimum | None:
+        if self._no_time():
             self.missing = True
             return None
         began = time.perf_counter()
         try:
-            selection = solve(problem, time_limit_s=left, firm=True)
+            selection = solve(variant(), time_limit_s=self._deadline - began, firm=True)
         except SolverFailed:
             self.missing = True
             return None
@@ -145,8 +147,9 @@ class Variants:
         self._takes_s = min(self._takes_s or took, took)
         return self._optimum(selection)
 
-    def _over(self) -> bool:
-        return time.perf_counter() >= self._deadline or self._give_up()
+    def _no_time(self) -> bool:
+        """Whether what is left is too little for another: it would only be cut off."""
+        return self._deadline - time.perf_counter() <= self._takes_s or self._give_up()
 
     def _optimum(self, selection: Selection) -> _Optimum:
         got = dict.fromkeys(selection.fulfilled, 0)

@@ -6,6 +6,7 @@ import argparse
 import io
 import json
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -190,7 +191,7 @@ def test_what_could_not_be_explained_in_time_is_named(
     assert answer(capsys, str(EXAMPLES / "thesis-4.3.3.yaml"))["unexplained"] == []
 
 
-def cut_off(variants: Variants, problem: Problem) -> None:
+def cut_off(variants: Variants, variant: Callable[[], Problem]) -> None:
     variants.missing = True
 
 
