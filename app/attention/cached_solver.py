@@ -25,7 +25,7 @@ class CachedSolver:
 
     Problems are equal if they ask the same of the same table: who desires, since when and with which parameters does
     not matter. Only proven selections are remembered. Answers have their ``reasons``, without what would help. Use from
-    one thread at a time. Unless ``timed``, no answer tells how long it took: two runs of the same program can be
+    one thread at a time. Unless ``timed``, no answer says how long it took: two runs of the same program can be
     compared.
     """
 

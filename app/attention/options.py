@@ -108,7 +108,7 @@ def _efficient(
     kept: list[tuple[int, tuple[int, ...], tuple[int, ...]]] = []
     for option in options:
         costs = option[1]
-        # Where there is one cost, whoever was kept last is the cheapest so far.
+        # Where there is one cost, the one kept last is the cheapest so far.
         rivals = kept[-1:] if len(costs) == 1 else kept[:_MOST_OPTIONS]
         if not any(all(a <= b for a, b in zip(better[1], costs, strict=True)) for better in rivals):
             kept.append(option)

@@ -62,7 +62,7 @@ class Problem:
         return known if known is not None and known.strategies is self.strategies else prepare(self.strategies)
 
     def with_table(self) -> Problem:
-        """The same problem with its table computed, for whoever solves variants of it. Raises InvalidProblem."""
+        """The same problem with its table computed, so that variants of it need not. Raises InvalidProblem."""
         return replace(self, prepared=self.table)
 
     def without(self, cls: str) -> Problem:

@@ -51,7 +51,7 @@ def solve_search(
     """The lexicographic optimum of ``instance``, or the best found until ``deadline`` (of ``time.perf_counter``).
 
     ``most_labels`` are kept at a time, ``most_steps`` looked at (None: as many as pay, for instances of this kind). A
-    short, narrow search heeds no deadline, so that there is something to keep when the time is over, unless ``firm``.
+    short, narrow search goes on beyond the deadline, so that there is something to keep then, unless ``firm``.
 
     None if the structure is not for this search (a class with very many independent strategies), or where nothing was
     found in time. Raises Infeasible if the security desires cannot all be met.

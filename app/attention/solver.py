@@ -123,7 +123,7 @@ def load_cpsat(deadline: float = math.inf) -> CpSat | None:
 
 
 def _import_cpsat() -> None:
-    with suppress(ImportError):  # which the import of whoever waits for this one raises again
+    with suppress(ImportError):  # the import that waits for this one raises it again
         importlib.import_module(_CPSAT)
 
 

@@ -230,7 +230,7 @@ class IntentionTranslator:
                 raise SolverFailed("it gave no answer")
             if version == self._version:
                 selection = await self._held(problem, selection)
-        except Exception as failure:  # noqa: BLE001 - the solver is whoever was handed in, with native code below: what
+        except Exception as failure:  # noqa: BLE001 - the solver is handed in, with native code below: what
             # it raises is noted on the timeline and in the log, and it is asked again; the robot goes on meanwhile.
             self._failed(f"{type(failure).__name__}: {failure}")
             return None
