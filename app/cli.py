@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 from app.commands import COMMANDS
 from app.commands.parser import build_parser
+from app.commands.printable import printable
 from app.errors import ConfigError
 
 #: Libraries of linear algebra compute in the calling thread: it would spin while it waits for others of theirs, which
@@ -29,7 +30,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
         return code
     except ConfigError as failure:
-        print(f"hbba {args.command}: {failure}", file=sys.stderr)
+        print(printable(f"hbba {args.command}: {failure}"), file=sys.stderr)
         return 2
     except BrokenPipeError:
         # Whoever read our output has gone (`hbba solve ... | head`): nothing is left to say, not even at exit.

@@ -14,11 +14,13 @@ from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 
+from app.attention.cached_solver import CachedSolver
 from app.attention.desires import DesireClasses
-from app.attention.solver import CachedSolver
+from app.attention.explaining import EXPLAIN_S
+from app.attention.hysteresis import Hysteresis
 from app.attention.strategies import StrategyTable, load_strategies, trimmed
 from app.attention.timeline import Timeline
-from app.attention.translator import EXPLAIN_S, Hysteresis, IntentionTranslator
+from app.attention.translator import IntentionTranslator
 from app.attention.workspace import IntentionWorkspace, random_id
 from app.config import Configuration, load_configuration
 from app.link import LinkFailed, RobotLink

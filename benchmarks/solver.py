@@ -1,7 +1,8 @@
 """Strategy selection: how long a proven optimum takes, beside the direct formulation in CP-SAT and hbba_lite.
 
 Cases: Tableau 4.4 with all seven desires; K classes of four strategies (φ 1, 2, 4, 8; utility 8/φ; CPU 5–40 % divided
-by φ) that all contend for half the CPU they would take at full rate, some for a few single-slot actuators too.
+by φ) that all contend for half the CPU they would take at full rate, some for a few single-slot actuators too; the same
+with several such resources. *Reasons* are what `explain` finds for each desire after the solution.
 
 Two peers run beside it. *Direct* is what one writes first: equations 4.4–4.10 with free products f·a, handed to CP-SAT
 as it comes; it finds Ω only. *Tuned* is our own formulation for CP-SAT (one worker, ``linearization_level=2``, f_k tied
@@ -22,11 +23,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from app.attention.cached_solver import CachedSolver
 from app.attention.cpsat import solve_cpsat
 from app.attention.desires import Desire, Source
+from app.attention.explaining import EXPLAIN_S
 from app.attention.instance import build_instance
 from app.attention.problem import Problem
-from app.attention.solver import CachedSolver, solve
+from app.attention.reasons import explain
+from app.attention.solver import solve
 from app.attention.strategies import Strategy
 from benchmarks.report import Row, benchmark_main, row
 
@@ -75,6 +79,11 @@ def run(rounds_share: float = 1.0) -> list[Row]:
         case = f"{4 * classes} strategies, {classes} classes"
         rows += compare(case, instances, max(2, round(rounds * rounds_share)), peer_rounds)
     rows += limited(contention(250, 1))
+    for classes, resources in ((7, 4), (13, 3), (25, 2), (25, 4)):
+        rows += graded([several(classes, resources, seed) for seed in range(3)], resources)
+    rows += explained("13 strategies, Tableau 4.4", table, to_the_end=True)
+    for classes in (13, 50, 125):
+        rows += explained(f"{4 * classes} strategies, {classes} classes", contention(classes, 0), classes == 13)
     return rows
 
 
@@ -136,6 +145,33 @@ def limited(problem: Problem) -> list[Row]:
     ]
 
 
+def graded(problems: Sequence[Problem], resources: int) -> list[Row]:
+    """Time to the proof where all contend for half of each of several resources."""
+    case = f"{len(problems[0].strategies)} strategies, {resources} graded resources"
+    took, proven = [], True
+    for problem in problems:
+        began = time.perf_counter()
+        proven = solve(problem, time_limit_s=20).proven and proven
+        took.append((time.perf_counter() - began) * 1e3)
+    return [row(BENCHMARK, case, "cold, proven" if proven else "cold, NOT PROVEN in 20 s", "ms", took)]
+
+
+def explained(case: str, problem: Problem, to_the_end: bool) -> list[Row]:
+    """How long reasons take within the limit that a program gives them, and to the end."""
+    problem = problem.with_table()
+    selection = solve(problem, time_limit_s=20)
+
+    def timed(limit_s: float) -> float:
+        began = time.perf_counter()
+        explain(problem, selection, time_limit_s=limit_s)
+        return (time.perf_counter() - began) * 1e3
+
+    rows = [row(BENCHMARK, case, f"reasons, limit {EXPLAIN_S * 1e3:g} ms", "ms", [timed(EXPLAIN_S) for _ in range(5)])]
+    if to_the_end:
+        rows.append(row(BENCHMARK, case, "reasons, to the end", "ms", [timed(60.0) for _ in range(3)]))
+    return rows
+
+
 def tableau_4_4() -> Problem:
     """The thesis's strategies, all seven classes desired (i 8, u 1)."""
     rows: list[tuple[str, int, float, float]] = [
@@ -179,6 +215,23 @@ def contention(classes: int, seed: int) -> Problem:
     capacities = {"cpu": full / 2, **{f"actuator{slot}": 1.0 for slot in range(slots)}}
     desires = {f"K{number}": _desire(f"K{number}", chance.randint(1, 8)) for number in range(classes)}
     return Problem(desires, tuple(table), capacities)
+
+
+def several(classes: int, resources: int, seed: int) -> Problem:
+    """``classes`` classes of four strategies contending for half of what they want of each of ``resources``."""
+    chance = random.Random(seed)
+    full = dict.fromkeys((f"r{number}" for number in range(resources)), 0.0)
+    table: list[Strategy] = []
+    for number in range(classes):
+        wanted = {name: chance.uniform(5, 40) for name in full}
+        for name, amount in wanted.items():
+            full[name] += amount
+        for phi in (1, 2, 4, 8):
+            costs = {name: round(amount / phi, 3) for name, amount in wanted.items()}
+            cls = f"K{number}"
+            table.append(Strategy(f"{cls}-{phi}", cls, 8 / phi, filters={f"{cls}.input": phi}, costs=costs))
+    desires = {f"K{number}": _desire(f"K{number}", chance.randint(1, 8)) for number in range(classes)}
+    return Problem(desires, tuple(table), {name: round(amount / 2, 3) for name, amount in full.items()})
 
 
 def direct(problem: Problem) -> float | None:

@@ -7,8 +7,10 @@ lexicographic order, as many at once as provably fit into 53 bits.
 
 from __future__ import annotations
 
+import itertools
 import math
 import time
+from collections.abc import Iterator
 from typing import Any
 
 from ortools.sat.python import cp_model
@@ -27,6 +29,8 @@ def solve_cpsat(instance: Instance, deadline: float, hint: tuple[int, ...] = ())
     if instance.impossible:
         raise Infeasible
     selection = _Selection(instance, hint)
+    if not selection.stated_by(deadline):
+        return None
     model, solver = selection.model, _solver()
     best: tuple[int, ...] | None = None
     bound = instance.criteria[0].high
@@ -84,8 +88,14 @@ class _Selection:
         self._instance = instance
         self._hinted = hint
         self._hints: list[tuple[cp_model.IntVar, int]] = []
+
+    def stated_by(self, deadline: float) -> bool:
+        """Write the problem into the model; False if the deadline came first."""
+        instance = self._instance
         for k, group in enumerate(instance.members):
-            if all(len(instance.conflicts[s]) == len(group) - 1 for s in group):
+            if time.perf_counter() > deadline:
+                return False
+            if instance.exclusive[k]:
                 self._at_most_one(k, group)
             else:
                 self._several(k, group)
@@ -94,6 +104,7 @@ class _Selection:
             self.model.add(sum(costs[j] * a for costs, a in zip(instance.costs, self.chosen, strict=True)) <= capacity)
         for variable, value in self._hints:
             self.model.add_hint(variable, value)
+        return time.perf_counter() <= deadline
 
     def objective(self, stage: Criterion) -> Any:
         """``stage`` as a linear expression."""
@@ -128,9 +139,8 @@ class _Selection:
             self.chosen[s] = self.model.new_bool_var("")
             self.literals.append(self.chosen[s])
             self._hints.append((self.chosen[s], int(s in self._hinted)))
-            for other in self._instance.conflicts[s]:
-                if other < s:
-                    self.model.add_at_most_one([self.chosen[s], self.chosen[other]])
+        for clique in self._instance.cliques[k]:
+            self.model.add_at_most_one([self.chosen[s] for s in clique])
         if k in self._instance.desired:
             self.fulfilled[k] = self.model.new_bool_var("")
             for s in group:
@@ -142,26 +152,29 @@ class _Selection:
         """What a class produces, less what others require of it, reaches what is desired of it where that counts as
         fulfilled, and is never less than nothing."""
         instance = self._instance
+        drawn: dict[int, list[Any]] = {k: [] for k in instance.needed}
+        for s, needs in enumerate(instance.requires):
+            for k, amount in needs.items():
+                drawn[k].append(amount * self.chosen[s])
         for k, group in enumerate(instance.members):
             wanted = instance.desired.get(k)
             if wanted is not None or k in instance.needed:
-                cover: Any = sum(instance.utility[s] * self.chosen[s] for s in group) - sum(
-                    needs[k] * self.chosen[s] for s, needs in enumerate(instance.requires) if k in needs
-                )
+                cover: Any = sum(instance.utility[s] * self.chosen[s] for s in group) - sum(drawn.get(k, ()))
                 self.model.add(cover >= (wanted * self.fulfilled[k] if wanted is not None else 0))
             if k in instance.security:
                 self.model.add(self.fulfilled[k] == 1)
 
 
-def _stages(instance: Instance) -> list[tuple[Criterion, int, int]]:
+def _stages(instance: Instance) -> Iterator[tuple[Criterion, int, int]]:
     """The criteria packed into few objectives; with each the radix of what is below its first criterion, and its
     least."""
-    todo = [*instance.criteria[:-1], *_table_order(len(instance.cls))]
-    stages: list[tuple[Criterion, int, int]] = []
-    while todo:
-        stage, reach, shift = todo.pop(0), 1, 0
-        while todo and (stage.high + stage.low + 1) * (todo[0].high + todo[0].low + 1) < 1 << _BITS:
-            lower = todo.pop(0)
+    todo = itertools.chain(instance.criteria[:-1], _table_order(len(instance.cls)))
+    following = next(todo, None)
+    while following is not None:
+        stage, reach, shift = following, 1, 0
+        following = next(todo, None)
+        while following and (stage.high + stage.low + 1) * (following.high + following.low + 1) < 1 << _BITS:
+            lower, following = following, next(todo, None)
             radix = lower.high + lower.low + 1
             reach, shift = reach * radix, shift * radix + lower.low
             stage = Criterion(
@@ -171,15 +184,12 @@ def _stages(instance: Instance) -> list[tuple[Criterion, int, int]]:
                 stage.low * radix + lower.low,
                 stage.high * radix + lower.high,
             )
-        stages.append((stage, reach, shift))
-    return stages
+        yield stage, reach, shift
 
 
-def _table_order(count: int, chunk: int = 30) -> list[Criterion]:
+def _table_order(count: int, chunk: int = 30) -> Iterator[Criterion]:
     """Table order in pieces of ``chunk`` strategies, the first of them deciding first."""
-    pieces = []
     for start in range(0, count, chunk):
         stop = min(start + chunk, count)
         pay = tuple(-(1 << (stop - 1 - s)) if start <= s < stop else 0 for s in range(count))
-        pieces.append(Criterion({}, (0,) * count, pay, 0, (1 << (stop - start)) - 1))
-    return pieces
+        yield Criterion({}, (0,) * count, pay, 0, (1 << (stop - start)) - 1)

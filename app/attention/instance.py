@@ -19,13 +19,11 @@ By 3 to 5 no set of strategies that serves nothing survives: without it a select
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
 from typing import Literal
 
-from app.attention.problem import InvalidProblem, Problem, thousandths, thrift_resource
-from app.attention.strategies import Strategy, exclusive
+from app.attention.prepared import InvalidProblem, PreparedTable, all_exclude, thousandths
+from app.attention.problem import Problem, thrift_resource
 
 
 class Infeasible(Exception):
@@ -59,9 +57,10 @@ class Instance:
     """Whole numbers only. Index s counts the strategies kept, k the classes concerned.
 
     ``table`` (s) index in the problem's table; ``cls`` (s) class k; ``utility`` (s) v; ``requires`` (s) {k: l};
-    ``costs`` (s) a c per limited resource; ``capacities`` m; ``members`` (k) its s; ``conflicts`` (s) the s excluded by
-    it; ``desired`` {k: u'} with u' > 0; ``needed`` the k that some kept strategy requires; ``security`` the k with z' =
-    1 kept; ``impossible``: a security class has no strategy at all.
+    ``costs`` (s) a c per limited resource; ``capacities`` m; ``members`` (k) its s; ``exclusive`` (k) whether they all
+    exclude each other; ``cliques`` (k) where not, groups of them of which at most one can be chosen; ``desired`` {k:
+    u'} with u' > 0; ``needed`` the k that some kept strategy requires; ``security`` the k with z' = 1 kept;
+    ``impossible``: a security class has no strategy at all.
     """
 
     problem: Problem
@@ -73,7 +72,8 @@ class Instance:
     costs: tuple[tuple[int, ...], ...]
     capacities: tuple[int, ...]
     members: tuple[tuple[int, ...], ...]
-    conflicts: tuple[frozenset[int], ...]
+    cliques: tuple[tuple[tuple[int, ...], ...], ...]
+    exclusive: tuple[bool, ...]
     desired: dict[int, int]
     needed: frozenset[int]
     security: frozenset[int]
@@ -108,37 +108,42 @@ class Instance:
 def build_instance(problem: Problem, *, relaxed: frozenset[str] = frozenset()) -> Instance:
     """The whole-number form of ``problem``; γ4 is dropped for the classes in ``relaxed``. Raises InvalidProblem."""
     desires = problem.desires
+    table = problem.table
     inhibited = {cls for cls, desire in desires.items() if desire.utility == 0}
-    kept = _useful(problem, inhibited)
-    strategies = [problem.strategies[index] for index in kept]
-    names = list(dict.fromkeys([s.cls for s in strategies] + [c for s in strategies for c in s.requires]))
-    names += [c for c, d in desires.items() if c not in names and c not in inhibited and d.security]
-    number = {cls: k for k, cls in enumerate(names)}
+    limits = {name: thousandths(value, "the capacity of ", name) for name, value in problem.capacities.items()}
+    kept = _useful(problem, table, inhibited, limits)
+    number: dict[str, int] = {}
+    for index in kept:
+        number.setdefault(table.strategies[index].cls, len(number))
+    for index in kept:
+        for c in table.strategies[index].requires:
+            number.setdefault(c, len(number))
+    for c, d in desires.items():
+        if d.security and c not in inhibited:
+            number.setdefault(c, len(number))
+    names = tuple(number)
 
-    limits = {name: thousandths(value, f"the capacity of {name}") for name, value in problem.capacities.items()}
-    for s in strategies:
-        for resource in s.costs:
-            if resource not in limits:
-                raise InvalidProblem(f"strategy {s.name!r} costs {resource!r}, which has no capacity")
-    cost_of = [{r: thousandths(c, f"{s.name}: cost of {r}") for r, c in s.costs.items()} for s in strategies]
-    cls = tuple(number[s.cls] for s in strategies)
+    cost_of = [table.costs[index] for index in kept]
+    cls = tuple(number[table.strategies[index].cls] for index in kept)
     members: list[list[int]] = [[] for _ in names]
     for s_index, k in enumerate(cls):
         members[k].append(s_index)
     # A resource that all kept strategies together cannot use up never binds.
-    binding = [r for r, limit in limits.items() if sum(costs.get(r, 0) for costs in cost_of) > limit]
-    utility = tuple(thousandths(s.utility, f"{s.name}: utility") for s in strategies)
-    requires = tuple(
-        {number[c]: thousandths(amount, f"{s.name}: requires {c}") for c, amount in s.requires.items() if amount > 0}
-        for s in strategies
-    )
+    totals = dict.fromkeys(limits, 0)
+    for costs in cost_of:
+        for r, cost in costs.items():
+            totals[r] += cost
+    binding = [r for r, limit in limits.items() if totals[r] > limit]
+    utility = tuple(table.utility[index] for index in kept)
+    requires = tuple({number[c]: amount for c, amount in table.requires[index].items()} for index in kept)
+    cliques, exclusive = _exclusion(table, kept, names, members)
     desired = {
-        number[c]: thousandths(d.utility, f"desired utility of {c}")
+        number[c]: thousandths(d.utility, "desired utility of ", c)
         for c, d in desires.items()
         if c in number and c not in inhibited
     }
     security = frozenset(number[c] for c, d in desires.items() if d.security and c in number and c not in relaxed)
-    intensity = {k: thousandths(desires[names[k]].intensity, f"intensity of {names[k]}") for k in desired}
+    intensity = {k: thousandths(desires[names[k]].intensity, "intensity of ", names[k]) for k in desired}
 
     thrift = thrift_resource(problem)
     criteria = _criteria(
@@ -146,13 +151,13 @@ def build_instance(problem: Problem, *, relaxed: frozenset[str] = frozenset()) -
         intensity,
         cls,
         utility,
-        tuple(int(s.name not in problem.previous) for s in strategies),
+        tuple(int(table.strategies[index].name not in problem.previous) for index in kept),
         tuple(costs.get(thrift, 0) if thrift else 0 for costs in cost_of),
     )
     fulfil, serve, pay, omega_unit, omega_shift = _combined(criteria, frozenset(desired))
     return Instance(
         problem=problem,
-        classes=tuple(names),
+        classes=names,
         table=tuple(kept),
         cls=cls,
         utility=utility,
@@ -160,7 +165,8 @@ def build_instance(problem: Problem, *, relaxed: frozenset[str] = frozenset()) -
         costs=tuple(tuple(costs.get(r, 0) for r in binding) for costs in cost_of),
         capacities=tuple(limits[r] for r in binding),
         members=tuple(tuple(group) for group in members),
-        conflicts=_conflicts(strategies, members),
+        cliques=cliques,
+        exclusive=exclusive,
         desired=desired,
         needed=frozenset(k for needs in requires for k in needs),
         security=security,
@@ -175,15 +181,26 @@ def build_instance(problem: Problem, *, relaxed: frozenset[str] = frozenset()) -
     )
 
 
-def _conflicts(strategies: Sequence[Strategy], members: Sequence[Sequence[int]]) -> tuple[frozenset[int], ...]:
-    """By strategy s, those that it cannot be chosen with."""
-    conflicts: list[set[int]] = [set() for _ in strategies]
-    for group in members:
-        for one, other in combinations(group, 2):
-            if exclusive(strategies[one], strategies[other]):
-                conflicts[one].add(other)
-                conflicts[other].add(one)
-    return tuple(frozenset(group) for group in conflicts)
+def _exclusion(
+    table: PreparedTable, kept: list[int], names: tuple[str, ...], members: list[list[int]]
+) -> tuple[tuple[tuple[tuple[int, ...], ...], ...], tuple[bool, ...]]:
+    """By class k, its cliques among the strategies kept, and whether these all exclude each other."""
+    place: dict[int, int] = {}
+    cliques: list[tuple[tuple[int, ...], ...]] = []
+    exclusive: list[bool] = []
+    for name, group in zip(names, members, strict=True):
+        known = table.members.get(name)
+        if known is None or known.exclusive or len(group) < 2:
+            # Nobody asks for groups where one of all is chosen anyway.
+            cliques.append(())
+            exclusive.append(True)
+            continue
+        place = place or {index: s for s, index in enumerate(kept)}
+        left = (tuple(place[index] for index in clique if index in place) for clique in known.cliques)
+        mine = tuple(clique for clique in left if len(clique) > 1)
+        cliques.append(mine)
+        exclusive.append(all_exclude(group, mine))
+    return tuple(cliques), tuple(exclusive)
 
 
 def _weight(problem: Problem, of: Literal["intensity", "utility", "spare"]) -> int:
@@ -238,24 +255,32 @@ def _combined(
     return fulfil, serve, pay, top, shift
 
 
-def _useful(problem: Problem, inhibited: set[str]) -> list[int]:
-    """Indices of the strategies that may serve: of desired classes, and of what those require, over any distance."""
-    by_class: dict[str, list[int]] = {}
-    for index, strategy in enumerate(problem.strategies):
-        if strategy.cls in inhibited or any(c in inhibited and need > 0 for c, need in strategy.requires.items()):
-            continue
-        if any(cost > problem.capacities.get(r, 0.0) for r, cost in strategy.costs.items() if r in problem.capacities):
-            continue
-        by_class.setdefault(strategy.cls, []).append(index)
-    reached = [c for c in problem.desires if c in by_class]
-    seen = set(reached)
-    while reached:
-        for index in by_class[reached.pop()]:
-            for c, amount in problem.strategies[index].requires.items():
-                if amount > 0 and c in by_class and c not in seen:
-                    seen.add(c)
-                    reached.append(c)
-    return sorted(index for c in seen for index in by_class[c])
+def _useful(problem: Problem, table: PreparedTable, inhibited: set[str], limits: dict[str, int]) -> list[int]:
+    """Indices of the strategies that may serve: of desired classes, and of what those require, over any distance.
+
+    Raises InvalidProblem for one that costs what there is nothing of.
+    """
+    seen = dict.fromkeys(c for c in problem.desires if c in table.members and c not in inhibited)
+    ahead = list(seen)
+    kept: list[int] = []
+    while ahead:
+        for index in table.members[ahead.pop()].all:
+            needs = table.requires[index]
+            if needs and not inhibited.isdisjoint(needs):
+                continue
+            costs = table.costs[index]
+            for resource in costs:
+                if resource not in limits:
+                    name = table.strategies[index].name
+                    raise InvalidProblem(f"strategy {name!r} costs {resource!r}, which has no capacity")
+            if any(cost > limits[resource] for resource, cost in costs.items()):
+                continue
+            kept.append(index)
+            for c in needs:
+                if c not in seen and c in table.members and c not in inhibited:
+                    seen[c] = None
+                    ahead.append(c)
+    return sorted(kept)
 
 
 def _criterion(fulfil: dict[int, int], serve: tuple[int, ...], pay: tuple[int, ...]) -> Criterion:

@@ -36,7 +36,20 @@ class Clock(Protocol):
 
 
 class Solver(Protocol):
-    """What answers problems; ``recall`` gives an answer known already, at once."""
+    """What answers problems. All but ``recall`` are called beside the event loop, one at a time."""
 
-    def recall(self, problem: Problem) -> Selection | None: ...
-    def solve(self, problem: Problem) -> Selection | None: ...
+    def prepare(self, problem: Problem) -> None:
+        """Load what such problems may take, before the first is asked."""
+        ...
+
+    def recall(self, problem: Problem) -> Selection | None:
+        """An answer known already, at once."""
+        ...
+
+    def solve(self, problem: Problem) -> Selection | None:
+        """The answer, with its reasons. Raises SolverFailed where there was no time to find one."""
+        ...
+
+    def among(self, problem: Problem, names: Collection[str]) -> Selection:
+        """The answer were there no strategies but ``names``. Raises SolverFailed as :meth:`solve`."""
+        ...

@@ -19,15 +19,11 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from app.attention.desires import GRAIN, Desire
-from app.attention.strategies import Strategy, exclusive
+from app.attention.desires import Desire
+from app.attention.prepared import PreparedTable, prepare
+from app.attention.strategies import Strategy
 
 ReasonState = Literal["fulfilled", "degraded", "unfulfilled", "inhibited"]
-
-
-class InvalidProblem(ValueError):
-    """The problem contradicts itself: a cost of an unknown resource, a negative amount, a value finer than a
-    thousandth."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +44,7 @@ class Problem:
 
     ``desires`` holds the strongest desire of each class; ``strategies`` the table in order; ``capacities`` the m_j;
     ``previous`` the strategies selected now (ties keep them); ``thrift`` the resource that ties are decided by (the
-    first one there is, if absent).
+    first one there is, if absent); ``prepared`` the table in whole numbers, if somebody computed it already.
     """
 
     desires: Mapping[str, Desire]
@@ -57,6 +53,17 @@ class Problem:
     previous: frozenset[str] = frozenset()
     weights: Weights = Weights()
     thrift: str = "cpu"
+    prepared: PreparedTable | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def table(self) -> PreparedTable:
+        """The table in whole numbers: ``prepared`` if it is of these strategies. Raises InvalidProblem."""
+        known = self.prepared
+        return known if known is not None and known.strategies is self.strategies else prepare(self.strategies)
+
+    def with_table(self) -> Problem:
+        """The same problem with its table computed, so that variants of it need not. Raises InvalidProblem."""
+        return replace(self, prepared=self.table)
 
     def without(self, cls: str) -> Problem:
         """The same problem had nobody desired ``cls``."""
@@ -88,7 +95,7 @@ class Reason:
     """Why a desired class gets what it gets.
 
     ``utility`` is what it gets, ``wanted`` what its desire asks for at least, ``best`` the most that any selection
-    could give. ``text`` is a sentence for people.
+    could give. ``text`` is a sentence for people. ``searched``: whether there was time to look for all that would help.
     """
 
     state: ReasonState
@@ -97,6 +104,7 @@ class Reason:
     best: float
     text: str
     alternatives: tuple[Alternative, ...] = ()
+    searched: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,26 +128,18 @@ class Selection:
     reasons: Mapping[str, Reason] = field(default_factory=dict)
 
 
-def thousandths(value: float, what: str) -> int:
-    """``value`` as a whole number of thousandths; raises InvalidProblem if it is none, or negative."""
-    scaled = value * GRAIN
-    if not 0 <= scaled < 2**53:
-        raise InvalidProblem(f"{what} must be at least 0 and at most {2**53 // GRAIN:,}, not {value!r}")
-    if abs(scaled - round(scaled)) > 1e-4:
-        raise InvalidProblem(f"{what} must have at most three decimals, not {value!r}")
-    return round(scaled)
-
-
 def produced(problem: Problem, selected: Collection[str], cls: str) -> float:
     """Σ_s a_s v_sk: the utility that the selected strategies produce for ``cls``."""
-    return sum(s.utility for s in problem.strategies if s.cls == cls and s.name in selected)
+    names = frozenset(selected)
+    return sum(s.utility for s in problem.strategies if s.cls == cls and s.name in names)
 
 
 def used(problem: Problem, selected: Collection[str]) -> dict[str, float]:
     """Σ_s a_s c_sj of each resource, to a thousandth."""
     use = dict.fromkeys(problem.capacities, 0.0)
+    names = frozenset(selected)
     for strategy in problem.strategies:
-        if strategy.name in selected:
+        if strategy.name in names:
             for resource, cost in strategy.costs.items():
                 use[resource] += cost
     return {resource: round(amount, 3) for resource, amount in use.items()}
@@ -159,9 +159,12 @@ def assess(problem: Problem, selected: Collection[str], *, relaxed: Collection[s
         return None
     made: dict[str, float] = {}
     needed: dict[str, float] = {}
-    for index, strategy in enumerate(chosen):
-        if strategy.cls in made and any(exclusive(strategy, other) for other in chosen[:index]):
+    taken: set[tuple[str, str]] = set()
+    for strategy in chosen:
+        filters = {(strategy.cls, name) for name in strategy.filters}
+        if not taken.isdisjoint(filters):
             return None
+        taken |= filters
         made[strategy.cls] = made.get(strategy.cls, 0.0) + strategy.utility
         for cls, amount in strategy.requires.items():
             if amount > 0:

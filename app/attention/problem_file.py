@@ -64,7 +64,9 @@ def read_problem(document: Document, folder: Path) -> StatedProblem:
         table_document = load_yaml(folder / name)
         files.append((table_document, table_document.validate(StrategyFile)))
     files.append((document, file))
-    classes = {entry.cls for _, each in files for entry in each.strategies} | {entry.cls for entry in file.desires}
+    classes = {entry.cls for entry in file.desires}
+    for _, each in files:
+        classes |= {entry.cls for entry in each.strategies} | {family.cls for family in each.families}
     table = build_table(files, classes=classes, ports=None)
     names = [strategy.name for strategy in table.strategies]
     for index, name in enumerate(file.selected):

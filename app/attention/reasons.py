@@ -1,20 +1,20 @@
 """Why each desire gets what it gets, and what would serve it better.
 
-Every alternative is checked: the problem is solved again with more of one resource, or without one other desire, and
-the alternative is given only if the optimum then serves the class as promised.
+Every alternative is checked: the problem is solved again with more of one resource, or without one other desire
+(:mod:`app.attention.variants`), and the alternative is given only if the optimum then serves the class as promised.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import replace
-from itertools import combinations
+from dataclasses import dataclass
 
+from app.attention.best import best_utility
 from app.attention.desires import GRAIN, Desire
-from app.attention.problem import Alternative, Problem, Reason, Selection, produced
-from app.attention.solver import SolverFailed, solve
-from app.attention.strategies import Resource, Strategy, exclusive
+from app.attention.problem import Alternative, Problem, Reason, Selection
+from app.attention.strategies import Resource
+from app.attention.variants import Variants
 
 
 def explain(
@@ -28,179 +28,129 @@ def explain(
     """A reason for each desired class, in the problem's order.
 
     Alternatives are searched for the unfulfilled first, then for the more intense, until the time is over; 0 searches
-    none. ``resources`` gives the units that texts use. ``give_up`` is asked before each step and ends the search too.
+    none. What is not ``searched`` then says so. ``resources`` gives the units that texts use. ``give_up`` is asked
+    before each step and ends the search too. Call it beside the event loop. Raises InvalidProblem.
     """
     deadline = time.perf_counter() + time_limit_s
-    search = _Search(problem, deadline, resources or {}, give_up)
-    reasons: dict[str, Reason] = {}
-    order = sorted(problem.desires.values(), key=lambda d: (d.cls in selection.fulfilled, -d.intensity))
-    for desire in order:
-        reasons[desire.cls] = _reason(problem, selection, desire, search if time_limit_s > 0 else None)
+    problem = problem.with_table()
+    facts = _Facts.of(problem, selection)
+    variants = Variants(problem, selection, resources or {}, deadline, give_up) if time_limit_s > 0 else None
+    order = sorted(problem.desires.values(), key=lambda d: (d.cls in facts.fulfilled, -d.intensity))
+    reasons = {desire.cls: _reason(facts, desire, variants) for desire in order}
     return {cls: reasons[cls] for cls in problem.desires}
 
 
-def best_utility(problem: Problem, cls: str) -> float:
-    """The most utility that the strategies of ``cls`` can produce together, were resources without limit."""
-    able = [s for s in problem.strategies if s.cls == cls and not _forbidden(problem, s)]
-    if all(exclusive(one, other) for one, other in combinations(able, 2)):
-        return max((s.utility for s in able), default=0.0)
-    desire = next(iter(problem.desires.values()))
-    alone = Problem(
-        {cls: replace(desire, cls=cls, intensity=1.0, utility=0.001, security=False)},
-        tuple(replace(s, costs={}, requires={}) for s in able),
-        {},
-    )
-    return produced(alone, solve(alone).strategies, cls)
+@dataclass(frozen=True, slots=True)
+class _Facts:
+    """What reasons rest on: by class ``got``, the utility produced for it, and ``by``, the strategies that do."""
+
+    problem: Problem
+    selection: Selection
+    fulfilled: frozenset[str]
+    inhibited: frozenset[str]
+    got: Mapping[str, float]
+    by: Mapping[str, list[str]]
+
+    @classmethod
+    def of(cls, problem: Problem, selection: Selection) -> _Facts:
+        names = frozenset(selection.strategies)
+        got: dict[str, int] = {}
+        by: dict[str, list[str]] = {}
+        for s, utility in zip(problem.strategies, problem.table.utility, strict=True):
+            if s.name in names:
+                got[s.cls] = got.get(s.cls, 0) + utility
+                by.setdefault(s.cls, []).append(s.name)
+        return cls(
+            problem,
+            selection,
+            frozenset(selection.fulfilled),
+            frozenset(c for c, desire in problem.desires.items() if desire.utility == 0),
+            {c: utility / GRAIN for c, utility in got.items()},
+            by,
+        )
 
 
-def _forbidden(problem: Problem, strategy: Strategy) -> bool:
-    """Whether the strategy requires an inhibited class."""
-    return any(
-        required in problem.desires and problem.desires[required].utility == 0
-        for required, amount in strategy.requires.items()
-        if amount > 0
-    )
-
-
-def _reason(problem: Problem, selection: Selection, desire: Desire, search: _Search | None) -> Reason:
+def _reason(facts: _Facts, desire: Desire, variants: Variants | None) -> Reason:
     cls, wanted = desire.cls, desire.utility
     if wanted == 0:
         text = f"inhibited by a desire of intensity {desire.intensity:g}"
         return Reason("inhibited", 0.0, 0.0, 0.0, text)
-    best = best_utility(problem, cls)
-    got = produced(problem, selection.strategies, cls) if cls in selection.fulfilled else 0.0
-    by = ", ".join(s.name for s in problem.strategies if s.cls == cls and s.name in selection.strategies)
+    got = facts.got.get(cls, 0.0) if cls in facts.fulfilled else 0.0
+    best = max(got, best_utility(facts.problem.table, cls, facts.inhibited))
+    by = ", ".join(facts.by.get(cls, ()))
     if got and got >= best:
         return Reason("fulfilled", got, wanted, best, f"fulfilled at its best ({got:g}) by {by}")
-    alternatives: tuple[Alternative, ...] = ()
-    why = "" if got else _obstacle(problem, desire, best)
-    if search is not None and not why:
-        alternatives = search.alternatives(cls, at_least=best if got else wanted)
-        if not alternatives and got:
-            alternatives = search.alternatives(cls, at_least=got + 0.001)
-    elif search is not None and _inhibitors(problem, cls):
-        alternatives = search.without(cls, wanted)
-    units = search.resources if search is not None else {}
-    offer = " or ".join(_words(alternative, units) for alternative in alternatives)
+    why = "" if got else _obstacle(facts, desire, best)
+    alternatives, searched = _alternatives(facts, desire, got, best, why, variants)
+    offer = " or ".join(_words(alternative) for alternative in alternatives)
     if got:
         text = f"fulfilled at {got:g} of {best:g} by {by}"
         if offer:
             text += f"; would get {alternatives[0].utility:g} {offer}"
-        return Reason("degraded", got, wanted, best, text, alternatives)
+        return Reason("degraded", got, wanted, best, text, alternatives, searched)
     text = f"unfulfilled: {why}" if why else "unfulfilled: what it needs does not fit beside what is worth more"
-    if cls in selection.relaxed:
+    if cls in facts.selection.relaxed:
         text += ", though its security is asked for"
     if offer:
         text += f"; would be fulfilled {offer}"
-    return Reason("unfulfilled", 0.0, wanted, best, text, alternatives)
+    return Reason("unfulfilled", 0.0, wanted, best, text, alternatives, searched)
 
 
-def _obstacle(problem: Problem, desire: Desire, best: float) -> str:
+def _alternatives(
+    facts: _Facts, desire: Desire, got: float, best: float, why: str, variants: Variants | None
+) -> tuple[tuple[Alternative, ...], bool]:
+    """What would serve the desire better, and whether all that could was looked for."""
+    cls, wanted = desire.cls, desire.utility
+    # Where no amount of a resource helps, somebody else's desire may still be in the way.
+    if why and not _inhibitors(facts, cls):
+        return (), True
+    if variants is None:
+        return (), False
+    variants.missing = False
+    if why:
+        found = variants.without(cls, wanted)
+    else:
+        found = variants.alternatives(cls, at_least=best if got else wanted)
+        if not found and got:
+            found = variants.alternatives(cls, at_least=got + 1 / GRAIN)
+    return found, not variants.missing
+
+
+def _obstacle(facts: _Facts, desire: Desire, best: float) -> str:
     """Why no amount of resources could fulfil the desire; "" if some could."""
-    able = [s for s in problem.strategies if s.cls == desire.cls]
-    if not able:
+    table = facts.problem.table
+    members = table.members.get(desire.cls)
+    if members is None:
         return "no strategy serves this class"
-    inhibitors = _inhibitors(problem, desire.cls)
+    inhibitors = _inhibitors(facts, desire.cls)
     if best < desire.utility and inhibitors:
         return f"it depends on {' and '.join(inhibitors)}, which is inhibited"
     if best < desire.utility:
         return f"it asks for utility {desire.utility:g}, its strategies produce at most {best:g}"
-    served = {s.cls for s in problem.strategies}
-    missing = [{c for c in s.requires if c not in served} for s in able if s.utility >= desire.utility]
+    missing = [
+        {c for c in facts.problem.strategies[index].requires if c not in table.members}
+        for index in members.all
+        if facts.problem.strategies[index].utility >= desire.utility
+    ]
     if missing and all(missing):
         return f"it depends on {' and '.join(sorted(set.union(*missing)))}, which no strategy serves"
     return ""
 
 
-def _inhibitors(problem: Problem, cls: str) -> list[str]:
+def _inhibitors(facts: _Facts, cls: str) -> list[str]:
     """The inhibited classes that strategies of ``cls`` require."""
-    required = {c for s in problem.strategies if s.cls == cls for c, amount in s.requires.items() if amount > 0}
-    return sorted(c for c in required if c in problem.desires and problem.desires[c].utility == 0)
+    if not facts.inhibited:
+        return []
+    table = facts.problem.table
+    members = table.members.get(cls)
+    required = {c for index in members.all for c in table.requires[index]} if members is not None else set()
+    return sorted(required & facts.inhibited)
 
 
-class _Search:
-    """Solves variants of a problem until a deadline."""
-
-    def __init__(
-        self, problem: Problem, deadline: float, resources: Mapping[str, Resource], give_up: Callable[[], bool]
-    ) -> None:
-        self.problem = problem
-        self.deadline = deadline
-        self.resources = resources
-        self.give_up = give_up
-
-    def alternatives(self, cls: str, at_least: float) -> tuple[Alternative, ...]:
-        """What would give ``cls`` at least that utility: more of one resource, or one desire less."""
-        found = [a for resource in self.problem.capacities if (a := self._more(cls, resource, at_least)) is not None]
-        return (*found, *self.without(cls, at_least))
-
-    def without(self, cls: str, at_least: float) -> tuple[Alternative, ...]:
-        """The other desires of which any one's absence would give ``cls`` at least that utility."""
-        found = []
-        for other in self.problem.desires:
-            if other != cls:
-                got, _ = self._got(self.problem.without(other), cls)
-                if got >= at_least:
-                    found.append(Alternative("without", got, without=other))
-        return tuple(found)
-
-    def _more(self, cls: str, resource: str, at_least: float) -> Alternative | None:
-        """The least more of ``resource``, within a hundredth of what there is, that gives ``cls`` that utility."""
-        problem = self.problem
-        if not any(s.costs.get(resource) for s in problem.strategies if s.cls in (cls, *_needed_by(problem, cls))):
-            return None
-        capacity = problem.capacities[resource]
-        total = round(sum(s.costs.get(resource, 0.0) for s in problem.strategies), 3)
-        got, selection = self._got(problem.with_capacity(resource, max(capacity, total)), cls)
-        if got < at_least or selection is None or selection.use[resource] <= capacity:
-            return None
-        # In whole thousandths: how much is enough, how much falls short.
-        enough, utility, short = round(selection.use[resource] * GRAIN), got, round(capacity * GRAIN)
-        grain = max(short // 100, 1)
-        while enough - short > grain:
-            middle = (enough + short) // 2
-            got, selection = self._got(problem.with_capacity(resource, middle / GRAIN), cls)
-            if got >= at_least and selection is not None and selection.use[resource] > capacity:
-                enough, utility = round(selection.use[resource] * GRAIN), got
-            else:
-                short = middle
-        unit = self.resources[resource].unit if resource in self.resources else ""
-        return Alternative(
-            "capacity", utility, resource=resource, amount=round(enough / GRAIN - capacity, 3), unit=unit
-        )
-
-    def _got(self, problem: Problem, cls: str) -> tuple[float, Selection | None]:
-        """The utility ``cls`` gets at the optimum of ``problem``; 0 when the time is over."""
-        left = self.deadline - time.perf_counter()
-        if left <= 0 or self.give_up():
-            return 0.0, None
-        try:
-            selection = solve(problem, time_limit_s=left)
-        except SolverFailed:
-            return 0.0, None
-        if not selection.proven or cls not in selection.fulfilled:
-            return 0.0, selection
-        return produced(problem, selection.strategies, cls), selection
-
-
-def _needed_by(problem: Problem, cls: str) -> set[str]:
-    """The classes that strategies of ``cls`` require, over any distance."""
-    found: set[str] = set()
-    ahead = [cls]
-    while ahead:
-        current = ahead.pop()
-        for strategy in problem.strategies:
-            if strategy.cls == current:
-                fresh = set(strategy.requires) - found
-                found |= fresh
-                ahead += fresh
-    return found
-
-
-def _words(alternative: Alternative, resources: Mapping[str, Resource]) -> str:
+def _words(alternative: Alternative) -> str:
     """``with 18 % more cpu``, ``without LocateVoices``."""
     if alternative.kind == "without":
         return f"without {alternative.without}"
-    unit = resources[alternative.resource].unit.partition(" of ")[0] if alternative.resource in resources else ""
+    unit = alternative.unit.partition(" of ")[0]
     amount = f"{alternative.amount:g} {unit}".strip()
     return f"with {amount} more {alternative.resource}"

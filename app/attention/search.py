@@ -13,61 +13,56 @@ Problems* (2004), chapter 11, for the knapsack with multiple choices.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import combinations
+from dataclasses import replace
 from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.attention.instance import Answer, Infeasible, Instance
+from app.attention.options import Choice, Option, list_options
 
-_MOST_OPTIONS = 64
-"""A class with more sets of strategies that may stand together is left to CP-SAT."""
 _SMALL = 400
 """Below so many combinations of options the multipliers cost more than they save."""
 _BEAM = 12
 _SWEEPS = 3
 _MOST_LABELS = 20_000
+_MOST_STEPS = 30_000
+"""Where several graded resources contend, labels differ in too much to be dropped: after so many that were looked at,
+about 40 ms, CP-SAT is quicker. Where one contends, every instance seen was proven sooner by labels."""
 
 Floats = NDArray[np.float64]
-_Node = tuple["_Option", "_Node | None"]
+_Node = tuple["Option", "_Node | None"]
 _Label = tuple[int, int, _Node | None]
 """(use of the first resource, loss, the options taken)"""
 
 
-@dataclass(frozen=True, slots=True)
-class _Option:
-    """``loss``: by how much its value falls short of the best of its class; ``costs`` per resource, then per
-    dependency."""
-
-    loss: int
-    costs: tuple[int, ...]
-    strategies: tuple[int, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class _Choice:
-    """The classes' options and what couples them. ``best`` is the sum of the classes' best values."""
-
-    groups: list[list[_Option]]
-    capacities: tuple[int, ...]
-    best: int
-
-
-def solve_search(instance: Instance, deadline: float, *, most_labels: int = _MOST_LABELS) -> Answer | None:
+def solve_search(
+    instance: Instance,
+    deadline: float,
+    *,
+    most_labels: int = _MOST_LABELS,
+    most_steps: float | None = None,
+    firm: bool = False,
+) -> Answer | None:
     """The lexicographic optimum of ``instance``, or the best found until ``deadline`` (of ``time.perf_counter``).
 
-    None if the structure is not for this search (a class with very many independent strategies), or where even the
-    narrow search that heeds no deadline found nothing. Raises Infeasible if the security desires cannot all be met.
+    ``most_labels`` are kept at a time, ``most_steps`` looked at (None: as many as pay, for instances of this kind). A
+    short, narrow search goes on beyond the deadline, so that there is something to keep then, unless ``firm``.
+
+    None if the structure is not for this search (a class with very many independent strategies), or where nothing was
+    found in time. Raises Infeasible if the security desires cannot all be met.
     """
     if instance.impossible:
         raise Infeasible
-    choice = _choice(instance)
+    choice = list_options(instance, deadline if firm else math.inf)
     if choice is None:
         return None
+    if most_steps is None:
+        most_steps = math.inf if choice.graded <= 1 else _MOST_STEPS
     if not choice.groups:
         return Answer((), instance.omega_criterion(choice.best), True)
     combinations_ = 1
@@ -77,14 +72,15 @@ def solve_search(instance: Instance, deadline: float, *, most_labels: int = _MOS
     multipliers = [0] * len(choice.capacities)
     if combinations_ <= _SMALL:
         # Over in milliseconds; but on a computer that stands still meanwhile even that can be too long.
-        deadline = float("inf")
+        deadline = math.inf
     elif choice.capacities:
         multipliers = _multipliers(choice, instance.omega_unit)
         choice, multipliers = _ordered(choice, multipliers)
-        # Short, and never cut off: there is always something to keep when the time is over.
-        known, _, _ = _search(choice, multipliers, None, _BEAM, float("inf"))
-    found, cut, finished = _search(choice, multipliers, known and known[0], most_labels, deadline)
+        known, _, _ = _search(choice, multipliers, None, _BEAM, deadline if firm else math.inf)
+    found, cut, finished = _search(choice, multipliers, known and known[0], most_labels, deadline, most_steps)
     result = found or known
+    if firm and not finished and time.perf_counter() > deadline:
+        return None
     if result is None:
         if finished and cut is None:
             raise Infeasible
@@ -98,90 +94,18 @@ def solve_search(instance: Instance, deadline: float, *, most_labels: int = _MOS
     return Answer(tuple(sorted(chosen)), instance.omega_criterion(choice.best - least), least == loss)
 
 
-def _choice(instance: Instance) -> _Choice | None:
-    """Options per class, without those that another of the class dominates, and without resources that never bind."""
-    needed = sorted(instance.needed)
-    width = len(instance.capacities)
-    column = {k: width + position for position, k in enumerate(needed)}
-    groups: list[list[tuple[int, tuple[int, ...], tuple[int, ...]]]] = []
-    for k, members in enumerate(instance.members):
-        sets = _sets(instance, members)
-        if sets is None:
-            return None
-        wanted = instance.desired.get(k)
-        options = []
-        for chosen in sets:
-            costs = [0] * (width + len(needed))
-            value = 0
-            produced = 0
-            for s in chosen:
-                value -= instance.pay[s]
-                produced += instance.utility[s]
-                for j, cost in enumerate(instance.costs[s]):
-                    costs[j] += cost
-                for other, amount in instance.requires[s].items():
-                    costs[column[other]] += amount
-            if k in column:
-                costs[column[k]] -= produced
-            if wanted is not None and produced >= wanted:
-                filled = list(costs)
-                if k in column:
-                    filled[column[k]] += wanted
-                gain = instance.fulfil[k] + sum(instance.serve[s] for s in chosen)
-                options.append((value + gain, tuple(filled), chosen))
-            if k not in instance.security and (not chosen or k in column):
-                options.append((value, tuple(costs), chosen))
-        if not options:
-            raise Infeasible
-        options.sort(key=itemgetter(0), reverse=True)
-        kept: list[tuple[int, tuple[int, ...], tuple[int, ...]]] = []
-        for option in options:
-            costs_ = option[1]
-            for better in kept:
-                if all(a <= b for a, b in zip(better[1], costs_, strict=True)):
-                    break
-            else:
-                kept.append(option)
-        groups.append(kept)
-    capacities = (*instance.capacities, *(0 for _ in needed))
-    binding = [
-        j
-        for j, capacity in enumerate(capacities)
-        if sum(max(option[1][j] for option in group) for group in groups) > capacity
-    ]
-    best = sum(group[0][0] for group in groups)
-    pruned = [
-        [_Option(group[0][0] - v, tuple(c[j] for j in binding), chosen) for v, c, chosen in group] for group in groups
-    ]
-    return _Choice(pruned, tuple(capacities[j] for j in binding), best)
-
-
-def _sets(instance: Instance, members: tuple[int, ...]) -> list[tuple[int, ...]] | None:
-    """The sets of a class's strategies that exclude each other in no pair; None if there are too many."""
-    sets: list[tuple[int, ...]] = [(), *((s,) for s in members)]
-    if all(len(instance.conflicts[s]) == len(members) - 1 for s in members):
-        return sets
-    for size in range(2, len(members) + 1):
-        fresh = [
-            chosen
-            for chosen in combinations(members, size)
-            if not any(one in instance.conflicts[other] for one, other in combinations(chosen, 2))
-        ]
-        sets += fresh
-        if len(sets) > _MOST_OPTIONS:
-            return None
-        if not fresh:
-            break
-    return sets
-
-
 def _search(
-    choice: _Choice, multipliers: Sequence[int], known: int | None, width: int, deadline: float
+    choice: Choice,
+    multipliers: Sequence[int],
+    known: int | None,
+    width: int,
+    deadline: float,
+    most_steps: float = math.inf,
 ) -> tuple[tuple[int, _Node | None] | None, int | None, bool]:
     """The least loss, not above ``known``, keeping at most ``width`` labels a step.
 
     Returns the best label (loss, options) or None; the least bound among labels dropped for want of width (None: none
-    dropped); and whether the end was reached before the deadline.
+    dropped); and whether the end was reached before the deadline and within ``most_steps`` labels looked at.
     """
     groups, capacities = choice.groups, choice.capacities
     if not capacities:
@@ -202,7 +126,8 @@ def _search(
         following: dict[tuple[int, ...], list[_Label]] = {}
         for key, labels in front.items():
             for option in group:
-                if time.perf_counter() > deadline:
+                most_steps -= 1 + len(labels)
+                if most_steps < 0 or time.perf_counter() > deadline:
                     return None, cut, False
                 fits = True
                 fresh_key = []
@@ -241,7 +166,7 @@ def _search(
     return (end[1], end[2]), cut, True
 
 
-def _futures(choice: _Choice, multipliers: Sequence[int]) -> tuple[list[list[int]], list[list[int]], list[int]]:
+def _futures(choice: Choice, multipliers: Sequence[int]) -> tuple[list[list[int]], list[list[int]], list[int]]:
     """For each step, over the classes from there on: the least and most use of each resource, and the relaxed loss."""
     size, steps = len(choice.capacities), len(choice.groups)
     low = [[0] * size for _ in range(steps + 1)]
@@ -289,7 +214,7 @@ def _narrow(
     return narrow, bounds[width][0] + ahead
 
 
-def _relaxed(choice: _Choice, multipliers: Sequence[int]) -> int:
+def _relaxed(choice: Choice, multipliers: Sequence[int]) -> int:
     """The Lagrangian bound: no selection loses less."""
     bound = -sum(m * c for m, c in zip(multipliers, choice.capacities, strict=True))
     for group in choice.groups:
@@ -297,7 +222,7 @@ def _relaxed(choice: _Choice, multipliers: Sequence[int]) -> int:
     return bound
 
 
-def _multipliers(choice: _Choice, unit: int) -> list[int]:
+def _multipliers(choice: Choice, unit: int) -> list[int]:
     """Multipliers near those of the greatest Lagrangian bound, found one resource at a time by bisection on its slack.
 
     Any multipliers ≥ 0 give a valid bound; better ones only cut more. In Ω per unit of the resource meanwhile.
@@ -340,7 +265,7 @@ def _multipliers(choice: _Choice, unit: int) -> list[int]:
     return [int(m * 2**40) * unit >> 40 for m in found]
 
 
-def _ordered(choice: _Choice, multipliers: Sequence[int]) -> tuple[_Choice, list[int]]:
+def _ordered(choice: Choice, multipliers: Sequence[int]) -> tuple[Choice, list[int]]:
     """Resources by how many classes use them, the first counting in full; classes so that labels stay few.
 
     Classes that share a resource of few users stand together, so that what it has left is soon no longer told apart;
@@ -350,15 +275,15 @@ def _ordered(choice: _Choice, multipliers: Sequence[int]) -> tuple[_Choice, list
     users = [sum(any(option.costs[j] for option in group) for group in choice.groups) for j in range(size)]
     dims = sorted(range(size), key=lambda j: -users[j])
 
-    def place(group: list[_Option]) -> tuple[int, int]:
+    def place(group: list[Option]) -> tuple[int, int]:
         reduced = sorted(o.loss + sum(m * c for m, c in zip(multipliers, o.costs, strict=True)) for o in group)
         regret = reduced[1] - reduced[0] if len(reduced) > 1 else 1 << 4096
         rarest = max((n for n, j in enumerate(dims) if n and any(o.costs[j] for o in group)), default=0)
         return (-rarest, -regret)
 
     groups = [
-        [_Option(o.loss, tuple(o.costs[j] for j in dims), o.strategies) for o in group]
+        [Option(o.loss, tuple(o.costs[j] for j in dims), o.strategies) for o in group]
         for group in sorted(choice.groups, key=place)
     ]
-    ordered = _Choice(groups, tuple(choice.capacities[j] for j in dims), choice.best)
+    ordered = replace(choice, groups=groups, capacities=tuple(choice.capacities[j] for j in dims))
     return ordered, [multipliers[j] for j in dims]

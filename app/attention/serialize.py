@@ -85,6 +85,7 @@ def selection_to_json(
     reasons: Mapping[str, Reason],
 ) -> dict[str, Any]:
     """A selection with what it means: the selected of ``strategies``, use against ``capacities``, φ and reasons."""
+    names = frozenset(selection.strategies)
     return {
         "strategies": [
             {
@@ -95,7 +96,7 @@ def selection_to_json(
                 "costs": dict(strategy.costs),
             }
             for strategy in strategies
-            if strategy.name in selection.strategies
+            if strategy.name in names
         ],
         "fulfilled": list(selection.fulfilled),
         "omega": selection.omega,

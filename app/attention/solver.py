@@ -5,25 +5,23 @@
 
 from __future__ import annotations
 
+import importlib
+import math
+import sys
+import threading
 import time
-from collections import OrderedDict
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from typing import Final
 
 from app.attention.instance import Answer, Infeasible, Instance, build_instance
-from app.attention.problem import (
-    Alternative,
-    InvalidProblem,
-    Problem,
-    Reason,
-    Selection,
-    Weights,
-    assess,
-)
+from app.attention.prepared import InvalidProblem, PreparedTable
+from app.attention.problem import Alternative, Problem, Reason, Selection, Weights, assess
 from app.attention.search import solve_search
 
 __all__ = [
     "Alternative",
-    "CachedSolver",
     "InvalidProblem",
     "Problem",
     "Reason",
@@ -35,28 +33,35 @@ __all__ = [
 ]
 
 
+CpSat = Callable[[Instance, float, tuple[int, ...]], Answer | None]
+_CPSAT: Final = "app.attention.cpsat"
+
+
 class SolverFailed(Exception):
     """No selection was found in the time given (there always is one: that which selects nothing breaks no budget)."""
 
 
-def solve(problem: Problem, *, time_limit_s: float = 1.0) -> Selection:
+def solve(problem: Problem, *, time_limit_s: float = 1.0, firm: bool = False) -> Selection:
     """The selection of greatest Ω, ties decided in the order of :mod:`app.attention.instance`.
 
     Security desires that cannot all be met are relaxed, the least intense first, and named in ``relaxed``. When the
-    time is over the best selection found so far is returned with ``proven`` False and its bound.
+    time is over the best selection found so far is returned with ``proven`` False and its bound. A short first search
+    is never cut off, so that there is a selection to return; unless ``firm``: then late is as good as never.
 
-    Raises InvalidProblem, or SolverFailed if the time was over before any selection was found.
+    Raises InvalidProblem, or SolverFailed if the time was over before any selection was found, or before it was found
+    which security desires fit together.
     """
     started = time.perf_counter()
     deadline = started + time_limit_s
+    problem = problem.with_table()
     relaxed: list[str] = []
     try:
         instance = build_instance(problem)
-        answer = _solve_instance(instance, deadline)
+        answer = _solve_instance(instance, deadline, firm)
     except Infeasible:
-        relaxed = _relaxation(problem, deadline)
+        relaxed = _relaxation(problem, deadline, firm)
         instance = build_instance(problem, relaxed=frozenset(relaxed))
-        answer = _solve_instance(instance, deadline)
+        answer = _solve_instance(instance, deadline, firm)
     if answer is None:
         raise SolverFailed(f"no selection was found within {time_limit_s:g} s")
     names = {problem.strategies[instance.table[s]].name for s in answer.chosen}
@@ -71,18 +76,15 @@ def solve(problem: Problem, *, time_limit_s: float = 1.0) -> Selection:
     )
 
 
-def _solve_instance(instance: Instance, deadline: float) -> Answer | None:
-    """Label search where the structure allows it (nearly always), else CP-SAT, started from what the search found."""
-    answer = solve_search(instance, deadline)
-    if answer is not None and (answer.proven or time.perf_counter() >= deadline):
+def _solve_instance(instance: Instance, deadline: float, firm: bool) -> Answer | None:
+    """Label search as long as it pays, then CP-SAT, started from what the search found."""
+    answer = solve_search(instance, deadline, firm=firm)
+    if answer is not None and answer.proven:
         return answer
-    # Loading CP-SAT takes most of a second; few programs ever need it, and it is not charged to the search.
-    started = time.perf_counter()
-    from app.attention.cpsat import solve_cpsat
-
-    deadline += time.perf_counter() - started
-    hint = answer.chosen if answer is not None else ()
-    other = solve_cpsat(instance, deadline, hint)
+    cpsat = load_cpsat(deadline)
+    if cpsat is None:
+        return answer
+    other = cpsat(instance, deadline, answer.chosen if answer is not None else ())
     if answer is None or other is None:
         return other or answer
     bound = min(answer.bound, other.bound)
@@ -90,84 +92,59 @@ def _solve_instance(instance: Instance, deadline: float) -> Answer | None:
     return replace(better, bound=bound, proven=other.proven)
 
 
-def _relaxation(problem: Problem, deadline: float) -> list[str]:
-    """The security desires that cannot be kept: each, the most intense first, is kept if it can be beside those
-    kept."""
+def foresees_cpsat(table: PreparedTable) -> bool:
+    """Whether problems over ``table`` may be for CP-SAT: several graded resources, or many sets of a class's
+    strategies."""
+    amounts: dict[str, set[int]] = {}
+    users: dict[str, set[str]] = {}
+    for strategy, costs in zip(table.strategies, table.costs, strict=True):
+        for resource, cost in costs.items():
+            amounts.setdefault(resource, set()).add(cost)
+            users.setdefault(resource, set()).add(strategy.cls)
+    graded = sum(len(amounts[resource]) > 1 and len(classes) > 1 for resource, classes in users.items())
+    return graded > 1 or not all(members.exclusive for members in table.members.values())
+
+
+def load_cpsat(deadline: float = math.inf) -> CpSat | None:
+    """CP-SAT; None where loading it, which takes up to a second once, is not over by ``deadline``: it goes on."""
+    if time.perf_counter() >= deadline:
+        return None
+    if not hasattr(sys.modules.get(_CPSAT), "solve_cpsat"):
+        # No import can be cut off; waiting for one can.
+        loading = threading.Thread(target=_import_cpsat, name="load CP-SAT", daemon=True)
+        loading.start()
+        left = min(deadline - time.perf_counter(), threading.TIMEOUT_MAX)
+        loading.join(max(left, 0.0))
+        if loading.is_alive():
+            return None
+    from app.attention.cpsat import solve_cpsat
+
+    return solve_cpsat
+
+
+def _import_cpsat() -> None:
+    with suppress(ImportError):  # the import that waits for this one raises it again
+        importlib.import_module(_CPSAT)
+
+
+def _relaxation(problem: Problem, deadline: float, firm: bool) -> list[str]:
+    """The security desires that cannot be kept: each, the most intense first, is kept if it can be beside those kept.
+
+    Raises SolverFailed if the time is over before that is known of each.
+    """
     wanted = [d for d in problem.desires.values() if d.security and d.utility > 0]
     wanted.sort(key=lambda d: (-d.intensity, d.cls))
+    served = {s.cls for s in problem.strategies}
     relaxed = {d.cls for d in wanted}
     for desire in wanted:
+        if desire.cls not in served:
+            continue
         try:
-            _solve_instance(build_instance(problem, relaxed=frozenset(relaxed - {desire.cls})), deadline)
+            together = build_instance(problem, relaxed=frozenset(relaxed - {desire.cls}))
+            answer = _solve_instance(together, deadline, firm)
         except Infeasible:
             continue
+        if answer is None:
+            raise SolverFailed("which security desires can be kept together was not found in time")
         relaxed.discard(desire.cls)
     return [d.cls for d in wanted if d.cls in relaxed]
-
-
-@dataclass(frozen=True, slots=True)
-class CacheStatistics:
-    """``size`` answers kept now; ``hits`` and ``misses`` since the start."""
-
-    size: int
-    hits: int
-    misses: int
-
-
-class CachedSolver:
-    """``solve`` with a bounded memory of equal problems (the least recently asked is forgotten).
-
-    Problems are equal if they ask the same of the same table: who desires, since when and with which parameters does
-    not matter. Only proven selections are remembered. Use from one thread at a time. Unless ``timed``, no answer tells
-    how long it took: two runs of the same program can be compared.
-    """
-
-    def __init__(self, *, size: int = 256, time_limit_s: float = 1.0, timed: bool = True) -> None:
-        self.time_limit_s = time_limit_s
-        self._timed = timed
-        self._size = size
-        self._answers: OrderedDict[object, Selection] = OrderedDict()
-        self._table: object = None
-        self._hits = 0
-        self._misses = 0
-
-    def recall(self, problem: Problem) -> Selection | None:
-        """The answer to an equal problem, with the solve time it took when it was found; None if it is not
-        remembered."""
-        if problem.strategies is not self._table:
-            self._answers.clear()
-            self._table = problem.strategies
-        key = _key(problem)
-        known = self._answers.get(key)
-        if known is not None:
-            self._hits += 1
-            self._answers.move_to_end(key)
-        return known
-
-    def solve(self, problem: Problem) -> Selection:
-        """As :func:`solve`, from memory if it is there."""
-        known = self.recall(problem)
-        if known is not None:
-            return known
-        self._misses += 1
-        selection = solve(problem, time_limit_s=self.time_limit_s)
-        if not self._timed:
-            selection = replace(selection, solve_time_s=0.0)
-        if selection.proven:
-            self._answers[_key(problem)] = selection
-            if len(self._answers) > self._size:
-                self._answers.popitem(last=False)
-        return selection
-
-    def statistics(self) -> CacheStatistics:
-        return CacheStatistics(len(self._answers), self._hits, self._misses)
-
-
-def _key(problem: Problem) -> object:
-    return (
-        tuple((d.cls, d.intensity, d.utility, d.security) for d in problem.desires.values()),
-        tuple(problem.capacities.items()),
-        problem.previous,
-        problem.weights,
-        problem.thrift,
-    )

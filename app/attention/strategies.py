@@ -15,7 +15,16 @@ from itertools import combinations
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, WithJsonSchema
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    TypeAdapter,
+    ValidationError,
+    WithJsonSchema,
+)
 
 from app.attention.calibration import RESOURCE, Calibration
 from app.attention.desires import GRAIN, SCALE
@@ -180,6 +189,19 @@ class CalibratedCost(BaseModel):
     calibrated_or: Amount = Field(description="Used where this computer was not calibrated for these filters.")
 
 
+_AMOUNT: TypeAdapter[float] = TypeAdapter(Amount)
+
+
+def _cost(value: Any) -> float | CalibratedCost:
+    # A plain union would complain twice, of the amount it could be and of the mapping.
+    if isinstance(value, dict):
+        return CalibratedCost.model_validate(value)
+    return _AMOUNT.validate_python(value, strict=True)
+
+
+Cost = Annotated[float | CalibratedCost, PlainValidator(_cost, json_schema_input_type=Amount | CalibratedCost)]
+
+
 class StrategyEntry(BaseModel):
     """A strategy as the file writes it."""
 
@@ -197,7 +219,7 @@ class StrategyEntry(BaseModel):
     parameters: dict[str, dict[str, Any]] = Field(
         default={}, description="What it hands to modules while it is selected, by module."
     )
-    costs: dict[str, Amount | CalibratedCost] = Field(
+    costs: dict[str, Cost] = Field(
         default={}, description="What it uses of each resource: an amount, or {calibrated_or: amount}."
     )
 

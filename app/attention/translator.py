@@ -14,40 +14,25 @@ from collections.abc import Awaitable, Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
+from app.attention.cached_solver import CachedSolver
 from app.attention.chronicle import note_desires, note_filters, note_intention
 from app.attention.desires import GRAIN
+from app.attention.explaining import EXPLAIN_S, Explainer
+from app.attention.hysteresis import Hold, Hysteresis
 from app.attention.intention import Intention, divisors_of, parameters_of
 from app.attention.ports import Clock, FilterBank, ParameterSink, Solver
-from app.attention.problem import Problem, Reason, Selection, Weights, assess, produced
-from app.attention.reasons import explain
-from app.attention.solver import CachedSolver, SolverFailed, solve
+from app.attention.prepared import prepare
+from app.attention.problem import Problem, Selection, Weights, assess
+from app.attention.retry import Retry
+from app.attention.solver import SolverFailed
 from app.attention.strategies import MOST, StrategyTable
 from app.attention.timeline import Timeline
 from app.attention.workspace import IntentionWorkspace, WorkspaceChange
 
 _log = logging.getLogger(__name__)
 
-EXPLAIN_S: Final = 0.05
-"""Real seconds that reasons may take."""
-
 _PATIENCE: Final = 3
 """So many results in a row may come too late before one that still holds under the newest desires is applied."""
-
-_RETRY_S: Final = 1.0
-_RETRY_MOST_S: Final = 30.0
-"""A solver that failed is asked again after so long, then after twice as long, and so on."""
-
-
-@dataclass(frozen=True, slots=True)
-class Hysteresis:
-    """When a selection that takes something from a desire may replace one that still holds.
-
-    It must gain more than ``gain`` in Ω, or have been the better one for ``dwell_s`` seconds. 0 leaves out that way;
-    both 0: every switch is made at once.
-    """
-
-    gain: float = 0.0
-    dwell_s: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,11 +87,12 @@ class IntentionTranslator:
         self._clock = clock
         self._safe = tuple(safe)
         self._solver: Solver = solver or CachedSolver(time_limit_s=time_limit_s)
-        self._explain_limit_s = explain_limit_s
+        self._explainer = Explainer(table.resources, explain_limit_s, offload)
         self._weights = weights or Weights()
-        self._hysteresis = hysteresis or Hysteresis()
+        self._hold = Hold(hysteresis or Hysteresis())
+        self._retry = Retry(timeline)
         self._offload = offload
-        self._strategies = table.strategies
+        self._prepared = prepare(table.strategies)
         self._capacities = table.capacities()
         self._observers: list[Callable[[Intention], None]] = []
         self._current: Intention | None = None
@@ -117,10 +103,6 @@ class IntentionTranslator:
         self._progress = asyncio.Event()
         self._timer = asyncio.Event()
         self._late = 0
-        self._hold_until: float | None = None
-        self._retry_at: float | None = None
-        self._retry_s = _RETRY_S
-        self._failing = False
         self._counts = dict.fromkeys(("solved", "recalled", "discarded", "failures", "held", "applied"), 0)
         self._changed.set()
         self._end_watch = workspace.observe(self._workspace_changed)
@@ -152,7 +134,14 @@ class IntentionTranslator:
         """The selection problem as it stands now."""
         previous = frozenset(self._current.selection.strategies) if self._current else frozenset()
         desires = self._workspace.strongest()
-        return Problem(desires, self._strategies, dict(self._capacities), previous, self._weights)
+        return Problem(
+            desires,
+            self.table.strategies,
+            dict(self._capacities),
+            previous,
+            self._weights,
+            prepared=self._prepared,
+        )
 
     def set_capacity(self, resource: str, value: float, reason: str) -> None:
         """Change a budget and solve again. ``reason`` goes to the timeline. Raises ValueError."""
@@ -201,6 +190,7 @@ class IntentionTranslator:
             self._apply(problem, safe)
         try:
             async with asyncio.TaskGroup() as group:
+                group.create_task(self._prepare_solver(), name="prepare the solver")
                 group.create_task(self._keep_time(), name="desires expire")
                 group.create_task(self._translate(), name="intention translator")
         finally:
@@ -211,9 +201,7 @@ class IntentionTranslator:
             await self._changed.wait()
             self._changed.clear()
             version, problem = self._version, self.problem()
-            selection = await self._solved(problem)
-            if selection is not None and version == self._version:
-                selection = await self._held(problem, selection)
+            selection = await self._answered_by_solver(problem, version)
             if version != self._version and not self._acceptable(selection):
                 self._counts["discarded"] += 1
                 continue
@@ -224,41 +212,45 @@ class IntentionTranslator:
             if self._current is not None and version == self._version:
                 await self._explain(problem, self._current.selection, version)
 
-    async def _solved(self, problem: Problem) -> Selection | None:
-        """The solver's answer; None after a failure, which is reported, leaves the last intention in force, and has
-        the solver asked again after a while."""
-        self._counts["solved"] += 1
-        self._retry_at = None
+    async def _prepare_solver(self) -> None:
         try:
-            known = self._solver.recall(problem)
-            if known is not None:
-                self._counts["recalled"] += 1
-                return known
-            selection: Selection | None = await self._offload(self._solver.solve, problem)
-        except Exception as failure:  # noqa: BLE001 - whatever it is, attention goes on with the last intention
+            await self._offload(self._solver.prepare, self.problem())
+        except ImportError as failure:
+            # Most problems need none of it; one that does fails for itself, and that is reported then.
+            _log.warning("part of the solver cannot be loaded: %s", failure)
+
+    async def _answered_by_solver(self, problem: Problem, version: int) -> Selection | None:
+        """What shall be selected; None after a failure, which leaves the last intention in force and has the solver
+        asked again after a while."""
+        self._counts["solved"] += 1
+        self._retry.begin()
+        try:
+            selection = await self._solved(problem)
+            if selection is None:
+                raise SolverFailed("it gave no answer")
+            if version == self._version:
+                selection = await self._held(problem, selection)
+        except Exception as failure:  # noqa: BLE001 - the solver is handed in, with native code below: what
+            # it raises is noted on the timeline and in the log, and it is asked again; the robot goes on meanwhile.
             self._failed(f"{type(failure).__name__}: {failure}")
             return None
-        if selection is None:
-            self._failed("it gave no answer")
-            return None
-        self._retry_s = _RETRY_S
-        if self._failing:
-            self._failing = False
-            self._timeline.add("solver", "solver", "the solver answers again")
+        self._retry.succeeded()
+        return selection
+
+    async def _solved(self, problem: Problem) -> Selection | None:
+        known = self._solver.recall(problem)
+        if known is not None:
+            self._counts["recalled"] += 1
+            return known
+        selection: Selection | None = await self._offload(self._solver.solve, problem)
         return selection
 
     def _failed(self, why: str) -> None:
         self._counts["failures"] += 1
-        # A moment to switch that has come would have it asked at every turn of the loop: it comes anew.
-        self._hold_until = None
-        self._retry_at = self._clock.now() + self._retry_s
-        self._retry_s = min(2 * self._retry_s, _RETRY_MOST_S)
+        # A moment to switch that has come would have it asked at every turn of the loop: that moment comes again.
+        self._hold.release()
+        self._retry.failed(why, self._clock.now())
         self._timer.set()
-        text = f"the solver failed ({why}); the last intention stays"
-        if not self._failing:
-            _log.error("%s", text)
-        self._failing = True
-        self._timeline.add("solver", "solver", text, {"error": why})
 
     def _acceptable(self, selection: Selection | None) -> bool:
         """Whether a late result may be used: only after several were discarded, and if it breaks no newer
@@ -270,31 +262,18 @@ class IntentionTranslator:
 
     async def _held(self, problem: Problem, best: Selection) -> Selection:
         """``best``, or the selection in force where hysteresis holds it back."""
-        limits = self._hysteresis
-        current = self._current
-        before = current.selection.strategies if current is not None else ()
-        if not (limits.gain or limits.dwell_s) or set(best.strategies) == set(before):
-            self._hold_until = None
+        before = self._current.selection.strategies if self._current is not None else ()
+        if not self._hold.concerns(best, before):
+            self._hold.release()
             return best
-        # Solved among what is on already, the answer is all of it only if it still holds and nothing of it is useless.
-        among = replace(problem, strategies=tuple(s for s in problem.strategies if s.name in before))
         try:
-            stay: Selection = await self._offload(solve, among)
+            stay: Selection = await self._offload(self._solver.among, problem, before)
         except SolverFailed:
-            # Whether what is on still serves is not known in time: nothing to hold on to.
-            self._hold_until = None
+            # Only this: whether what is on still serves is not known in time, so there is nothing to hold on to, and
+            # ``best`` is a good answer. Any other failure is the solver's, as it would be of ``best``.
+            self._hold.release()
             return best
-        loses = any(produced(problem, best.strategies, cls) < produced(problem, before, cls) for cls in stay.fulfilled)
-        if set(stay.strategies) != set(before) or stay.relaxed != best.relaxed or not loses:
-            self._hold_until = None
-            return best
-        now = self._clock.now()
-        if self._hold_until is None:
-            self._hold_until = now + limits.dwell_s
-        gained = limits.gain and best.omega - stay.omega > limits.gain
-        lasted = limits.dwell_s and now >= self._hold_until
-        if gained or lasted:
-            self._hold_until = None
+        if not self._hold.holds(problem, best, stay, before, self._clock.now()):
             return best
         self._counts["held"] += 1
         self._timer.set()
@@ -303,7 +282,8 @@ class IntentionTranslator:
     def _apply(self, problem: Problem, selection: Selection) -> None:
         """Put an intention in force: one step of the loop, nothing in between can run."""
         before = self._current
-        chosen = tuple(s for s in problem.strategies if s.name in selection.strategies)
+        names = frozenset(selection.strategies)
+        chosen = tuple(s for s in problem.strategies if s.name in names)
         desires = self._workspace.strongest()
         intention = Intention(
             stamp=self._clock.now(),
@@ -311,7 +291,7 @@ class IntentionTranslator:
             strategies=chosen,
             divisors=divisors_of(chosen, self.controlled),
             parameters=parameters_of(chosen, desires),
-            reasons=explain(problem, selection, time_limit_s=0.0, resources=self.table.resources),
+            reasons=selection.reasons,
             desires=problem.desires,
             capacities=problem.capacities,
         )
@@ -340,41 +320,22 @@ class IntentionTranslator:
 
     async def _explain(self, problem: Problem, selection: Selection, version: int) -> None:
         """Complete the reasons beside the loop; newer desires make them pointless."""
-        if self._explain_limit_s > 0:
-            reasons = await self._reasoned(problem, selection, version)
-            if version != self._version or self._current is None:
-                return
-            if reasons is not None and reasons != self._current.reasons:
-                self._current = replace(self._current, reasons=reasons)
-                self._tell(self._current)
+        reasons = await self._explainer.reasons(problem, selection, lambda: version != self._version)
+        if version != self._version or self._current is None:
+            return
+        if reasons is not None and reasons != self._current.reasons:
+            self._current = replace(self._current, reasons=reasons)
+            self._tell(self._current)
         self._explained = version
         self._tell_progress()
-
-    async def _reasoned(self, problem: Problem, selection: Selection, version: int) -> dict[str, Reason] | None:
-        """The reasons with what would help; None, and told once, if they cannot be found."""
-        try:
-            reasons: dict[str, Reason] = await self._offload(self._reasons, problem, selection, version)
-        except Exception as failure:  # noqa: BLE001 - an intention stands without its reasons
-            _log.exception("no reasons for the intention: %s", failure)
-            return None
-        return reasons
-
-    def _reasons(self, problem: Problem, selection: Selection, version: int) -> dict[str, Reason]:
-        return explain(
-            problem,
-            selection,
-            time_limit_s=self._explain_limit_s,
-            resources=self.table.resources,
-            give_up=lambda: version != self._version,
-        )
 
     async def _keep_time(self) -> None:
         """Let desires expire, look again at a switch held back once it has lasted, ask anew a solver that failed."""
         while True:
             self._timer.clear()
-            wakes = [self._workspace.next_expiry, self._retry_at]
-            if self._hysteresis.dwell_s:
-                wakes.append(self._hold_until)
+            wakes = [self._workspace.next_expiry, self._retry.at]
+            if self._hold.limits.dwell_s:
+                wakes.append(self._hold.until)
             due = min((stamp for stamp in wakes if stamp is not None), default=None)
             if due is None:
                 await self._timer.wait()
@@ -389,7 +350,7 @@ class IntentionTranslator:
             if not self._timer.is_set():
                 self._workspace.expire()
                 now = self._clock.now()
-                if any(stamp is not None and now >= stamp for stamp in (self._hold_until, self._retry_at)):
+                if any(stamp is not None and now >= stamp for stamp in (self._hold.until, self._retry.at)):
                     # Its moment has come, and stays in the past until the answer is there: asking again at every turn
                     # of the loop would only make each answer outdated.
                     answered = self._progress

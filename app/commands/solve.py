@@ -4,12 +4,24 @@ from __future__ import annotations
 
 import argparse
 import sys
+import time
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Final
 
+from app.commands.arguments import number
 from app.commands.output import add_json, print_json
+from app.commands.printable import printable
+from app.commands.time_limit import TimeIsUp, until
 from app.errors import ConfigError
+
+if TYPE_CHECKING:
+    from app.attention.problem import Selection
+    from app.attention.problem_file import StatedProblem
+    from app.yaml_source import Document
+
+LONGEST_S: Final = 86_400
+MORE_TIME: Final = "try a greater --time-limit"
 
 
 def add_parser(subparsers: Any) -> None:
@@ -25,61 +37,104 @@ def add_parser(subparsers: Any) -> None:
     add_json(parser)
     parser.add_argument("--schema", action="store_true", help="print the JSON Schema of the problem format and leave")
     parser.add_argument(
-        "--time-limit", type=float, default=10.0, metavar="S", help="keep the best found after S seconds (default 10)"
+        "--time-limit",
+        default="10",
+        metavar="S",
+        help="seconds for reading, solving and explaining together: then the best found is kept (default 10)",
     )
 
 
 def run(args: argparse.Namespace) -> int:
     """Solve one problem and print the answer. Raises ConfigError for a mistake in the file."""
-    from app.attention.problem_file import problem_schema, read_problem
-    from app.yaml_source import MOST_BYTES, load_text, load_yaml
+    from app.attention.problem_file import problem_schema
+    from app.yaml_source import MOST_BYTES
 
     if args.schema:
         print_json(problem_schema())
         return 0
     if args.file is None:
         raise ConfigError("name the file of a problem, or - for standard input (see `hbba solve --help`)")
-    if args.time_limit <= 0:
-        raise ConfigError(f"--time-limit must be greater than 0 seconds, not {args.time_limit:g}")
-    if args.file == "-":
-        document, folder = load_text(sys.stdin.read(MOST_BYTES + 1), "<standard input>"), Path.cwd()
-    else:
-        document, folder = load_yaml(args.file), Path(args.file).resolve().parent
-    stated = read_problem(document, folder)
+    limit_s = number(args.time_limit)
+    if limit_s is None or not 0 < limit_s <= LONGEST_S:
+        raise ConfigError(
+            f"--time-limit must be a number of seconds greater than 0 and at most {LONGEST_S}, not {args.time_limit!r}"
+        )
+    # Who types a problem, or pipes it in from another program, may take any time: that is not ours to bound.
+    text = sys.stdin.read(MOST_BYTES + 1) if args.file == "-" else None
+    deadline = time.perf_counter() + limit_s
+    try:
+        with until(deadline):
+            document, stated = _read(args.file, text)
+    except TimeIsUp:
+        print(printable(f"hbba solve: the time was over before {args.file} was read; {MORE_TIME}"), file=sys.stderr)
+        return 1
 
-    from app.attention.intention import divisors_of, parameters_of
-    from app.attention.reasons import explain
-    from app.attention.serialize import selection_to_json
     from app.attention.solver import InvalidProblem, SolverFailed, solve
 
     try:
-        selection = solve(stated.problem, time_limit_s=args.time_limit)
+        stated = replace(stated, problem=stated.problem.with_table())
+        selection = solve(stated.problem, time_limit_s=deadline - time.perf_counter())
     except InvalidProblem as failure:
         raise document.error(str(failure)) from None
     except SolverFailed as failure:
-        print(f"hbba solve: {failure}; try a greater --time-limit", file=sys.stderr)
+        print(f"hbba solve: {failure}; {MORE_TIME}", file=sys.stderr)
         return 1
-    table = stated.table
-    reasons = explain(stated.problem, selection, time_limit_s=args.time_limit, resources=table.resources)
-    selection = replace(selection, reasons=reasons)
-    chosen = [s for s in table.strategies if s.name in selection.strategies]
-    divisors = divisors_of(chosen, table.filters)
-    parameters = parameters_of(chosen, stated.problem.desires)
     if args.json:
-        answer = selection_to_json(
-            selection,
-            strategies=table.strategies,
-            capacities=stated.problem.capacities,
-            resources=table.resources,
-            divisors=divisors,
-            reasons=reasons,
-        )
-        print_json({**answer, "parameters": parameters})
+        print_json(_answer_as_json(stated, selection, deadline))
     else:
-        from app.commands.solve_report import report
+        from app.commands.solve_report import report_consequences, report_selection
 
-        print(report(stated, selection, divisors, parameters, plain=not _speaks_unicode()))
+        plain = not _speaks_unicode()
+        # Reasons may take all the time that is left: what is selected is seen meanwhile.
+        print(report_selection(stated, selection, plain=plain), flush=True)
+        selection = _explained(stated, selection, deadline)
+        print(report_consequences(stated, selection, *_consequences(stated, selection), plain=plain))
     return 0
+
+
+def _read(file: str, text: str | None) -> tuple[Document, StatedProblem]:
+    from app.attention.problem_file import read_problem
+    from app.yaml_source import load_text, load_yaml
+
+    if text is not None:
+        document, folder = load_text(text, "<standard input>"), Path.cwd()
+    else:
+        document, folder = load_yaml(file), Path(file).resolve().parent
+    return document, read_problem(document, folder)
+
+
+def _explained(stated: StatedProblem, selection: Selection, deadline: float) -> Selection:
+    from app.attention.reasons import explain
+
+    left = max(deadline - time.perf_counter(), 0.0)
+    reasons = explain(stated.problem, selection, time_limit_s=left, resources=stated.table.resources)
+    return replace(selection, reasons=reasons)
+
+
+def _consequences(stated: StatedProblem, selection: Selection) -> tuple[dict[str, float], dict[str, dict[str, Any]]]:
+    """φ of every filter, and the parameters of modules."""
+    from app.attention.intention import divisors_of, parameters_of
+
+    names = frozenset(selection.strategies)
+    chosen = [s for s in stated.table.strategies if s.name in names]
+    return divisors_of(chosen, stated.table.filters), parameters_of(chosen, stated.problem.desires)
+
+
+def _answer_as_json(stated: StatedProblem, selection: Selection, deadline: float) -> dict[str, object]:
+    from app.attention.serialize import selection_to_json
+    from app.commands.solve_report import unexplained
+
+    selection = _explained(stated, selection, deadline)
+    divisors, parameters = _consequences(stated, selection)
+    answer = selection_to_json(
+        selection,
+        strategies=stated.table.strategies,
+        capacities=stated.problem.capacities,
+        resources=stated.table.resources,
+        divisors=divisors,
+        reasons=selection.reasons,
+    )
+    return answer | {"parameters": parameters, "unexplained": unexplained(selection)}
 
 
 def _speaks_unicode() -> bool:

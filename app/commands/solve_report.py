@@ -9,28 +9,35 @@ from typing import Any
 from app.attention.problem import Selection
 from app.attention.problem_file import StatedProblem
 from app.attention.strategies import CLOSED
+from app.commands.printable import one_line
+from app.yaml_source import likeliest
 
 _BAR = 24
+_MOST_NAMED = 8
 _PLAIN = str.maketrans({"Ω": "O", "φ": "f", "∞": "-", "█": "#", "░": ".", "≤": "<"})
 
 
-def report(
-    stated: StatedProblem,
-    selection: Selection,
-    divisors: Mapping[str, float],
-    parameters: Mapping[str, Mapping[str, Any]],
-    *,
-    plain: bool = False,
-) -> str:
-    """The whole answer as text of several lines; ``plain`` uses ASCII only."""
+def report_selection(stated: StatedProblem, selection: Selection, *, plain: bool = False) -> str:
+    """The answer's first part: what is selected, before its reasons are known; ``plain`` uses ASCII only."""
     problem = stated.problem
+    served = {s.cls for s in problem.strategies}
     lines = [_headline(selection)]
-    if selection.relaxed:
+    if not problem.desires:
+        lines.append("Nothing is desired: a problem says under `desires` what its robot shall do (docs/solve.md).")
+    unserved = [cls for cls in problem.desires if cls not in served]
+    lines += [
+        one_line(f"No strategy serves {cls}{f' ({hint.strip()})' if (hint := likeliest(cls, served)) else ''}.")
+        for cls in unserved[:_MOST_NAMED]
+    ]
+    if contending := [cls for cls in selection.relaxed if cls in served]:
         lines.append(
-            f"Security CANNOT be kept for {', '.join(selection.relaxed)}: what these need does not fit together; "
-            "they are treated as ordinary desires."
+            f"Security CANNOT be kept for {_names(contending)}: what these need cannot be had, or not beside what "
+            "is more intense; they are treated as ordinary desires."
         )
-    chosen = [s for s in problem.strategies if s.name in selection.strategies]
+    if lost := [cls for cls in selection.relaxed if cls not in served]:
+        lines.append(f"Security CANNOT be kept for {_names(lost)}: no strategy serves them.")
+    names = frozenset(selection.strategies)
+    chosen = [s for s in problem.strategies if s.name in names]
     lines += ["", "Selected strategies"]
     if chosen:
         rows = [
@@ -47,6 +54,20 @@ def report(
         lines += _table(["strategy", "class", "v", "filters", "costs", "requires"], rows, right={2})
     else:
         lines.append("  none")
+    return _text(lines, plain)
+
+
+def report_consequences(
+    stated: StatedProblem,
+    selection: Selection,
+    divisors: Mapping[str, float],
+    parameters: Mapping[str, Mapping[str, Any]],
+    *,
+    plain: bool = False,
+) -> str:
+    """The answer's second part: the reasons, and what follows from the selection; ``plain`` uses ASCII only."""
+    problem = stated.problem
+    lines: list[str] = []
     if problem.desires:
         lines += ["", "Desires"]
         rows = [
@@ -63,6 +84,12 @@ def report(
         lines += _table(["class", "i", "u", "gets", "state", "why"], rows, right={1, 2, 3})
         if any(d.security for d in problem.desires.values()):
             lines.append("  ! security: must be fulfilled")
+        if late := unexplained(selection):
+            more = f" and {len(late) - _MOST_NAMED} more" if len(late) > _MOST_NAMED else ""
+            lines.append(
+                f"  There was no time to find all that would help {_names(late[:_MOST_NAMED])}{more}; "
+                "a greater --time-limit gives more."
+            )
     if problem.capacities:
         lines += ["", "Resources"]
         rows = []
@@ -80,13 +107,26 @@ def report(
         lines += _table(
             None, [[module, json.dumps(values, ensure_ascii=False)] for module, values in parameters.items()]
         )
+    return _text(lines, plain)
+
+
+def unexplained(selection: Selection) -> list[str]:
+    """The desired classes for which there was no time to look for all that would help."""
+    return [cls for cls, reason in selection.reasons.items() if not reason.searched]
+
+
+def _text(lines: Sequence[str], plain: bool) -> str:
     text = "\n".join(line.rstrip() for line in lines)
     return text.translate(_PLAIN).encode("ascii", "replace").decode() if plain else text
 
 
+def _names(classes: Sequence[str]) -> str:
+    return ", ".join(map(one_line, classes))
+
+
 def _headline(selection: Selection) -> str:
     how = "proven optimal" if selection.proven else f"best found in time, Ω of no selection exceeds {selection.bound:g}"
-    fulfilled = ", ".join(selection.fulfilled) or "nothing"
+    fulfilled = _names(selection.fulfilled) or "nothing"
     return f"Ω = {selection.omega:g} ({how}, {selection.solve_time_s * 1000:.2f} ms); fulfilled: {fulfilled}"
 
 
@@ -98,7 +138,7 @@ def _table(
     header: Sequence[str] | None, rows: Sequence[Sequence[str]], right: frozenset[int] | set[int] = frozenset()
 ) -> list[str]:
     """Rows in aligned columns, two spaces between; ``right`` columns are aligned to the right."""
-    every = [header, *rows] if header is not None else list(rows)
+    every = [[one_line(cell) for cell in row] for row in ([header, *rows] if header is not None else rows)]
     widths = [max(len(row[column]) for row in every) for column in range(len(every[0]))]
     return [
         "  "

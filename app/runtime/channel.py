@@ -89,7 +89,8 @@ class Subscription(Generic[M]):
         self._on_close = on_close
         self._inbox: deque[M] = deque()
         self._waiter: asyncio.Future[None] | None = None
-        self._senders: list[asyncio.Future[bool]] = []
+        #: Those who wait for room, in the order they came.
+        self._senders: dict[asyncio.Future[bool], None] = {}
         self._closed = False
         self._attended = True
         self._overflowed = 0
@@ -158,7 +159,7 @@ class Subscription(Generic[M]):
 
     def _wake_senders(self) -> None:
         for sender in self._senders:
-            _resolve(sender, False)
+            _resolve(sender, True)
         self._senders.clear()
 
     @property
@@ -181,11 +182,21 @@ class Subscription(Generic[M]):
         """Whether a message that passes the filter now would be stored without loss (``send`` waits for this)."""
         return not self.lossless or len(self._inbox) < self._capacity or self._closed or not self._attended
 
-    def room(self) -> asyncio.Future[bool]:
-        """A wait for room: done with False the next time a message is taken, or when nobody takes any more."""
-        sender: asyncio.Future[bool] = asyncio.get_running_loop().create_future()
-        self._senders.append(sender)
-        return sender
+    async def wait_for_room(self, give_up_at: float) -> bool:
+        """Wait until a message is taken, or nobody takes any more; False if the loop's time ``give_up_at`` came first.
+
+        However the wait ends, nothing of it is left here.
+        """
+        loop = asyncio.get_running_loop()
+        sender: asyncio.Future[bool] = loop.create_future()
+        self._senders[sender] = None
+        # A plain timer instead of asyncio.timeout: a producer faster than its consumers comes by here often.
+        timer = loop.call_at(give_up_at, _resolve, sender, False)
+        try:
+            return await sender
+        finally:
+            timer.cancel()
+            self._senders.pop(sender, None)
 
     def close(self) -> None:
         """Leave the channel; what waits can still be received, then ChannelClosed is raised. May be called twice."""
@@ -292,18 +303,11 @@ class Channel(Generic[M]):
         self.publish(message)
 
     async def _wait_room(self, deadline_s: float) -> None:
-        # A plain timer instead of asyncio.timeout: a producer faster than its consumers comes by here often.
-        loop = asyncio.get_running_loop()
-        give_up_at = loop.time() + deadline_s
+        give_up_at = asyncio.get_running_loop().time() + deadline_s
         # From the start after each wait: meanwhile, another that had room may have been filled.
         while full_one := next((s for s in self._lossless if not s.has_room()), None):
-            room = full_one.room()
-            timer = loop.call_at(give_up_at, _resolve, room, True)
-            try:
-                late = await room
-            finally:
-                timer.cancel()
-            if late and (full := ", ".join(s.name for s in self._lossless if not s.has_room())):
+            in_time = await full_one.wait_for_room(give_up_at)
+            if not in_time and (full := ", ".join(s.name for s in self._lossless if not s.has_room())):
                 raise InboxOverflow(f"{self.name}: no room within {deadline_s} s at {full}")
 
     def subscribe(self, name: str, *, capacity: int = 1, lossless: bool = False, divisor: float = 1) -> Subscription[M]:
@@ -323,6 +327,11 @@ class Channel(Generic[M]):
         """Remove and close a consumer; unknown ones are ignored, so that it may be called twice."""
         subscription.end()
         self._set_subscriptions(tuple(s for s in self._subscriptions if s is not subscription))
+
+    @property
+    def closed(self) -> bool:
+        """Whether the stream has ended."""
+        return self._closed
 
     def close(self) -> None:
         """End the stream: consumers drain what waits, then see ChannelClosed."""

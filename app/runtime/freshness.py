@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from app.runtime.channel_table import ChannelSpec
+from app.runtime.digraph import Feed, slowdowns
 from app.runtime.filter import CLOSED
 from app.runtime.graph import Graph
 from app.runtime.supervisor import ModuleState
@@ -116,27 +117,19 @@ def commanded_divisors(graph: Graph) -> dict[str, float]:
     ``CLOSED`` where every subscription is closed, or the source or what it works on is. Only inputs that may be
     decimated slow a module down: what must arrive whole (commands, odometry) does not set its pace.
     """
-    found: dict[str, float] = {}
-
-    def of(channel: str, above: frozenset[str]) -> float:
-        if channel in found:
-            return found[channel]
-        if channel not in graph.producers or channel in above:
-            return 1.0
-        module, _, port = graph.producers[channel].partition(".")
+    own: dict[str, float] = {}
+    feeds: dict[str, list[Feed]] = {}
+    for channel, producer in graph.producers.items():
+        module, _, port = producer.partition(".")
         context = graph.modules[module].context
-        feeding = (
-            i.subscription.filter.divisor * of(i.channel.name, above | {channel})
+        own[channel] = context.outputs[port].filter.divisor
+        feeds[channel] = [
+            (i.channel.name, i.subscription.filter.divisor)
             for i in context.inputs.values()
             if i.channel is not None and graph.specs[i.channel.name].decimable
-        )
-        divisor = context.outputs[port].filter.divisor * max(feeding, default=1.0)
-        if not above:
-            # Only from the top: half-way round a feedback cycle the figure is not the channel's own.
-            found[channel] = divisor
-        return divisor
-
-    return {name: of(name, frozenset()) if channel.wanted else CLOSED for name, channel in graph.channels.items()}
+        ]
+    found = slowdowns(own, feeds)
+    return {name: found.get(name, 1.0) if channel.wanted else CLOSED for name, channel in graph.channels.items()}
 
 
 class FreshnessWatch:

@@ -13,6 +13,7 @@ from app.runtime.activity import Activity
 from app.runtime.channel import Channel
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import Clock
+from app.runtime.digraph import find_cycle
 from app.runtime.errors import ModuleFailed
 from app.runtime.filter import CLOSED, RateFilter, check_divisor
 from app.runtime.module import Module, ModuleContext, Settings
@@ -399,30 +400,6 @@ class Graph:
                 f"modules feed each other in a circle: {path}; mark one of its channels `feedback: true` if meant",
                 ("modules", cycle[0]),
             )
-
-
-def find_cycle(followers: Mapping[str, Collection[str]]) -> list[str] | None:
-    """A cycle of the directed graph ``followers`` as a path whose last node is its first, or None."""
-    done: set[str] = set()
-    path: list[str] = []
-
-    def visit(node: str) -> list[str] | None:
-        if node in path:
-            return [*path[path.index(node) :], node]
-        if node in done:
-            return None
-        path.append(node)
-        for follower in sorted(followers.get(node, ())):
-            if cycle := visit(follower):
-                return cycle
-        path.pop()
-        done.add(node)
-        return None
-
-    for start in sorted(followers):
-        if cycle := visit(start):
-            return cycle
-    return None
 
 
 def load_class(path: str) -> type[Module] | None:

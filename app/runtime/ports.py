@@ -66,7 +66,8 @@ class Input(Generic[M]):
 class Output(Generic[M]):
     """An output port: publishes on its channel what its own filter lets through.
 
-    When the filter closes, the module's last word for this port (a stop, say) is published once, unfiltered.
+    When the filter closes, the module's last word for this port (a stop, say) is published once, unfiltered; nothing
+    is said on a channel that is closed.
     """
 
     def __init__(self, module: str, name: str, message_type: type[M]) -> None:
@@ -143,7 +144,8 @@ class Output(Generic[M]):
         self._stop_listening = channel.on_wanted(self._tell_wanted)
 
     def _filter_changed(self, _before: float, after: float) -> None:
-        if after == CLOSED and self.channel is not None and self.last_word is not None:
+        # On a stream that has ended nobody hears a last word, and a rewrite of many filters must not stop half-way.
+        if after == CLOSED and self.channel is not None and not self.channel.closed and self.last_word is not None:
             message = self.last_word()
             if message is not None:
                 self.channel.publish(message)

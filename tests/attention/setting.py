@@ -10,9 +10,9 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from app.attention.cached_solver import CachedSolver
 from app.attention.desires import DesireClass, DesireClasses, Source
 from app.attention.problem import Problem, Selection
-from app.attention.solver import CachedSolver
 from app.attention.strategies import Resource, Strategy, StrategyTable
 from app.attention.timeline import Timeline
 from app.attention.translator import IntentionTranslator

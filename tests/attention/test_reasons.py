@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from itertools import combinations
+from typing import Any
 
+import pytest
 from hypothesis import given, settings
 
-from app.attention.problem import Problem, produced
-from app.attention.reasons import best_utility, explain
+from app.attention.best import best_utility
+from app.attention.prepared import prepare
+from app.attention.problem import Problem, Selection, produced
+from app.attention.reasons import explain
 from app.attention.solver import solve
-from app.attention.strategies import Resource, Strategy
+from app.attention.strategies import Resource, Strategy, exclusive
 from tests.attention.test_solver import problems
 from tests.attention.thesis import CPU, TABLE_4_4, desire, problem
 
@@ -77,8 +83,9 @@ def test_best_utility() -> None:
         Strategy("c", "A", 2, filters={"M.y": 1}),
         Strategy("d", "A", 1, requires={"B": 1}),
     )
-    assert best_utility(problem([desire("A", 1)], table, {}), "A") == 6, "a, c and d exclude each other in no pair"
-    assert best_utility(problem([desire("A", 1), desire("B", 1, 0)], table, {}), "A") == 5
+    assert best_utility(prepare(table), "A") == 6, "a, c and d exclude each other in no pair"
+    assert best_utility(prepare(table), "A", frozenset({"B"})) == 5
+    assert best_utility(prepare(table), "Z") == 0
 
 
 @settings(max_examples=60, deadline=None)
@@ -105,6 +112,82 @@ def test_every_alternative_is_true(p: Problem) -> None:
             assert cls in then.fulfilled
             assert math.isclose(produced(changed, then.strategies, cls), alternative.utility)
             assert alternative.utility > got
+
+
+@settings(max_examples=60, deadline=None)
+@given(problems())
+def test_whose_absence_would_help_is_found_as_if_each_had_been_tried(p: Problem) -> None:
+    """Sharing what was solved, and leaving out desires that take nothing from anybody, loses no alternative."""
+    selection = solve(p)
+    for cls, reason in explain(p, selection, time_limit_s=30).items():
+        assert reason.searched
+        offered = {a.without for a in reason.alternatives if a.kind == "without"}
+        if reason.state in ("fulfilled", "inhibited") or not offered:
+            continue
+        least = min(a.utility for a in reason.alternatives if a.kind == "without")
+        for other in p.desires:
+            then = solve(p.without(other))
+            got = produced(p, then.strategies, cls) if cls in then.fulfilled else 0
+            assert (other in offered) is (other != cls and got >= least)
+
+
+@settings(max_examples=100, deadline=None)
+@given(problems(most=10))
+def test_best_utility_is_that_of_the_best_set_without_resources(p: Problem) -> None:
+    inhibited = frozenset(cls for cls, d in p.desires.items() if d.utility == 0)
+    for cls in p.desires:
+        able = [s for s in p.strategies if s.cls == cls and inhibited.isdisjoint(s.requires)]
+        sets = (chosen for size in range(len(able) + 1) for chosen in combinations(able, size))
+        together = (c for c in sets if not any(exclusive(one, other) for one, other in combinations(c, 2)))
+        assert best_utility(prepare(p.strategies), cls, inhibited) == max(sum(s.utility for s in c) for c in together)
+
+
+def test_states_are_said_without_solving_anything(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where a class's strategies exclude each other in no pair, so that the best of it is no plain maximum."""
+    table = tuple(Strategy(f"s{n}", "A", 1, costs={"cpu": 30}) for n in range(8))
+    p = problem([desire("A", 1)], table, CPU)
+    selection = solve(p, time_limit_s=60)
+
+    def never(*_: object, **__: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr("app.attention.variants.solve", never)
+    reason = explain(p, selection, time_limit_s=0)["A"]
+    assert (reason.state, reason.utility, reason.best, reason.searched) == ("degraded", 3, 8, False)
+
+
+def test_no_variant_is_begun_that_cannot_end_in_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    p = problem([desire("GoTo", 8), desire("LocateFaces", 8)], TABLE_4_4, CPU)
+    selection = solve(p)
+    slow = replace(selection, solve_time_s=1e6)
+    begun: list[object] = []
+    monkeypatch.setattr("app.attention.variants.solve", lambda *_, **__: begun.append(0) or selection)
+    reasons = explain(p, slow, time_limit_s=60)
+    assert not begun
+    assert (reasons["LocateFaces"].alternatives, reasons["LocateFaces"].searched) == ((), False)
+    assert reasons["GoTo"].searched, "it is at its best: there is nothing to look for"
+
+
+def test_many_classes_share_what_was_solved(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Twelve classes of which none has what it could: each other desire is left out once, not once for each."""
+    table = tuple(
+        Strategy(f"{cls}-{phi}", cls, 8 / phi, filters={f"{cls}.x": phi}, costs={"cpu": 16 / phi})
+        for cls in "ABCDEFGHIJKL"
+        for phi in (1, 2, 4, 8)
+    )
+    p = problem([desire(cls, 1 + number % 3) for number, cls in enumerate("ABCDEFGHIJKL")], table, CPU)
+    asked: list[Problem] = []
+
+    def counted(changed: Problem, **options: Any) -> Selection:
+        asked.append(changed)
+        return solve(changed, **options)
+
+    monkeypatch.setattr("app.attention.variants.solve", counted)
+    reasons = explain(p, solve(p), time_limit_s=600)
+    assert all(reason.searched for reason in reasons.values())
+    without = [changed for changed in asked if len(changed.desires) < 12]
+    assert len(without) <= 12
+    assert len({changed.capacities["cpu"] for changed in asked if changed not in without}) + len(without) == len(asked)
 
 
 def test_a_search_given_up_offers_nothing_it_has_not_checked() -> None:

@@ -13,11 +13,11 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from app.attention.cpsat import solve_cpsat
-from app.attention.desires import Desire, Source
+from app.attention.desires import Desire
 from app.attention.instance import Infeasible, build_instance
 from app.attention.problem import Problem, assess
 from app.attention.search import solve_search
-from app.attention.solver import CachedSolver, solve
+from app.attention.solver import solve
 from app.attention.strategies import Strategy
 from tests.attention.thesis import CPU, TABLE_4_4, desire, exhaust, fits, omega, problem
 
@@ -375,27 +375,6 @@ def test_a_small_problem_is_solved_though_the_computer_stands_still() -> None:
     )
     selection = solve(p, time_limit_s=-1)
     assert (selection.strategies, selection.proven) == (("b",), True)
-
-
-def test_cache_answers_equal_problems() -> None:
-    solver = CachedSolver(size=2)
-    p = problem([desire("GoTo", 8)], (SLAM, GOTO), CPU)
-    first = solver.solve(p)
-    later = Desire("d-other", "GoTo", 8, 1, False, {"x": 3}, Source("rest", "curl"), 99.0)
-    assert solver.solve(problem([later], p.strategies, CPU)) is first
-    assert solver.solve(problem([later], p.strategies, {"cpu": 40})).strategies == ()
-    statistics = solver.statistics()
-    assert (statistics.hits, statistics.misses, statistics.size) == (1, 2, 2)
-    assert solver.solve(problem([later], (SLAM, GOTO, *FACES), CPU)).strategies == ("slam", "go-to"), "another table"
-
-
-def test_an_untimed_cache_tells_no_times() -> None:
-    solver = CachedSolver(timed=False)
-    p = problem([desire("GoTo", 8)], (SLAM, GOTO), CPU)
-    first = solver.solve(p)
-    assert first.solve_time_s == 0.0
-    assert solver.recall(p) is first
-    assert first.strategies == solve(p).strategies
 
 
 @pytest.mark.skipif(not Path("/proc/self/status").is_file(), reason="the system does not tell which signals are caught")

@@ -5,14 +5,18 @@ from __future__ import annotations
 import asyncio
 import math
 import random
+import threading
 from itertools import count
+from typing import Any
 
 import pytest
 
+from app.attention.hysteresis import Hysteresis
 from app.attention.intention import Intention, divisors_of
+from app.attention.problem import Reason
+from app.attention.reasons import explain
 from app.attention.solver import solve
 from app.attention.strategies import Strategy, StrategyTable
-from app.attention.translator import Hysteresis
 from app.runtime.clock import in_virtual_time
 from tests.attention.setting import CLASSES, RIVALS, TABLE, HeldSolver, Setting
 
@@ -257,6 +261,25 @@ async def test_reasons_come_with_the_intention_and_are_completed_after_it() -> N
         offers = told[1].reasons["LocateFaces"].alternatives
         assert [(a.kind, a.amount, a.without) for a in offers] == [("capacity", 40, ""), ("without", 0, "FindQRCodes")]
         assert s.translator.current is told[1]
+
+
+@in_virtual_time
+async def test_nothing_is_explained_on_the_event_loop(monkeypatch: pytest.MonkeyPatch) -> None:
+    threads: list[int] = []
+
+    def noted(*arguments: Any, **options: Any) -> dict[str, Reason]:
+        threads.append(threading.get_ident())
+        return explain(*arguments, **options)
+
+    for module in ("cached_solver", "explaining"):
+        monkeypatch.setattr(f"app.attention.{module}.explain", noted)
+    s = Setting(safe=["12"], explain_limit_s=5.0, hysteresis=Hysteresis(dwell_s=1))
+    async with s.running():
+        for cls in ("DetectNoises", "LocateFaces", "GoTo"):
+            s.add(cls)
+            await s.translator.explained()
+    assert len(threads) >= 6
+    assert threading.get_ident() not in threads
 
 
 @in_virtual_time

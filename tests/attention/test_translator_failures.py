@@ -8,11 +8,13 @@ from typing import Any
 
 import pytest
 
+from app.attention.cached_solver import CachedSolver
+from app.attention.hysteresis import Hysteresis
 from app.attention.intention import Intention
 from app.attention.problem import Problem, Selection
-from app.attention.solver import CachedSolver, SolverFailed, solve
+from app.attention.solver import SolverFailed
 from app.attention.timeline import Timeline
-from app.attention.translator import Hysteresis, IntentionTranslator
+from app.attention.translator import IntentionTranslator
 from app.attention.workspace import IntentionWorkspace
 from app.runtime.clock import VirtualClock, in_virtual_time, run_virtual
 from tests.attention.setting import CLASSES, RIVALS, TABLE, Bank, HeldSolver, Setting, Sink
@@ -91,7 +93,7 @@ async def test_a_solver_that_failed_is_asked_again_ever_more_seldom() -> None:
 @in_virtual_time
 async def test_a_switch_is_not_held_back_where_that_cannot_be_judged_in_time() -> None:
     async def judged_too_late(function: Callable[..., Any], *arguments: Any) -> Any:
-        if function is solve:
+        if function == s.translator._solver.among:
             raise SolverFailed("no time")
         return function(*arguments)
 
@@ -102,6 +104,41 @@ async def test_a_switch_is_not_held_back_where_that_cannot_be_judged_in_time() -
         s.add("SLAM")
         await s.translator.settled()
         assert s.selected == ("9", "11")
+
+
+@in_virtual_time
+async def test_whatever_else_fails_where_a_switch_is_judged_leaves_the_last_intention() -> None:
+    async def broken(function: Callable[..., Any], *arguments: Any) -> Any:
+        if function == s.translator._solver.among:
+            raise ZeroDivisionError
+        return function(*arguments)
+
+    s = Setting(offload=broken, hysteresis=Hysteresis(dwell_s=5.0))
+    async with s.running():
+        await s.translator.settled()
+        s.add("DetectNoises")
+        await s.translator.settled()
+        assert s.translator.statistics().failures == 1
+        assert s.selected == ()
+        assert "ZeroDivisionError" in s.timeline.query(kinds={"solver"})[-1].text
+
+
+@in_virtual_time
+async def test_a_part_of_the_solver_that_cannot_be_loaded_does_not_stop_attention(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    solver = FailingSolver()
+
+    def missing(problem: Problem) -> None:
+        raise ImportError("No module named 'ortools'")
+
+    solver.prepare = missing  # type: ignore[method-assign]
+    s = Setting(solver=solver)
+    async with s.running():
+        s.add("DetectNoises")
+        await s.translator.settled()
+        assert s.selected == ("9",)
+    assert "part of the solver cannot be loaded: No module named 'ortools'" in caplog.text
 
 
 @in_virtual_time
@@ -208,7 +245,7 @@ async def test_reasons_that_cannot_be_found_do_not_stop_attention(monkeypatch: p
         def lost(*_: object, **options: Any) -> dict[str, Any]:
             raise ZeroDivisionError
 
-        monkeypatch.setattr(s.translator, "_reasons", lost)
+        monkeypatch.setattr("app.attention.explaining.explain", lost)
         s.add("SLAM")
         await s.translator.explained()
         assert s.selected == ("9", "11")

@@ -6,12 +6,15 @@ import argparse
 import io
 import json
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from app import paths
+from app.attention.problem import Problem
+from app.attention.variants import Variants
 from app.commands import solve
 from app.console.rest.goal import INTENSITY, UTILITY
 from app.errors import ConfigError
@@ -95,6 +98,135 @@ def test_standard_input_and_json(capsys: pytest.CaptureFixture[str], monkeypatch
     assert "Security CANNOT be kept for B" in capsys.readouterr().out
 
 
+def test_the_format_documented_is_read_as_it_is_written(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written = (DOCS / "solve.md").read_text().split("```yaml\n", 1)[1].split("```", 1)[0]
+    monkeypatch.chdir(EXAMPLES)
+    monkeypatch.setattr("sys.stdin", io.StringIO(written))
+    assert names(answer(capsys, "-")) == ["find-qr-codes-1"], "Ω is that of fewer, and it is selected now"
+
+
+def test_every_command_documented_answers(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(DOCS.parent)
+    commands = re.findall(r"hbba solve (docs/\S+\.yaml)", (DOCS / "solve.md").read_text())
+    assert "docs/examples/lab.yaml" in commands
+    for file in commands:
+        assert set(answer(capsys, file)["fulfilled"]) >= {"GoTo", "LocateFaces"}
+
+
+FAMILY = """
+resources: {cpu: {capacity: 100}}
+families:
+  - names: slam-{phi}
+    class: SLAM
+    phis: [1, 2]
+    utility: {at_1: 8, per_doubling: 1}
+    filters: {SLAM2D.scans: phi}
+strategies: [{name: go, class: GoTo, utility: 8, %s}, {name: b, class: B, utility: 8}]
+desires: [{class: %s, intensity: 1}]
+"""
+
+
+@pytest.mark.parametrize(
+    ("requires", "desired", "selected"),
+    [
+        ("requires: {SLAM: 1}", "GoTo", ["go", "slam-1"]),
+        ("requires: {}", "B", ["b"]),
+        ("requires: {}", "SLAM", ["slam-1"]),
+    ],
+)
+def test_families_serve_classes_that_nobody_desires_too(
+    requires: str,
+    desired: str,
+    selected: list[str],
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO(FAMILY % (requires, desired)))
+    assert names(answer(capsys, "-")) == selected
+
+
+def said(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, problem: str, *more: str) -> str:
+    monkeypatch.setattr("sys.stdin", io.StringIO(problem))
+    assert hbba_solve("-", *more) == 0
+    return capsys.readouterr().out
+
+
+def test_what_nothing_serves_and_what_nobody_asks_is_said_at_the_top(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert "Nothing is desired: a problem says under `desires`" in said(capsys, monkeypatch, "")
+    table = "strategies: [{name: a, class: Aaa, utility: 8}]\n"
+    text = said(capsys, monkeypatch, table + "desires: [{class: Aab, intensity: 1}]")
+    assert "\nNo strategy serves Aab (did you mean 'Aaa'?).\n" in text
+    assert "unfulfilled: no strategy serves this class" in text
+    text = said(capsys, monkeypatch, table + "desires: [{class: Nowhere, intensity: 1, security: true}]")
+    assert "Security CANNOT be kept for Nowhere: no strategy serves them." in text
+
+
+def test_names_do_not_steer_the_terminal(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = r"""
+resources: {"c\u001bpu": {capacity: 10, unit: "\u0007"}}
+strategies: [{name: "\u001b[31mred\u202e\n", class: "A\nB", utility: 1, costs: {"c\u001bpu": 1}}]
+desires: [{class: "A\nB", intensity: 1, params: {"\u009b": "\u001b]0;x"}}]
+"""
+    text = said(capsys, monkeypatch, problem)
+    assert all(character.isprintable() or character == "\n" for character in text)
+    assert r"\x1b[31mred\u202e\n" in text
+    assert r"fulfilled: A\nB" in text
+
+
+def test_what_could_not_be_explained_in_time_is_named(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Whatever is begun would take longer than there is.
+    monkeypatch.setattr("app.attention.variants.Variants._solved", cut_off)
+    found = answer(capsys, str(EXAMPLES / "thesis-4.3.3.yaml"))
+    assert found["unexplained"] == ["LocateFaces"]
+    assert hbba_solve(str(EXAMPLES / "thesis-4.3.3.yaml")) == 0
+    text = capsys.readouterr().out
+    assert "There was no time to find all that would help LocateFaces; a greater --time-limit gives more." in text
+    monkeypatch.undo()
+    assert answer(capsys, str(EXAMPLES / "thesis-4.3.3.yaml"))["unexplained"] == []
+
+
+def cut_off(variants: Variants, variant: Callable[[], Problem]) -> None:
+    variants.missing = True
+
+
+def test_a_selection_is_printed_before_its_reasons_are_known(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("app.attention.reasons.explain", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        hbba_solve(str(EXAMPLES / "thesis-4.3.3.yaml"))
+    assert "locate-faces-2" in capsys.readouterr().out
+
+
+def test_a_file_that_takes_longer_to_read_than_there_is_time_is_given_up(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def read(path: str) -> None:
+        while True:
+            pass
+
+    monkeypatch.setattr("app.yaml_source.load_yaml", read)
+    assert hbba_solve("endless.yaml", "--time-limit", "0.05") == 1
+    assert capsys.readouterr().err == (
+        "hbba solve: the time was over before endless.yaml was read; try a greater --time-limit\n"
+    )
+
+
+@pytest.mark.parametrize("limit", ["0", "-1", "nan", "inf", "1e9", "soon", ""])
+def test_a_time_limit_that_cannot_be_is_refused_in_words(limit: str) -> None:
+    with pytest.raises(ConfigError, match="must be a number of seconds greater than 0 and at most 86400, not"):
+        hbba_solve("x.yaml", f"--time-limit={limit}")
+
+
 @pytest.mark.parametrize(
     ("text", "line", "words"),
     [
@@ -105,6 +237,22 @@ def test_standard_input_and_json(capsys: pytest.CaptureFixture[str], monkeypatch
         ("strategies:\n  - {name: a, class: A, utility: 1, requires: {B: 1}}\n", 2, "unknown class 'B'"),
         ("tables:\n  - nowhere.yaml\n", 2, "no file 'nowhere.yaml'"),
         ("selected: [x]\n", 1, "unknown strategy 'x'"),
+        ("strategies:\n  - {name: a, class: A, utility: 1, costs: {c: -5}}\n", 2, "costs.c: should be greater than or"),
+        (
+            "strategies:\n  - {name: a, class: A, utility: 1, costs: {c: .nan}}\n",
+            2,
+            "costs.c: should be a finite",
+        ),
+        (
+            "strategies:\n  - {name: a, class: A, utility: 1, costs: {c: lots}}\n",
+            2,
+            "costs.c: should be a valid",
+        ),
+        (
+            "strategies:\n  - {name: a, class: A, utility: 1, costs: {c: {calibrated: 1}}}\n",
+            2,
+            "costs.c.calibrated: unknown key",
+        ),
         ("- 1\n", 1, "should be a mapping (name: value lines), not a list"),
         ("desires: [\n", 2, "not valid YAML"),
     ],
@@ -120,8 +268,6 @@ def test_mistakes(tmp_path: Path, text: str, line: int, words: str) -> None:
 def test_arguments() -> None:
     with pytest.raises(ConfigError, match="name the file"):
         hbba_solve()
-    with pytest.raises(ConfigError, match="greater than 0"):
-        hbba_solve("x.yaml", "--time-limit", "0")
     with pytest.raises(ConfigError, match="No such file"):
         hbba_solve("nowhere.yaml")
 

@@ -18,7 +18,7 @@ from typing import Any
 
 import pytest
 
-from app.attention.solver import CachedSolver
+from app.attention.cached_solver import CachedSolver
 from app.link import LinkFailed
 from app.messages import Exploitation, QRCodes, Twist
 from app.recording.library import RecordingLibrary

@@ -173,6 +173,35 @@ async def test_two_senders_to_two_lossless_inboxes_never_overflow(make: Make) ->
     assert first.statistics().dropped == second.statistics().dropped == 0
 
 
+SENDS = st.lists(st.tuples(st.sampled_from(["late", "cancelled", "served"]), st.integers(1, 3)), max_size=12)
+
+
+@given(SENDS)
+def test_nothing_is_left_of_a_send_that_ended_however_it_ended(sends: list[tuple[str, int]]) -> None:
+    async def send_all() -> None:
+        clock = VirtualClock()
+        numbers = channel()
+        inbox = numbers.subscribe("log", capacity=1, lossless=True)
+        numbers.publish(Twist(0.0, 0.0, 0.0))
+        for end, together in sends:
+            deadline_s = 0.1 if end == "late" else 1e6
+            tasks = [asyncio.create_task(numbers.send(Twist(0.0, 0.0, 0.0), deadline_s)) for _ in range(together)]
+            await clock.sleep(0.05)
+            assert len(inbox._senders) == together
+            for task in tasks:
+                if end == "cancelled":
+                    task.cancel()
+                elif end == "served":
+                    inbox.receive_nowait()
+                    await clock.sleep(0.05)
+            ends = await asyncio.gather(*tasks, return_exceptions=True)
+            expected = {"late": InboxOverflow, "cancelled": asyncio.CancelledError, "served": type(None)}[end]
+            assert {type(each) for each in ends} == {expected}
+            assert not inbox._senders
+
+    run_virtual(send_all())
+
+
 @in_virtual_time
 async def test_closing_a_filter_frees_a_waiting_sender(make: Make) -> None:
     numbers = channel()

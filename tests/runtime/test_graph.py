@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -13,7 +12,7 @@ from app.messages import Message, Odometry, Twist
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.errors import ModuleFailed
 from app.runtime.filter import CLOSED, RateFilter
-from app.runtime.graph import FilterBank, Graph, Pin, WiringError, find_cycle, load_class
+from app.runtime.graph import FilterBank, Graph, Pin, WiringError, load_class
 from app.runtime.module import Module, ModuleContext, Settings
 
 Build = Callable[..., Graph]
@@ -302,23 +301,6 @@ def test_an_unknown_filter_is_named_with_those_there_are() -> None:
         bank.apply({"A.number": 1})
     with pytest.raises(KeyError, match=r"no filter 'C\.sums'; there are: A\.numbers, B\.others"):
         bank.apply({"C.sums": 1})
-
-
-# --- find_cycle ---
-
-
-@given(st.dictionaries(st.integers(0, 6).map(str), st.sets(st.integers(0, 6).map(str))))
-def test_a_cycle_is_found_exactly_when_there_is_one(followers: dict[str, set[str]]) -> None:
-    cycle = find_cycle(followers)
-    if cycle is not None:
-        assert cycle[0] == cycle[-1]
-        assert all(after in followers.get(before, ()) for before, after in itertools.pairwise(cycle))
-        return
-    # No cycle: taking away the nodes that follow nothing, again and again, must leave none.
-    rest = {node: {f for f in after if f in followers} for node, after in followers.items()}
-    while leaves := {node for node, after in rest.items() if not after}:
-        rest = {node: after - leaves for node, after in rest.items() if node not in leaves}
-    assert rest == {}
 
 
 def test_a_module_that_names_no_inputs_may_choose_its_own(build: Build) -> None:

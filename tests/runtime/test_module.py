@@ -266,6 +266,17 @@ def test_no_last_word_before_anything_was_said(build: Build) -> None:
     assert events == []
 
 
+def test_a_channel_that_is_closed_hears_no_last_word_and_holds_up_no_other_filter(build: Build) -> None:
+    events: list[Any] = []
+    outputs = {name: (Recorder, {}, {"words": name.lower()}) for name in ("A", "B", "C")}
+    graph = build(outputs, {"a": {}, "b": {}, "c": {}}, services={list: events})
+    graph.channels["b"].close()
+    graph.filters.apply(dict.fromkeys(("A.words", "B.words", "C.words"), CLOSED))
+    assert set(graph.filters.divisors().values()) == {CLOSED}
+    assert [graph.channels[name].statistics().published for name in "abc"] == [1, 0, 1]
+    assert events == ["last word on words"] * 2
+
+
 class BrokenLastWord(Recorder):
     def last_word(self, port: str) -> Twist:
         raise ValueError("no word comes")

@@ -1,0 +1,46 @@
+"""When a solver that failed is asked again."""
+
+from __future__ import annotations
+
+import logging
+from typing import Final
+
+from app.attention.timeline import Timeline
+
+_log = logging.getLogger(__name__)
+
+_FIRST_S: Final = 1.0
+_MOST_S: Final = 30.0
+"""It is asked again after the first time, then after twice as long, and so on."""
+
+
+class Retry:
+    """Notes failures of the solver on the timeline, the first in a row in the log too, and when to ask again."""
+
+    def __init__(self, timeline: Timeline) -> None:
+        self._timeline = timeline
+        self._wait_s = _FIRST_S
+        self._failing = False
+        #: When to ask again; None while it answers, or is being asked.
+        self.at: float | None = None
+
+    def begin(self) -> None:
+        """It is being asked."""
+        self.at = None
+
+    def failed(self, why: str, now: float) -> None:
+        """It failed."""
+        self.at = now + self._wait_s
+        self._wait_s = min(2 * self._wait_s, _MOST_S)
+        text = f"the solver failed ({why}); the last intention stays"
+        if not self._failing:
+            _log.error("%s", text)
+        self._failing = True
+        self._timeline.add("solver", "solver", text, {"error": why})
+
+    def succeeded(self) -> None:
+        """It answered."""
+        self._wait_s = _FIRST_S
+        if self._failing:
+            self._failing = False
+            self._timeline.add("solver", "solver", "the solver answers again")

@@ -1,0 +1,187 @@
+"""What a class would get if there were more of a resource, or one desire less: variants of a problem, solved until a
+deadline, each once for all classes that ask."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from app.attention.desires import GRAIN
+from app.attention.problem import Alternative, Problem, Selection
+from app.attention.solver import SolverFailed, solve
+from app.attention.strategies import Resource
+
+
+@dataclass(frozen=True, slots=True)
+class _Optimum:
+    """A proven selection: ``got`` is the utility, in thousandths, of each class it fulfils; ``use`` by resource."""
+
+    got: Mapping[str, int]
+    use: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class _Span:
+    """From ``least`` to ``most`` thousandths of a resource the optimum is this one."""
+
+    least: int
+    most: int
+    optimum: _Optimum
+
+
+class Variants:
+    """Solves variants of ``problem``, whose optimum is ``selection``, until ``deadline`` (of ``time.perf_counter``).
+
+    Two things spare most of the work. An optimum under a capacity is the optimum under every smaller one that it fits
+    into. And a desire that is not fulfilled takes nothing from others: without it, the optimum is the same.
+    ``missing`` becomes True when there was no time for a variant that was asked for.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        selection: Selection,
+        resources: Mapping[str, Resource],
+        deadline: float,
+        give_up: Callable[[], bool],
+    ) -> None:
+        self._problem = problem
+        self._table = problem.table
+        self._resources = resources
+        self._deadline = deadline
+        self._give_up = give_up
+        self._takes_s = selection.solve_time_s / 2
+        self._base = self._optimum(selection) if selection.proven else None
+        self._spans: dict[str, list[_Span]] = {name: [] for name in problem.capacities}
+        if self._base is not None:
+            for name, capacity in problem.capacities.items():
+                self._spans[name].append(_span(self._base, name, round(capacity * GRAIN)))
+        self._without: dict[str, _Optimum] = {}
+        fulfilled = frozenset(selection.fulfilled)
+        #: Those without whom the optimum may be another.
+        self._taking = tuple(
+            cls for cls, d in problem.desires.items() if self._base is None or cls in fulfilled or d.utility == 0
+        )
+        self._wants: dict[str, frozenset[str]] = {}
+        self.missing = False
+
+    def alternatives(self, cls: str, at_least: float) -> tuple[Alternative, ...]:
+        """What would give ``cls`` at least that utility: more of one resource, or one desire less."""
+        found = [a for resource in self._problem.capacities if (a := self._more(cls, resource, at_least)) is not None]
+        return (*found, *self.without(cls, at_least))
+
+    def without(self, cls: str, at_least: float) -> tuple[Alternative, ...]:
+        """The other desires of which any one's absence would give ``cls`` at least that utility."""
+        wanted, found = round(at_least * GRAIN), []
+        others = self._taking
+        if self._no_time():
+            # What was solved for others is all there is.
+            self.missing = self.missing or not self._without.keys() >= set(others) - {cls}
+            others = tuple(self._without)
+        for other in others:
+            optimum = self._lacking(other) if other != cls else None
+            if optimum is not None and optimum.got.get(cls, 0) >= wanted:
+                found.append(Alternative("without", optimum.got[cls] / GRAIN, without=other))
+        return tuple(found)
+
+    def _more(self, cls: str, resource: str, at_least: float) -> Alternative | None:
+        """The least more of ``resource``, within a hundredth of what there is, that gives ``cls`` that utility."""
+        wanted, short = round(at_least * GRAIN), round(self._problem.capacities[resource] * GRAIN)
+        total = self._table.totals.get(resource, 0)
+        if total <= short or resource not in self._wanted_by(cls):
+            return None
+        capacity, grain = short, max(short // 100, 1)
+
+        def enough_at(most: int) -> _Optimum | None:
+            optimum = self._with(resource, most)
+            if optimum is None or optimum.got.get(cls, 0) < wanted or _use(optimum, resource) <= capacity:
+                return None
+            return optimum
+
+        best = enough_at(total)
+        if best is None:
+            return None
+        halving = True
+        while (enough := _use(best, resource)) - short > grain:
+            # By halves; but optima change in steps, so a look just below what is enough often ends the search.
+            at = (enough + short) // 2 if halving else enough - grain
+            optimum = enough_at(at)
+            best, short, halving = (best, at, False) if optimum is None else (optimum, short, True)
+        unit = self._resources[resource].unit if resource in self._resources else ""
+        amount = round((_use(best, resource) - capacity) / GRAIN, 3)
+        return Alternative("capacity", best.got[cls] / GRAIN, resource=resource, amount=amount, unit=unit)
+
+    def _with(self, resource: str, capacity: int) -> _Optimum | None:
+        """The optimum with ``capacity`` thousandths of ``resource``; None if there was no time to find it."""
+        spans = self._spans[resource]
+        for span in spans:
+            if span.least <= capacity <= span.most:
+                return span.optimum
+        optimum = self._solved(lambda: self._problem.with_capacity(resource, capacity / GRAIN))
+        if optimum is not None:
+            spans.append(_span(optimum, resource, capacity))
+        return optimum
+
+    def _lacking(self, other: str) -> _Optimum | None:
+        """The optimum had nobody desired ``other``; None if there was no time to find it."""
+        known = self._without.get(other)
+        if known is None and (known := self._solved(lambda: self._problem.without(other))) is not None:
+            self._without[other] = known
+        return known
+
+    def _solved(self, variant: Callable[[], Problem]) -> _Optimum | None:
+        if self._no_time():
+            self.missing = True
+            return None
+        began = time.perf_counter()
+        try:
+            selection = solve(variant(), time_limit_s=self._deadline - began, firm=True)
+        except SolverFailed:
+            self.missing = True
+            return None
+        if not selection.proven:
+            self.missing = True
+            return None
+        took = time.perf_counter() - began
+        self._takes_s = min(self._takes_s or took, took)
+        return self._optimum(selection)
+
+    def _no_time(self) -> bool:
+        """Whether what is left is too little for another: it would only be cut off."""
+        return self._deadline - time.perf_counter() <= self._takes_s or self._give_up()
+
+    def _optimum(self, selection: Selection) -> _Optimum:
+        got = dict.fromkeys(selection.fulfilled, 0)
+        names = frozenset(selection.strategies)
+        for strategy, utility in zip(self._table.strategies, self._table.utility, strict=True):
+            if strategy.name in names and strategy.cls in got:
+                got[strategy.cls] += utility
+        return _Optimum(got, selection.use)
+
+    def _wanted_by(self, cls: str) -> frozenset[str]:
+        """The resources that strategies of ``cls``, and of what it requires over any distance, cost."""
+        known = self._wants.get(cls)
+        if known is not None:
+            return known
+        wanted: set[str] = set()
+        seen, ahead = {cls}, [cls]
+        while ahead:
+            members = self._table.members.get(ahead.pop())
+            for index in members.all if members is not None else ():
+                wanted.update(self._table.costs[index])
+                for required in self._table.requires[index]:
+                    if required not in seen:
+                        seen.add(required)
+                        ahead.append(required)
+            if len(wanted) == len(self._problem.capacities):
+                break
+        return self._wants.setdefault(cls, frozenset(wanted))
+
+
+def _use(optimum: _Optimum, resource: str) -> int:
+    return round(optimum.use[resource] * GRAIN)
+
+
+def _span(optimum: _Optimum, resource: str, capacity: int) -> _Span:
+    return _Span(_use(optimum, resource), capacity, optimum)

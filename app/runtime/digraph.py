@@ -1,0 +1,104 @@
+"""Functions on plain directed graphs: circles, and by how much filters slow down what comes after them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+
+#: A channel that feeds another's producer, and φ of the filter between.
+Feed = tuple[str, float]
+
+_MOST_STEPS = 1000
+"""The ways round circles may double with each channel on them: those found in so many steps count."""
+
+
+def find_cycle(followers: Mapping[str, Collection[str]]) -> list[str] | None:
+    """A cycle of the directed graph ``followers`` as a path whose last node is its first, or None."""
+    done: set[str] = set()
+    for start in sorted(followers):
+        #: The nodes from ``start`` on, in order, each with those of its followers that are still to be looked at.
+        path: dict[str, Iterator[str]] = {}
+        ahead: str | None = start
+        while ahead is not None or path:
+            if ahead is None:
+                # The last node's next follower; without one the node is done.
+                last = next(reversed(path))
+                ahead = next(path[last], None)
+                if ahead is None:
+                    done.add(last)
+                    del path[last]
+            elif ahead in path:
+                nodes = list(path)
+                return [*nodes[nodes.index(ahead) :], ahead]
+            else:
+                if ahead not in done:
+                    path[ahead] = iter(sorted(followers.get(ahead, ())))
+                ahead = None
+    return None
+
+
+def slowdowns(own: Mapping[str, float], feeds: Mapping[str, Sequence[Feed]]) -> dict[str, float]:
+    """The greatest product of divisors (from 1 to infinity) on any way up from each channel in ``own``.
+
+    ``own`` is φ of the output a channel comes from; ``feeds`` what sets its producer's pace. A way ends at what nobody
+    in ``own`` produces, and before it would come by a channel twice. Takes time linear in the number of feeds, but for
+    channels on circles, each of which takes at most a fixed number of steps.
+    """
+    # Followed from the sources down, then back from the ends up: what neither reaches is on a circle, or between two.
+    above = {channel: [feed for feed, _ in feeds.get(channel, ()) if feed in own] for channel in own}
+    below: dict[str, list[str]] = {channel: [] for channel in own}
+    for channel, sources in above.items():
+        for feed in sources:
+            below[feed].append(channel)
+    first = _peeled(above, below, frozenset(own))
+    last = _peeled(below, above, frozenset(own) - frozenset(first))
+    found: dict[str, float] = {}
+
+    def settle(channel: str) -> None:
+        ways = [phi * found.get(feed, 1.0) for feed, phi in feeds.get(channel, ())]
+        found[channel] = own[channel] * max(ways, default=1.0)
+
+    for channel in first:
+        settle(channel)
+    circling = frozenset(own) - frozenset(first) - frozenset(last)
+    found |= {channel: _longest(channel, own, feeds, found) for channel in own if channel in circling}
+    for channel in reversed(last):
+        settle(channel)
+    return found
+
+
+def _peeled(
+    before: Mapping[str, Sequence[str]], after: Mapping[str, Sequence[str]], nodes: frozenset[str]
+) -> list[str]:
+    """Those of ``nodes`` that have none of ``nodes`` before them, then those that have only these, and so on."""
+    waits = {node: sum(other in nodes for other in before[node]) for node in nodes}
+    order = [node for node, count in waits.items() if not count]
+    for node in order:
+        for other in after[node]:
+            if other in waits:
+                waits[other] -= 1
+                if not waits[other]:
+                    order.append(other)
+    return order
+
+
+def _longest(
+    start: str, own: Mapping[str, float], feeds: Mapping[str, Sequence[Feed]], known: Mapping[str, float]
+) -> float:
+    """The greatest product on a way up from ``start`` that comes by no channel twice; ``known`` are those above."""
+    best = own[start]
+    path: dict[str, tuple[float, Iterator[Feed]]] = {start: (own[start], iter(feeds.get(start, ())))}
+    for _ in range(_MOST_STEPS):
+        if not path:
+            break
+        product, rest = path[next(reversed(path))]
+        feed, phi = next(rest, (None, 1.0))
+        if feed is None:
+            path.popitem()
+            continue
+        product *= phi
+        if feed in path or feed in known or feed not in own:
+            best = max(best, product * (1.0 if feed in path else known.get(feed, 1.0)))
+        else:
+            path[feed] = (product * own[feed], iter(feeds.get(feed, ())))
+            best = max(best, product * own[feed])
+    return best
