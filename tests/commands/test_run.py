@@ -223,7 +223,7 @@ def test_a_body_that_dies_again_and_again_ends_the_run_with_one_sentence() -> No
                 with contextlib.suppress(psutil.NoSuchProcess):
                     child.kill()
             with contextlib.suppress(subprocess.TimeoutExpired):
-                run.process.wait(PATIENCE_S)
+                run.process.wait(0.1)
         assert run.process.returncode == 1
         sentence = "was killed by signal 9; that was the 5th time in a row, so the program ends."
         assert re.search(rf"^hbba run: .+{re.escape(sentence)}$", run.rest(), re.MULTILINE)
