@@ -223,7 +223,7 @@ def voice_network() -> Finding:
     """The network that tells voices from other sounds, run by ONNX Runtime."""
     from app.modules.perception.voices.speech import MODEL
 
-    remedy = "pip install 'onnxruntime>=1.20,<2'; without it the robot runs, and locates no voices"
+    remedy = "pip install 'onnxruntime>=1.20,<1.33'; without it the robot runs, and locates no voices"
     try:
         import onnxruntime
     except ImportError as failure:
