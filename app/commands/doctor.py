@@ -15,7 +15,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from app import paths
+from app import children, paths
 
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 PYTHON_MINIMUM = (3, 11)
@@ -126,7 +126,7 @@ def graphics() -> Finding:
         found, _, remedy = problem.partition(": ")
         return Finding("EGL", False, True, found, remedy)
     remedy = "install or update Mesa's drivers: as root, apt-get install libegl1 libgl1-mesa-dri"
-    command = [sys.executable, "-c", "import mujoco; mujoco.GLContext(64, 64).make_current()"]
+    command = children.python("-c", "import mujoco; mujoco.GLContext(64, 64).make_current()")
     environment = {**os.environ, **gl_environment()}
     try:
         done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60, check=False)

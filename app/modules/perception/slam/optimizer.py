@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import ctypes
 import multiprocessing
 import os
 import signal
-import sys
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 
 import numpy as np
 from numpy.typing import NDArray
 
+from app.children import end_with_parent
 from app.modules.perception.slam.pose_graph import GraphArrays, optimized
 
 #: The driving itself comes first.
 _NICENESS = 5
-_PR_SET_PDEATHSIG = 1
 
 
 class OptimizerProcess:
@@ -60,6 +58,5 @@ def _begin() -> None:
     import gtsam  # noqa: F401
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if sys.platform == "linux":
-        ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+    end_with_parent()
     os.nice(_NICENESS)
