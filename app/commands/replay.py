@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from app import logs
 from app.commands.arguments import TIMES, find_log, moment, names, number, recording_name, whole
+from app.commands.kernels import kernels_ready
 from app.commands.run import Stopping, add_console_options, announcer, until_stopped
 from app.errors import ConfigError
 
@@ -187,6 +188,7 @@ async def _live(
     from app.replay.playback import Playback
 
     cv2.setNumThreads(1)
+    await kernels_ready()
     host, port = address_of(listener)
     announce = announcer(f"HBBA replays {past.info.path.name}", host, port, token, open_browser=args.open)
     speed = 1.0 if args.speed is None else _finite(args.speed)

@@ -21,6 +21,7 @@ from urllib.parse import quote
 
 from app import logs
 from app.commands.body import add_body_options, chosen
+from app.commands.kernels import kernels_ready
 from app.runtime.punctual import be_punctual
 
 if TYPE_CHECKING:
@@ -109,6 +110,7 @@ async def _live(
 
     cv2.setNumThreads(1)  # modules have their own threads; OpenCV's pool would only fight them for the cores
 
+    await kernels_ready()
     host, port = address_of(listener)
     announce = announcer("HBBA is up", host, port, token, open_browser=open_browser)
     log.info("starting", extra={"configuration": configuration.program_document.file})
