@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from app.commands.packaged import config_file
 from app.errors import ConfigError
 
 
@@ -19,14 +20,15 @@ def add_parser(subparsers: Any) -> None:
         description="Validate configuration: programs, robots, worlds, strategies, channels, problems to solve. "
         "Each mistake is said as FILE:LINE: what is wrong and what is allowed. Exit code 2 if there is any.",
     )
-    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="a file of config/")
+    parser.add_argument("files", nargs="+", metavar="FILE", help="a file, or a name as jackal or robots/webcam")
 
 
 def run(args: argparse.Namespace) -> int:
     """Check each file; say all mistakes, not only the first file's."""
     failed = False
-    for path in args.files:
+    for named in args.files:
         try:
+            path = config_file(named, "configuration")
             print(f"{path}: {check_file(path)}, no mistake found")
         except ConfigError as failure:
             failed = True

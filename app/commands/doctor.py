@@ -236,7 +236,7 @@ def voice_network() -> Finding:
 def cameras() -> Finding:
     """Cameras, for a body of devices."""
     found = sorted(str(path) for path in Path("/dev").glob("video*"))
-    remedy = "only for --robot config/robots/webcam.yaml; there, --camera FILE takes a video or pictures instead"
+    remedy = "only for --robot webcam; there, --camera FILE takes a video or pictures instead"
     return Finding("cameras", bool(found), False, ", ".join(found) or "none", remedy)
 
 
@@ -245,7 +245,7 @@ def audio() -> Finding:
     from app.robots.devices.pictures import Unavailable
     from app.robots.devices.sound import sounddevice
 
-    only = "only for --robot config/robots/webcam.yaml; there, --microphones FILE takes a sound file instead"
+    only = "only for --robot webcam; there, --microphones FILE takes a sound file instead"
     try:
         inputs = [device["name"] for device in sounddevice().query_devices() if device["max_input_channels"]]
     except Unavailable as failure:

@@ -42,7 +42,9 @@ def add_parser(subparsers: Any) -> None:
         help="start the robot and its console",
         description="Start the robot and its console; Ctrl-C stops both. Options win over the configuration.",
     )
-    parser.add_argument("--config", type=Path, metavar="FILE", help="the program to run (default: the simulated lab)")
+    parser.add_argument(
+        "--config", type=Path, metavar="FILE", help="the program: a file, or a name as jackal (default: lab)"
+    )
     add_body_options(parser)
     add_console_options(parser)
 
