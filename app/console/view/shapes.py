@@ -6,6 +6,7 @@ import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -48,8 +49,7 @@ def _shapes(visual: ElementTree.Element, link: str, named: Mapping[str, Color], 
     color = None if material is None else (_color(material) or named.get(material.get("name", "")))
     for mesh in _meshes(visual, model):
         mesh.vertices = X_LS.transform(np.asarray(mesh.vertices, np.float64))
-        red, green, blue = (int(value) for value in np.asarray(mesh.visual.main_color)[:3])
-        yield Shape(link, color or (red, green, blue), mesh)
+        yield Shape(link, color or _own_color(mesh.visual), mesh)
 
 
 def _meshes(visual: ElementTree.Element, model: Path) -> Iterator[trimesh.Trimesh]:
@@ -69,7 +69,7 @@ def _meshes(visual: ElementTree.Element, model: Path) -> Iterator[trimesh.Trimes
         scale = _three(file.get("scale", "1 1 1"))
         for mesh in scene.dump():
             if isinstance(mesh, trimesh.Trimesh):
-                mesh.apply_scale(scale)
+                mesh.apply_transform(np.diag((*scale, 1.0)))  # which keeps the outside of a mirrored one outside
                 yield mesh
 
 
@@ -84,6 +84,12 @@ def _mesh_file(name: str, model: Path) -> Path:
     if found is None:
         raise FileNotFoundError(f"there is no {name} beside {model} nor in a folder above")
     return found
+
+
+def _own_color(visual: Any) -> Color:
+    """The colour that a mesh brings: its material's, or the one that most of its faces have."""
+    red, green, blue = (int(value) for value in np.asarray(getattr(visual, "material", visual).main_color)[:3])
+    return (red, green, blue)
 
 
 def _color(material: ElementTree.Element) -> Color | None:

@@ -72,6 +72,22 @@ def test_a_mesh_is_found_and_scaled(name: str, where: str, tmp_path: Path) -> No
     np.testing.assert_allclose(shape.mesh.bounds, [[-1, -2, -3], [1, 2, 3]])
 
 
+def test_a_mesh_keeps_its_own_colour_unless_the_model_names_one(tmp_path: Path) -> None:
+    material = trimesh.visual.material.PBRMaterial(baseColorFactor=[0, 255, 0, 255])
+    textured = trimesh.visual.TextureVisuals(material=material)
+    trimesh.Trimesh([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)], visual=textured).export(tmp_path / "part.glb")
+    mesh = '<geometry><mesh filename="part.glb"/></geometry>'
+    more = f'<visual>{mesh}</visual><visual>{mesh}<material name="red"/></visual>'
+    assert [shape.color for shape in visual_shapes(model(tmp_path, more))][3:] == [(0, 255, 0), (255, 0, 0)]
+
+
+def test_a_mirrored_mesh_keeps_its_outside(tmp_path: Path) -> None:
+    part(tmp_path)
+    more = '<visual><geometry><mesh filename="part.stl" scale="1 -1 1"/></geometry></visual>'
+    *_, shape = visual_shapes(model(tmp_path, more))
+    assert shape.mesh.volume == pytest.approx(1.0)
+
+
 @pytest.mark.parametrize("name", ["gone.stl", "package://sketch_description/meshes/gone.stl"])
 def test_a_mesh_that_is_not_there_is_said(name: str, tmp_path: Path) -> None:
     more = f'<visual><geometry><mesh filename="{name}"/></geometry></visual>'
