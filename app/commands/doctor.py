@@ -72,6 +72,7 @@ def checks(port: int) -> Iterable[Callable[[], Finding]]:
         memory,
         shared_memory,
         page,
+        kernels,
         face_model,
         voice_network,
         cameras,
@@ -203,6 +204,15 @@ def page() -> Finding:
     built = (paths.static_dir() / "index.html").is_file()
     remedy = "`make run` builds it; until then the console serves a plain page"
     return Finding("operator page", built, False, "built" if built else "not built", remedy)
+
+
+def kernels() -> Finding:
+    """What the program computes with, compiled for this computer."""
+    from app import compiled
+
+    ready = compiled.is_ready()
+    remedy = "`hbba run` compiles them before the robot starts, once: a minute or two"
+    return Finding("kernels", ready, False, "compiled" if ready else "not compiled yet", remedy)
 
 
 def face_model() -> Finding:

@@ -9,7 +9,6 @@ import os
 import signal
 from collections.abc import Sequence
 
-from app import compiled
 from app.children import python
 
 log = logging.getLogger("hbba.kernels")
@@ -21,6 +20,8 @@ async def kernels_ready(command: Sequence[str] = ()) -> None:
     ``command`` compiles them and prints a line for each; replaced in tests. A kernel that cannot be compiled is logged
     here, and its module fails later, with the reason.
     """
+    from app import compiled  # with what shares work among processes, which nobody needs who asks for help
+
     if await asyncio.to_thread(compiled.is_ready):
         return
     print("HBBA compiles its numerical kernels, once on this computer: a minute or two.", flush=True)

@@ -91,6 +91,15 @@ def test_the_networks_that_see_faces_and_judge_voices_are_found_or_missed(monkey
     assert "onnxruntime" in missed.remedy
 
 
+def test_kernels_that_are_not_compiled_yet_are_no_obstacle(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("app.compiled.is_ready", lambda: False)
+    finding = doctor.kernels()
+    assert (finding.ok, finding.required) == (False, False)
+    assert "hbba run" in finding.remedy
+    monkeypatch.setattr("app.compiled.is_ready", lambda: True)
+    assert doctor.kernels().ok
+
+
 def test_the_browser_can_be_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HBBA_CHROMIUM", "/opt/chrome")
     assert doctor.find_chromium() == "/opt/chrome"
