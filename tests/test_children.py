@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -12,6 +14,19 @@ from app import children
 ROOT = Path(__file__).resolve().parent.parent
 #: Who may start an interpreter by its name alone: the helper itself, and the benchmarks, which are not installed.
 ALLOWED = {ROOT / "app" / "children.py", ROOT / "app" / "commands" / "bench.py"}
+SPAWNING = """
+import math, os
+from multiprocessing import get_context
+from app.children import safe_path
+from app.geometry import wrap_angle
+
+if __name__ == "__main__":
+    pool = get_context("spawn")
+    with safe_path():
+        pool = pool.Pool(1)
+    print(f"{-pool.apply(wrap_angle, (math.pi,)):.6f}", os.environ.get("PYTHONSAFEPATH"))
+    pool.terminate()
+"""
 
 
 @pytest.fixture
@@ -43,6 +58,15 @@ def test_code_on_the_command_line_is_spared_too(strangers_folder: Path) -> None:
     program = "import app, fractions; print(app.__file__)"
     done = subprocess.run(children.python("-c", program), capture_output=True, text=True, check=True)
     assert Path(done.stdout.strip()) == ROOT / "app" / "__init__.py"
+
+
+def test_what_multiprocessing_starts_is_spared_too(strangers_folder: Path, tmp_path: Path) -> None:
+    (strangers_folder / "socket.py").write_text("raise SystemExit('another socket')\n")
+    program = tmp_path / "elsewhere" / "program.py"  # as the command hbba: a script of another folder
+    program.parent.mkdir()
+    program.write_text(SPAWNING)
+    done = subprocess.run([sys.executable, program], capture_output=True, text=True, check=False)
+    assert done.stdout == f"{math.pi:.6f} None\n", done.stderr
 
 
 def test_a_path_that_a_person_named_holds(strangers_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

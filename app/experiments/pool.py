@@ -17,7 +17,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from typing import Generic, TypeVar
 
-from app.children import end_with_parent
+from app.children import end_with_parent, safe_path
 from app.robots.simulated.gl import gl_environment
 
 T = TypeVar("T")
@@ -65,7 +65,8 @@ class TrialSeries(Generic[T, R]):
             while waiting and len(children) < self._jobs:
                 ours, theirs = context.Pipe()
                 child = context.Process(target=_serve, args=(theirs, self._work))
-                child.start()
+                with safe_path():
+                    child.start()
                 theirs.close()
                 children.append(child)
                 under_way[ours] = trial = waiting.popleft()
