@@ -20,7 +20,7 @@ from app.experiments.kept import KeptResults
         ("none", "--scenario: an experiment needs a scenario that drives"),
         (
             "trail",
-            "--scenario: no scenario trail; did you mean 'trial'? Allowed: a file, none, or one of",
+            "--scenario: there is no scenario trail; did you mean 'trial'? Allowed: a file, none",
         ),
     ],
 )
