@@ -25,6 +25,8 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
+from app.children import end_with_parent, python
+
 try:
     import fcntl
 except ImportError:  # Windows: two may compile at once, which does no harm
@@ -69,7 +71,7 @@ def make_ready() -> None:
     A failure to compile is left to whoever imports the kernels, who sees what it is.
     """
     if not is_ready():
-        subprocess.run([sys.executable, "-m", "app.compiled"], stdin=subprocess.DEVNULL, check=False)
+        subprocess.run(python("-m", "app.compiled"), stdin=subprocess.DEVNULL, check=False)
 
 
 def compile_all(say: Callable[[str], None]) -> None:
@@ -82,7 +84,8 @@ def compile_all(say: Callable[[str], None]) -> None:
         missing = {name: _digest(name) for name in _missing()}
         if not missing:
             return
-        with ProcessPoolExecutor(min(os.cpu_count() or 1, len(missing)), mp_context=get_context("spawn")) as pool:
+        workers = min(os.cpu_count() or 1, len(missing))
+        with ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=end_with_parent) as pool:
             jobs = {pool.submit(_compile, name): name for name in missing}
             for number, job in enumerate(as_completed(jobs), 1):
                 if job.exception() is None:
@@ -164,7 +167,8 @@ def _stamp_file() -> Path:
 
 
 def main() -> int:
-    """Compile everything, telling each file on standard output."""
+    """Compile everything, saying each file on standard output."""
+    end_with_parent()
 
     def say(text: str) -> None:
         print(f"hbba: {text}", flush=True)

@@ -32,7 +32,6 @@ _TALKATIVE = (
     "uvicorn.error",
     "viser",
     "websockets",
-    "yourdfpy",
 )
 _STANDARD = frozenset(vars(logging.makeLogRecord({}))) | {"message", "asctime", "color_message", "taskName"}
 _COLORS = {"DEBUG": "2", "WARNING": "33", "ERROR": "31", "CRITICAL": "1;31"}

@@ -6,6 +6,7 @@ Each step is skipped when a stamp says that its sources have not changed, so tha
 from __future__ import annotations
 
 import argparse
+import contextlib
 import ctypes.util
 import hashlib
 import json
@@ -23,6 +24,7 @@ if sys.version_info < (3, 11):
         f"HBBA needs Python 3.11 or newer, and {sys.executable} is {sys.version.split()[0]}: make PYTHON=python3.12"
     )
 
+import installing
 import page
 
 ROOT = page.ROOT
@@ -61,7 +63,7 @@ def main() -> int:
         if args.task == "clean":
             return clean()
         if args.task == "run":
-            set_up(set())
+            set_up(set(), debian=True, browser=False)
             run_hbba(args.arguments)
         if args.task == "setup":
             set_up({"test"})
@@ -88,16 +90,16 @@ def main() -> int:
 # --- Set-up ------------------------------------------------------------------------------------------------------
 
 
-def set_up(extras: set[str], *, page_wanted: bool = True, debian: bool = False) -> None:
+def set_up(extras: set[str], *, page_wanted: bool = True, debian: bool = False, browser: bool = True) -> None:
     """The virtual environment with ``extras``, the compiled kernels and, if wanted, the page and Debian's packages.
 
-    What does not need the environment is done beside it.
+    ``browser``: of the latter also the one that tests drive. What does not need the environment is done beside it.
     """
     make_environment()
     with ThreadPoolExecutor(2) as beside:
         node = page.find_node() if page_wanted else None
         built = beside.submit(build_page, node) if node is not None else None
-        packages = beside.submit(install_debian_packages) if debian else None
+        packages = beside.submit(install_debian_packages, browser=browser) if debian else None
         install(extras)
         compile_kernels()
         try:
@@ -142,22 +144,10 @@ def install(extras: set[str]) -> None:
     extras = extras | installed
     say("installing Python packages (a minute or two the first time)")
     target = f".[{','.join(sorted(extras))}]" if extras else "."
-    done = subprocess.run(
-        [PYTHON, "-m", "pip", "install", "-q", "--disable-pip-version-check", "-e", target],
-        env={**os.environ, "HBBA_SKIP_WEB": "1", "PIP_ROOT_USER_ACTION": "ignore"},
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        check=False,
-    )
-    if done.returncode:
-        if "NewConnectionError" in done.stdout or "Name or service not known" in done.stdout:
-            raise SetupFailed(
-                "The Python package index cannot be reached: connect this computer to the network, "
-                "or name a mirror in the environment variable PIP_INDEX_URL."
-            )
-        raise SetupFailed(f"pip could not install the project:\n{done.stdout.strip()[-3000:]}")
+    try:
+        installing.install(PYTHON, "-e", target, title="Python packages", environment={"HBBA_SKIP_WEB": "1"})
+    except installing.PipFailed as failure:
+        raise SetupFailed(str(failure)) from None
     content = {"hash": wanted, "extras": sorted(extras), "root": str(ROOT), "python": sys.version}
     STAMP.write_text(json.dumps(content), encoding="utf-8")
 
@@ -187,26 +177,21 @@ def node_or_install() -> page.Node:
     node = page.find_node(site_packages)
     if node is None:
         say("installing Node from PyPI")
-        subprocess.run(
-            [PYTHON, "-m", "pip", "install", "-q", "--disable-pip-version-check", page.NODE_REQUIREMENT],
-            env={**os.environ, "PIP_ROOT_USER_ACTION": "ignore"},
-            stdin=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            check=False,
-        )
+        with contextlib.suppress(installing.PipFailed):  # what to do about it is said below
+            installing.install(PYTHON, page.NODE_REQUIREMENT, title="Node")
         node = page.find_node(site_packages)
     if node is None:
         raise page.PageFailed("Install Node 20.19 or newer with npm (nodejs.org), then try again.")
     return node
 
 
-def install_debian_packages() -> None:
-    """Chromium for the browser tests and Mesa for the simulated camera: installed where we may, else named."""
+def install_debian_packages(*, browser: bool = True) -> None:
+    """Mesa for the simulated camera and, for tests, a ``browser``: installed where we may, else named."""
     sys.path.insert(0, str(ROOT))
     from app.commands.doctor import find_chromium  # needs the standard library alone
 
     missing: dict[str, str] = {}
-    if find_chromium() is None:
+    if browser and find_chromium() is None:
         missing["chromium"] = "the browser tests"
     if ctypes.util.find_library("EGL") is None:
         missing["libegl1"] = "the simulated camera"
@@ -231,9 +216,10 @@ def install_debian_packages() -> None:
             )
         if done.returncode == 0:
             return
+    wanting = "the tests that need them are skipped" if browser else "the simulated robot does not start"
     sys.stderr.write(
         f"\nMissing for {' and '.join(sorted(set(missing.values())))}: as root, apt-get install {packages}"
-        " (without, the tests that need them are skipped).\n\n"
+        f" (without, {wanting}).\n\n"
     )
 
 
@@ -376,7 +362,8 @@ def run(command: list[object]) -> int:
 
 def say(text: str) -> None:
     """One line of progress."""
-    sys.stdout.write(f"hbba: {text}\n")
+    over = "\r\x1b[K" if sys.stdout.isatty() else ""  # pip's progress, which goes on below
+    sys.stdout.write(f"{over}hbba: {text}\n")
     sys.stdout.flush()
 
 

@@ -104,6 +104,11 @@ def run_npm(node: Node, *arguments: str, root: Path = ROOT) -> str:
     )
     if done.returncode == 0:
         return done.stdout
+    if "E407" in done.stdout or "E403" in done.stdout:
+        raise PageFailed(
+            "The npm registry, or a proxy before it, refuses what the page is built with: correct the environment "
+            "variable HTTPS_PROXY, or name a mirror in npm_config_registry."
+        )
     if re.search(r"ENOTFOUND|ECONNREFUSED|EAI_AGAIN|ETIMEDOUT|ECONNRESET|ENOTCACHED|ENETUNREACH", done.stdout):
         raise PageFailed(
             "The npm registry cannot be reached: connect this computer to the network, "

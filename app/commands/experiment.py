@@ -10,6 +10,7 @@ from typing import Any
 from app.commands import experiment_barn, experiment_goals
 from app.commands.arguments import number, recording_name
 from app.commands.output import add_json, print_json
+from app.commands.packaged import program_named
 from app.errors import ConfigError
 
 
@@ -27,9 +28,11 @@ def add_parser(subparsers: Any) -> None:
         description="Run the scripted trial twice with the program kept on one core: every filter open, then with "
         "attention. Reports CPU, ages of messages, missed beats and what was found.",
     )
-    overload.add_argument("--config", type=Path, metavar="FILE", help="the program (default: the simulated lab)")
     overload.add_argument(
-        "--scenario", metavar="FILE", help="one that drives: a file or a name of config/scenarios (default: trial)"
+        "--config", type=Path, metavar="FILE", help="the program: a file, or a name as jackal (default: lab)"
+    )
+    overload.add_argument(
+        "--scenario", metavar="FILE", help="one that drives: a file, or a name as mapping (default: trial)"
     )
     overload.add_argument("--seconds", type=_seconds, default=60.0, metavar="S", help="how long each (default 60)")
     overload.add_argument(
@@ -43,9 +46,11 @@ def add_parser(subparsers: Any) -> None:
         description="Drive the robot along a scenario's script (default: the tour-guide trial of the thesis, figure "
         "4.8), with attention, and tell what it attended to and found. Ctrl-C stops it and the robot.",
     )
-    trial.add_argument("--config", type=Path, metavar="FILE", help="the program (default: the simulated lab)")
     trial.add_argument(
-        "--scenario", metavar="FILE", help="one that drives: a file or a name of config/scenarios (default: trial)"
+        "--config", type=Path, metavar="FILE", help="the program: a file, or a name as jackal (default: lab)"
+    )
+    trial.add_argument(
+        "--scenario", metavar="FILE", help="one that drives: a file, or a name as mapping (default: trial)"
     )
     trial.add_argument("--record", type=recording_name, metavar="NAME", help="record it under this name")
     trial.add_argument(
@@ -83,7 +88,7 @@ def _trial(args: argparse.Namespace) -> int:
     from app.experiments.simulated import simulated_program
     from app.experiments.trial import run as run_trial
 
-    program = simulated_program(args.config, _scenario(args.scenario))
+    program = simulated_program(program_named(args.config), _scenario(args.scenario))
     logs.configure("warning", as_json=False)
     with shown("driving") as progress:
         outcome, events = run_trial(
@@ -116,7 +121,7 @@ def _overload(args: argparse.Namespace) -> int:
     from app.experiments.overload.experiment import run as run_both
     from app.experiments.overload.report import doubts, plot, table
 
-    what = plan(args.config, _scenario(args.scenario), args.seconds, args.budget)
+    what = plan(program_named(args.config), _scenario(args.scenario), args.seconds, args.budget)
     logs.configure("warning", as_json=False)
     with shown("running") as progress:
         without, kept = run_both(what, lambda condition, part: progress(round(1000 * part), 1000, condition))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.commands.arguments import whole
 from app.commands.output import add_json, print_json
+from app.commands.packaged import program_named
 from app.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ def add_parser(experiments: Any) -> None:
         help="the worlds, JSON (default: barn/worlds.json of the reference data)",
     )
     parser.add_argument("--only", metavar="IDS", help="these worlds alone, for example 1,5,10-20")
-    parser.add_argument("--config", type=Path, metavar="FILE", help="the program (default: config/jackal.yaml)")
+    parser.add_argument("--config", type=Path, metavar="FILE", help="the program: a file, or a name (default: jackal)")
     parser.add_argument("--controller", metavar="NAME", help="how paths are followed (default: as configured)")
     parser.add_argument("--seed", type=whole(0), default=1, metavar="S", help="of the robot's noise (default 1)")
     parser.add_argument("--jobs", type=whole(1, 256), metavar="N", help="worlds at a time (default: one a core)")
@@ -53,7 +54,7 @@ def run(args: argparse.Namespace) -> int:
     what = plan(
         args.worlds or _default_worlds(),
         args.only,
-        args.config,
+        program_named(args.config),
         jobs=args.jobs or os.cpu_count() or 1,
         seed=args.seed,
         overrides=_controller(args.controller),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.commands.arguments import whole
 from app.commands.output import add_json, print_json
+from app.commands.packaged import program_named
 from app.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -27,7 +28,9 @@ def add_parser(experiments: Any) -> None:
     )
     parser.add_argument("--count", type=whole(1, 10_000), default=100, metavar="N", help="how many goals (default 100)")
     parser.add_argument("--seed", type=whole(0), default=1, metavar="S", help="of the goals and the noise (default 1)")
-    parser.add_argument("--config", type=Path, metavar="FILE", help="the program (default: the simulated lab)")
+    parser.add_argument(
+        "--config", type=Path, metavar="FILE", help="the program: a file, or a name as jackal (default: lab)"
+    )
     parser.add_argument("--scenario", metavar="FILE", help="who walks there (default: walkers)")
     parser.add_argument("--jobs", type=whole(1, 256), metavar="N", help="shifts at a time (default: one a core)")
     parser.add_argument(
@@ -55,7 +58,7 @@ def run(args: argparse.Namespace) -> int:
     what = plan(
         args.count,
         args.seed,
-        args.config,
+        program_named(args.config),
         scenario,
         jobs=args.jobs or os.cpu_count() or 1,
         cameras=not args.blind,

@@ -15,7 +15,9 @@ from typing import TYPE_CHECKING, Any
 
 from app import logs
 from app.commands.arguments import TIMES, find_log, moment, names, number, recording_name, whole
+from app.commands.kernels import kernels_ready
 from app.commands.output import add_json, check_writable, json_text, print_json, write_text
+from app.commands.packaged import program_named
 from app.commands.run import Stopping, add_console_options, announcer, token_for, until_stopped
 from app.errors import ConfigError
 
@@ -60,7 +62,9 @@ def add_parser(subparsers: Any) -> None:
         help="let the first K messages of each held or attended filter go by",
     )
     parser.add_argument("--no-desires", action="store_true", help="leave out the desires that people had")
-    parser.add_argument("--config", type=Path, metavar="FILE", help="run this program instead of the recorded one")
+    parser.add_argument(
+        "--config", type=Path, metavar="FILE", help="run this program (a file, a name), not the recorded one"
+    )
     parser.add_argument("--remap", type=Path, metavar="FILE", help="which topics of a ROS bag are which channels")
     parser.add_argument("--record", type=recording_name, metavar="NAME", help="record the replay under this name")
     parser.add_argument("--headless", action="store_true", help="without the console; prints what came of it")
@@ -118,7 +122,7 @@ def _options(args: argparse.Namespace, log: Log) -> ReplayOptions:
         only=args.only,
         phi=dict(args.phi),
         offset=args.offset,
-        config=args.config,
+        config=program_named(args.config),
         desires=not args.no_desires,
         record=args.record,
     )
@@ -194,6 +198,7 @@ async def _live(
     from app.replay.playback import Playback
 
     cv2.setNumThreads(1)
+    await kernels_ready()
     host, port = address_of(listener)
     announce = announcer(f"HBBA replays {past.info.path.name}", host, port, token, open_browser=args.open)
     speed = 1.0 if args.speed is None else _finite(args.speed)

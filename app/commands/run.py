@@ -22,6 +22,7 @@ from urllib.parse import quote
 from app import logs
 from app.commands.arguments import file_named
 from app.commands.body import add_body_options, chosen
+from app.commands.kernels import kernels_ready
 from app.runtime.punctual import be_punctual
 
 if TYPE_CHECKING:
@@ -42,7 +43,9 @@ def add_parser(subparsers: Any) -> None:
         help="start the robot and its console",
         description="Start the robot and its console; Ctrl-C stops both. Options win over the configuration.",
     )
-    parser.add_argument("--config", type=Path, metavar="FILE", help="the program to run (default: the simulated lab)")
+    parser.add_argument(
+        "--config", type=Path, metavar="FILE", help="the program: a file, or a name as jackal (default: lab)"
+    )
     add_body_options(parser)
     add_console_options(parser)
 
@@ -134,6 +137,7 @@ async def _live(
 
     cv2.setNumThreads(1)  # modules have their own threads; OpenCV's pool would only fight them for the cores
 
+    await kernels_ready()
     host, port = address_of(listener)
     announce = announcer("HBBA is up", host, port, token, open_browser=open_browser)
     log.info("starting", extra={"configuration": configuration.program_document.file})

@@ -3,20 +3,17 @@ but ends with the console, however that ends."""
 
 from __future__ import annotations
 
-import ctypes
 import os
 import runpy
-import signal
 import sys
 
-_PR_SET_PDEATHSIG = 1
+from app.children import end_with_parent
 
 
 def main(arguments: list[str]) -> None:
     """Become ``hbba replay``: the console's process id, then its arguments. Ends by SystemExit."""
     console, *rest = arguments
-    if sys.platform == "linux":
-        ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+    end_with_parent()
     if str(os.getppid()) != console:
         return  # it ended before we asked to be told
     sys.argv = ["hbba", "replay", *rest]

@@ -9,13 +9,13 @@ import os
 import re
 import shutil
 import signal
-import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
+from app.children import python
 from app.console.token import VARIABLE
 
 #: A long recording is indexed before its console is up.
@@ -49,7 +49,7 @@ class Replays:
         self._host = host
         self._token = token
         self._names = names
-        self.command = command or (sys.executable, "-m", "app.console.replay_process", str(os.getpid()))
+        self.command = command or python("-m", "app.console.replay_process", str(os.getpid()))
         self._child: _Child | None = None
         self._turn = asyncio.Lock()
 

@@ -5,11 +5,9 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
 import pickle
 import signal
-import sys
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
@@ -19,6 +17,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from typing import Generic, TypeVar
 
+from app.children import end_with_parent, safe_path
 from app.robots.simulated.gl import gl_environment
 
 T = TypeVar("T")
@@ -26,7 +25,6 @@ R = TypeVar("R")
 
 #: One thread each: there is a process for every core.
 _SINGLE = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
-_PR_SET_PDEATHSIG = 1
 
 
 class TrialLost(Exception):
@@ -67,7 +65,8 @@ class TrialSeries(Generic[T, R]):
             while waiting and len(children) < self._jobs:
                 ours, theirs = context.Pipe()
                 child = context.Process(target=_serve, args=(theirs, self._work))
-                child.start()
+                with safe_path():
+                    child.start()
                 theirs.close()
                 children.append(child)
                 under_way[ours] = trial = waiting.popleft()
@@ -172,6 +171,5 @@ def _quiet() -> None:
     import cv2
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if sys.platform == "linux":
-        ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+    end_with_parent()
     cv2.setNumThreads(1)

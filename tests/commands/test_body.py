@@ -37,7 +37,10 @@ def test_people_live_in_the_lab_unless_told_otherwise(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (["--scenario", "trail"], "there is no scenario trail; a file, none, or one of: lab, mapping, trial, walkers"),
+        (
+            ["--scenario", "trail"],
+            "there is no scenario trail; did you mean 'trial'? Allowed: a file, none, or ",
+        ),
         (["--scenario", "none", "--robot", WEBCAM], "in the real one"),
         (["--robot", WEBCAM, "--camera", "gone.mp4"], "--camera: there is no file or folder gone.mp4"),
         (["--robot", WEBCAM, "--microphones", "gone/talk"], "--microphones: there is no file or folder gone/talk"),

@@ -81,14 +81,23 @@ def _missing(name: str) -> None:
 def test_the_networks_that_see_faces_and_judge_voices_are_found_or_missed(monkeypatch: pytest.MonkeyPatch) -> None:
     assert doctor.face_model().ok
     assert doctor.voice_network().ok
-    monkeypatch.setattr("app.modules.perception.faces.yunet.MODEL_PACKAGE", "no_such_package")
+    monkeypatch.setattr("app.modules.perception.faces.yunet.MODEL", Path("/no/such/model.onnx"))
     missed = doctor.face_model()
     assert (missed.ok, missed.required) == (False, False)
-    assert "no_such_package" in missed.found
+    assert "/no/such/model.onnx" in missed.found
     monkeypatch.setitem(sys.modules, "onnxruntime", None)
     missed = doctor.voice_network()
     assert (missed.ok, missed.required) == (False, False)
     assert "onnxruntime" in missed.remedy
+
+
+def test_kernels_that_are_not_compiled_yet_are_no_obstacle(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("app.compiled.is_ready", lambda: False)
+    finding = doctor.kernels()
+    assert (finding.ok, finding.required) == (False, False)
+    assert "hbba run" in finding.remedy
+    monkeypatch.setattr("app.compiled.is_ready", lambda: True)
+    assert doctor.kernels().ok
 
 
 def test_the_browser_can_be_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,7 +18,10 @@ from app.experiments.kept import KeptResults
     ("scenario", "words"),
     [
         ("none", "--scenario: an experiment needs a scenario that drives"),
-        ("trail", "--scenario: there is no scenario trail; a file, none, or one of: lab, mapping, trial, walkers"),
+        (
+            "trail",
+            "--scenario: there is no scenario trail; did you mean 'trial'? Allowed: a file, none",
+        ),
     ],
 )
 def test_a_scenario_that_does_not_drive_is_refused(
@@ -69,7 +72,7 @@ def test_barn_tells_what_is_done_and_draws_it(tmp_path: Path, capsys: pytest.Cap
     [
         (["--only", "5"], "has no world '5'; there are 4"),
         (["--plot", "5"], "--plot: world '5' is not among those to run"),
-        (["--config", "none.yaml"], "none.yaml: there is no such file"),
+        (["--config", "none.yaml"], "--config: there is no program none.yaml; a file, or one of: jackal, lab, webcam"),
         (["--controller", "dwb"], "--controller: there is no controller 'dwb'; did you mean 'dwa'? allowed: dwa, dwa_"),
         (["--jobs", "0"], "a whole number from 1 to 256"),
         (["--seed", "-1"], "whole number"),

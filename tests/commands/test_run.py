@@ -215,6 +215,17 @@ def test_ctrl_c_stops_everything_in_time_and_leaves_no_child() -> None:
 
 @needs_gl
 @pytest.mark.slow
+def test_another_app_in_the_working_folder_is_no_matter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "app").mkdir()
+    (tmp_path / "app" / "__init__.py").write_text("raise SystemExit('some other app')\n")
+    monkeypatch.chdir(tmp_path)
+    with running() as run:
+        run.wait_for("HBBA is up")  # with its body, which is a process of its own
+        assert "some other app" not in run.output
+
+
+@needs_gl
+@pytest.mark.slow
 def test_a_body_that_dies_again_and_again_ends_the_run_with_one_sentence() -> None:
     with running("--log-level", "error") as run:
         run.wait_for("HBBA is up")

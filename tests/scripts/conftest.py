@@ -18,7 +18,7 @@ def _load(name: str) -> ModuleType:
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module  # dataclasses look their module up, and dev imports page
+    sys.modules[name] = module  # dataclasses look their module up, and dev imports the others
     spec.loader.exec_module(module)
     return module
 
@@ -30,6 +30,12 @@ def page() -> Iterator[ModuleType]:
 
 
 @pytest.fixture(scope="session")
-def dev(page: ModuleType) -> Iterator[ModuleType]:
+def installing() -> Iterator[ModuleType]:
+    yield _load("installing")
+    del sys.modules["installing"]
+
+
+@pytest.fixture(scope="session")
+def dev(page: ModuleType, installing: ModuleType) -> Iterator[ModuleType]:
     yield _load("dev")
     del sys.modules["dev"]

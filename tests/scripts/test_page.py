@@ -87,6 +87,8 @@ def test_an_old_node_is_passed_over_for_the_one_from_pypi(
     [
         ("npm error code ECONNREFUSED", "The npm registry cannot be reached"),
         ("npm error code ENOTFOUND", "The npm registry cannot be reached"),
+        ("npm error code E403", "a proxy before it, refuses"),
+        ("npm error code E407", "a proxy before it, refuses"),
         ("error TS2304: Cannot find name", "npm run build failed in web/"),
     ],
 )

@@ -49,13 +49,10 @@ def add_parser(kinds: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Look through the files. Raises ConfigError."""
-    from app.modules.perception.faces.yunet import THRESHOLD, FaceFinder, ModelMissing
+    from app.modules.perception.faces.yunet import THRESHOLD, FaceFinder
 
     paths = find_images(args.files)
-    try:
-        finder = FaceFinder(THRESHOLD if args.threshold is None else args.threshold)
-    except ModelMissing as failure:
-        raise ConfigError(str(failure)) from None
+    finder = FaceFinder(THRESHOLD if args.threshold is None else args.threshold)
     drawing = None if args.draw is None else _Drawing(args.draw)
     documents = []
     for path, color, trouble in each_image(paths, "look for faces", COMMAND):

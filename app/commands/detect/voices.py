@@ -12,6 +12,7 @@ from app.commands.arguments import file_named, number, whole
 from app.commands.detect.outputs import make_folder, unused
 from app.commands.detect.voices_report import Heard, Writer, percept, print_tables, summary
 from app.commands.output import add_json, print_json
+from app.commands.packaged import config_file
 from app.commands.progress import Progress, shown
 from app.errors import ConfigError
 from app.plain_file import check_plain
@@ -50,8 +51,8 @@ def add_parser(kinds: Any) -> None:
         type=Path,
         required=True,
         metavar="ARRAY",
-        help="where the microphones are, in the order of the channels, and the body between them: a file as "
-        "config/arrays/irl1.yaml",
+        help="where the microphones are, in the order of the channels, and the body between them: a file, or a "
+        "name as irl1",
     )
     parser.add_argument("--microphones", type=whole(2, 32), metavar="N", help="use only the N that tell most")
     parser.add_argument(
@@ -65,6 +66,7 @@ def run(args: argparse.Namespace) -> int:
     """Listen to the files. Raises ConfigError."""
     from app.modules.perception.voices.array import load_array
 
+    args.array = config_file(args.array, "array", "--array")
     array = load_array(args.array)
     if args.microphones is not None and args.microphones > len(array):
         raise ConfigError(f"--microphones: {args.array} has {len(array)}, not {args.microphones}")

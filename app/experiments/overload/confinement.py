@@ -6,11 +6,11 @@ import contextlib
 import math
 import os
 import subprocess
-import sys
 from collections.abc import Iterator
 
 import psutil
 
+from app.children import python
 from app.errors import ConfigError
 
 #: CPU shares differ by this factor from one step of niceness to the next (Linux, sched(7)).
@@ -69,7 +69,7 @@ def _neighbours(budget: float, cores: set[int]) -> list[subprocess.Popen[bytes]]
     started = []
     for niceness in neighbours_niceness(budget):
         # In this session, or Linux would share the core out among sessions first (autogroup).
-        process = subprocess.Popen([sys.executable, "-c", _BUSY, str(os.getpid())], stdin=subprocess.DEVNULL)
+        process = subprocess.Popen(python("-c", _BUSY, str(os.getpid())), stdin=subprocess.DEVNULL)
         os.sched_setaffinity(process.pid, cores)
         os.setpriority(os.PRIO_PROCESS, process.pid, niceness)
         started.append(process)

@@ -28,11 +28,10 @@ from app.geometry import Pose2
 from app.messages import Face, Faces, Image, Odometry, read_only
 from app.modules.perception.faces.placing import FaceLooker, Sighting
 from app.modules.perception.faces.tracks import FaceTracks, Placed, TrackModel, prepare
-from app.modules.perception.faces.yunet import THRESHOLD, ModelMissing
+from app.modules.perception.faces.yunet import THRESHOLD
 from app.modules.perception.height import People
 from app.modules.perception.opencv import use_calling_thread
 from app.modules.perception.pose_at import PoseAt
-from app.runtime.errors import ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
 
 #: Kept over restarts, so that nobody is taken for who was there before.
@@ -80,11 +79,8 @@ class FaceDetector(Module):
         """Load the model; after a restart, go on with numbers no face has had. Raises ModuleFailed."""
         use_calling_thread()
         people = People(self.settings.height_mean_m, self.settings.height_sigma_m)
-        try:
-            self._looker = await self.compute(FaceLooker, self._min_score, people)
-            await self.compute(prepare)
-        except ModelMissing as failure:
-            raise ModuleFailed(str(failure)) from None
+        self._looker = await self.compute(FaceLooker, self._min_score, people)
+        await self.compute(prepare)
         self._tracks = FaceTracks(TrackModel(forget_s=self.settings.forget_s), self.kept.get(_NEXT_TRACK, 1))
 
     def configure(self, parameters: Mapping[str, Any]) -> None:

@@ -8,11 +8,11 @@ import logging
 import math
 import os
 import socket
-import sys
 from collections import deque
 from collections.abc import Callable
 from typing import Any
 
+from app.children import python
 from app.geometry import Pose2
 from app.link import LinkFailed, RobotDescription, StreamDescription
 from app.messages import (
@@ -243,7 +243,7 @@ class _Session(asyncio.Protocol):
         try:
             session = _Session(ImageRings(memory, formats), receive)
             session.process = await asyncio.create_subprocess_exec(
-                sys.executable, "-m", "app.robots.simulated.process", str(theirs.fileno()), str(memory),
+                *python("-m", "app.robots.simulated.process", str(theirs.fileno()), str(memory)),
                 pass_fds=(theirs.fileno(), memory), stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.DEVNULL,
                 stderr=asyncio.subprocess.PIPE, env=os.environ | gl_environment(), start_new_session=True,
             )  # fmt: skip

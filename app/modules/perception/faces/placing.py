@@ -79,7 +79,7 @@ def middle(landmarks: NDArray[np.float32]) -> Vector:
 class FaceLooker:
     """Finds and places the faces of one camera after another; keeps what is costly to make anew.
 
-    To be used by one thread at a time. Raises ModelMissing.
+    To be used by one thread at a time.
     """
 
     def __init__(self, threshold: float, people: People = STANDING) -> None:

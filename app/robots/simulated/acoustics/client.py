@@ -10,6 +10,7 @@ import subprocess
 import sys
 from typing import Any
 
+from app.children import python
 from app.geometry import Pose2
 from app.messages import Audio
 from app.robots.simulated.acoustics.orders import Heard, Played
@@ -115,13 +116,7 @@ class Acoustics:
                 end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1 << 18)
         try:
             self._process = subprocess.Popen(
-                [
-                    sys.executable,
-                    "-m",
-                    "app.robots.simulated.acoustics.process",
-                    str(theirs.fileno()),
-                    str(self._setup),
-                ],
+                python("-m", "app.robots.simulated.acoustics.process", str(theirs.fileno()), str(self._setup)),
                 pass_fds=(theirs.fileno(), self._setup),
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,

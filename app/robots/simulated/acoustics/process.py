@@ -6,20 +6,19 @@ must decide about the wheels every four. It ends when the other end of the socke
 
 from __future__ import annotations
 
-import ctypes
 import os
 import signal
 import sys
 
-_PR_SET_PDEATHSIG = 1
+from app.children import end_with_parent
 
 
 def main(arguments: list[str]) -> int:
     """Run the microphones until told to end; 0."""
     parent = os.getppid()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    end_with_parent(signal.SIGKILL)
     if sys.platform == "linux":
-        ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
         if os.getpriority(os.PRIO_PROCESS, 0) < 0:  # the control loop's, not ours
             os.setpriority(os.PRIO_PROCESS, 0, 0)
     if parent != os.getppid():

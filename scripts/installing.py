@@ -1,0 +1,119 @@
+"""pip, with its progress on one line and its failures in one sentence. Standard library only."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TextIO
+
+#: Where there is no terminal: a line after so long (s), and not more often.
+LINE_EVERY_S = 10.0
+_PROXY = re.compile(r"ProxyError\(.*?(Tunnel connection failed: [^'\")]+|Connection refused|Name or service not known)")
+
+
+class PipFailed(Exception):
+    """pip did not do it; the message says why, and what to do."""
+
+
+class Progress:
+    """What pip has done so far, out of what it writes."""
+
+    def __init__(self) -> None:
+        self._collected: set[str] = set()
+
+    def read(self, line: str) -> str | None:
+        """How far it is after this ``line``, in words; None where the line says nothing of it."""
+        if found := re.match(r"\s*Collecting ([\w.-]+)", line):
+            self._collected.add(found[1])
+            return f"{len(self._collected)} packages so far, now {found[1]}"
+        if line.startswith("Installing collected packages:"):
+            return f"putting {line.count(',') + 1} packages into place"
+        if "Retrying (" in line:
+            return "the package index does not answer, trying again"
+        return None
+
+
+def install(
+    python: Path,
+    *arguments: str,
+    title: str,
+    environment: Mapping[str, str] | None = None,
+    out: TextIO | None = None,
+) -> None:
+    """``pip install ARGUMENTS`` for ``python``, saying how far it is on ``out`` (standard output). Raises PipFailed.
+
+    ``environment`` is added to this process's own.
+    """
+    said: list[str] = []
+    command = [str(python), "-m", "pip", "install", "--disable-pip-version-check", "--progress-bar=off", *arguments]
+    with (
+        _shown(title, sys.stdout if out is None else out) as show,
+        subprocess.Popen(
+            command,
+            env={**os.environ, "PIP_ROOT_USER_ACTION": "ignore", **(environment or {})},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        ) as process,
+    ):
+        assert process.stdout is not None
+        progress = Progress()
+        for line in process.stdout:
+            said.append(line)
+            if (now := progress.read(line)) is not None:
+                show(now)
+    if process.returncode:
+        raise PipFailed(failure("".join(said)))
+
+
+def failure(said: str) -> str:
+    """What is to be done about a failure of pip, which wrote ``said``."""
+    if found := _PROXY.search(said):
+        return (
+            f"The proxy does not let pip through to the Python package index ({found[1].strip()}): correct the "
+            "environment variable HTTPS_PROXY, or name an index that it allows in PIP_INDEX_URL."
+        )
+    if "NewConnectionError" in said or "Name or service not known" in said:
+        return (
+            "The Python package index cannot be reached: connect this computer to the network, "
+            "or name a mirror in the environment variable PIP_INDEX_URL."
+        )
+    return f"pip could not install the project:\n{said.strip()[-3000:]}"
+
+
+@contextmanager
+def _shown(title: str, out: TextIO) -> Iterator[Callable[[str], None]]:
+    """A function that shows how far it is: on a terminal in one line, which counts the seconds; else now and then."""
+    began = time.monotonic()
+    now = ""
+    over = threading.Event()
+    terminal = out.isatty()
+
+    def show(text: str) -> None:
+        nonlocal now
+        now = text
+
+    def write() -> None:
+        while not over.wait(0.5 if terminal else LINE_EVERY_S):
+            line = f"hbba: {title}: {now or 'beginning'} ({time.monotonic() - began:.0f} s)"
+            out.write(f"\r\x1b[K{line}" if terminal else f"{line}\n")
+            out.flush()
+
+    writer = threading.Thread(target=write, daemon=True)
+    writer.start()
+    try:
+        yield show
+    finally:
+        over.set()
+        writer.join()
+        if terminal:
+            out.write("\r\x1b[K")
+            out.flush()
