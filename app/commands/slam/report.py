@@ -116,7 +116,7 @@ def _compared(source: SweepSource, log: MappedLog, poses: NDArray[np.float64], r
         for row, key in enumerate(reference.keys)
         if key in place and place[key] in by_number
     ]
-    if len(pairs) < 3 and source.timed:
+    if len(pairs) < 3 and source.timed and reference.timed:
         numbers = _nearest(log.stamps(), np.arange(len(log.rows)), reference.stamps)
         pairs = [(int(number), row) for row, number in enumerate(numbers) if number >= 0]
     if len(pairs) < 3:
