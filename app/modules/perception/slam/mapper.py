@@ -42,6 +42,8 @@ _SURE_SHARE = 0.6
 #: Information (1/m^2, 1/rad^2) of these.
 _UNSURE = diagonal(50.0, 50.0, 800.0)
 _LOST = diagonal(0.25, 0.25, 4.0)
+#: No edge says less: a graph must be solvable.
+_LEAST = diagonal(1e-4, 1e-4, 0.1)
 #: Where the robot was placed by a person or a search (m, rad).
 _PLACED_SIGMAS = (0.5, 0.25)
 #: Rescue looks no farther than this (m, rad).
@@ -102,6 +104,7 @@ class Slam:
         self._X_KB = Pose2()
         self._rested = 0
         self._last_fit: Fit | None = None
+        self._off = (0.0, 0.0)
         self._step_sigmas = (0.0, 0.0)
         self._ratios = OdometryRatios()
         self._before = self._covariance
@@ -142,6 +145,7 @@ class Slam:
             self._travelled_m += distance
             if distance < _REST and abs(step.theta) < _REST and self._rested < _REST_SCANS:
                 self._rested += 1
+                self._off = (0.0, 0.0)
                 return self._told(stamp, X_OB, added=False)
         self._rested = 0
         scan = prepared(ranges, beams, twist, sweep_s, self.settings.range_max_m, self.settings.thinning_m)
@@ -157,7 +161,7 @@ class Slam:
                 self._look_around()
         fit = self._follow(scan, step)
         off = self._poses[self._keyframe].inverse() @ self._X_MB
-        far = math.hypot(off.x, off.y) > self.settings.keyframe_m or abs(off.theta) > self.settings.keyframe_rad
+        far = self._is_far(off, lost=fit.inliers < self.settings.lost_below)
         added = far and not self._frozen
         if added:
             self._add_keyframe(stamp, scan, fit)
@@ -269,7 +273,10 @@ class Slam:
         self._last_fit = fit
         if fit.inliers < settings.poor_below:
             self._travelled_m += _POOR_SCAN_M
+        self._off = (0.0, 0.0)
         if fit.inliers >= settings.lost_below:
+            off = prior.inverse() @ fit.X_SB
+            self._off = math.hypot(off.x, off.y), abs(wrap_angle(off.theta))
             self._X_MB = X_MS @ fit.X_SB
             self._update(X_MS, fit)
         return fit
@@ -336,18 +343,37 @@ class Slam:
         self._keyframe, self._X_KB = id, Pose2()
         self._version += 1
         information = _LOST if fit is None else self._edge_information(fit)
+        lost = fit is not None and fit.inliers < self.settings.lost_below
         for submap in self._active:
             X_SB = self._poses[submap.keyframes[0]].inverse() @ self._X_MB
-            submap.grid.insert(scan.points, X_SB)
             self._edges.append(Edge(submap.keyframes[0], id, X_SB, information, loop=False))
-            submap.keyframes.append(id)
+            if not lost:
+                submap.grid.insert(scan.points, X_SB)
+                submap.keyframes.append(id)
+        if lost:
+            # What follows is matched with this scan, not with what was before: on that, it hangs by odometry alone.
+            for submap in self._active:
+                self._finish(submap)
+            self._active = []
         self._turn_submaps(id, scan)
         self._due.append(id)
+
+    def _is_far(self, X_KB: Pose2, lost: bool) -> bool:
+        """Whether a scan at ``X_KB`` from the last keyframe is the next one."""
+        settings = self.settings
+        if lost:
+            return math.hypot(X_KB.x, X_KB.y) > settings.lost_keyframe_m or abs(X_KB.theta) > settings.lost_keyframe_rad
+        return math.hypot(X_KB.x, X_KB.y) > settings.keyframe_m or abs(X_KB.theta) > settings.keyframe_rad
 
     def _edge_information(self, fit: Fit) -> Information:
         if fit.inliers > _SURE_SHARE:
             return fit.edge_information(self._step_sigmas)
-        return _UNSURE if fit.inliers >= self.settings.lost_below else _LOST
+        if fit.inliers >= self.settings.lost_below:
+            return _UNSURE
+        # As sure as odometry is since scans fitted last, and no surer than not to matter beside a loop.
+        x, y, theta = np.diagonal(self._covariance).tolist()
+        place = max(min(_LOST[0], 1.0 / (x + y)), _LEAST[0])
+        return diagonal(place, place, max(min(_LOST[5], 1.0 / theta), _LEAST[5]))
 
     def _turn_submaps(self, id: int, scan: Scan) -> None:
         """Begin a submap when the newest is half full; then the oldest, if whole, is finished."""
@@ -396,4 +422,5 @@ class Slam:
             X_KB=self._X_KB,
             added=added,
             moved=moved,
+            off=self._off,
         )
