@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.geometry import Pose2, wrap_angle
-from app.modules.perception.slam.information import Information, diagonal
+from app.modules.perception.slam.edges import edge_information
 from app.modules.perception.slam.local_map import DOUBTED_M, STALE_M, LocalMap, local_map
 from app.modules.perception.slam.loop_closure import LoopJob, LoopMemory, LoopOutcome, pose_array
 from app.modules.perception.slam.matching import NOISE_M, Fit, fitted
@@ -37,13 +37,6 @@ _PRICE_MOST = 0.37
 _PRICE_SIGMAS2 = 10.0
 #: What a scan that does not fit adds to the metres driven: so much faster the drift grows.
 _POOR_SCAN_M = 3.0
-#: An edge of so small a share of the scan says little, and one of no share next to nothing.
-_SURE_SHARE = 0.6
-#: Information (1/m^2, 1/rad^2) of these.
-_UNSURE = diagonal(50.0, 50.0, 800.0)
-_LOST = diagonal(0.25, 0.25, 4.0)
-#: No edge says less: a graph must be solvable.
-_LEAST = diagonal(1e-4, 1e-4, 0.1)
 #: Where the robot was placed by a person or a search (m, rad).
 _PLACED_SIGMAS = (0.5, 0.25)
 #: Rescue looks no farther than this (m, rad).
@@ -161,8 +154,7 @@ class Slam:
                 self._look_around()
         fit = self._follow(scan, step)
         off = self._poses[self._keyframe].inverse() @ self._X_MB
-        far = self._is_far(off, lost=fit.inliers < self.settings.lost_below)
-        added = far and not self._frozen
+        added = self.settings.is_far(off, lost=fit.inliers < self.settings.lost_below) and not self._frozen
         if added:
             self._add_keyframe(stamp, scan, fit)
         else:
@@ -342,7 +334,7 @@ class Slam:
         self._poses[id] = self._X_MB
         self._keyframe, self._X_KB = id, Pose2()
         self._version += 1
-        information = _LOST if fit is None else self._edge_information(fit)
+        information = edge_information(fit, self._step_sigmas, self._covariance, self.settings.lost_below)
         lost = fit is not None and fit.inliers < self.settings.lost_below
         for submap in self._active:
             X_SB = self._poses[submap.keyframes[0]].inverse() @ self._X_MB
@@ -357,23 +349,6 @@ class Slam:
             self._active = []
         self._turn_submaps(id, scan)
         self._due.append(id)
-
-    def _is_far(self, X_KB: Pose2, lost: bool) -> bool:
-        """Whether a scan at ``X_KB`` from the last keyframe is the next one."""
-        settings = self.settings
-        if lost:
-            return math.hypot(X_KB.x, X_KB.y) > settings.lost_keyframe_m or abs(X_KB.theta) > settings.lost_keyframe_rad
-        return math.hypot(X_KB.x, X_KB.y) > settings.keyframe_m or abs(X_KB.theta) > settings.keyframe_rad
-
-    def _edge_information(self, fit: Fit) -> Information:
-        if fit.inliers > _SURE_SHARE:
-            return fit.edge_information(self._step_sigmas)
-        if fit.inliers >= self.settings.lost_below:
-            return _UNSURE
-        # As sure as odometry is since scans fitted last, and no surer than not to matter beside a loop.
-        x, y, theta = np.diagonal(self._covariance).tolist()
-        place = max(min(_LOST[0], 1.0 / (x + y)), _LEAST[0])
-        return diagonal(place, place, max(min(_LOST[5], 1.0 / theta), _LEAST[5]))
 
     def _turn_submaps(self, id: int, scan: Scan) -> None:
         """Begin a submap when the newest is half full; then the oldest, if whole, is finished."""

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+
+from app.geometry import Pose2
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +53,13 @@ class SlamSettings:
     keyframes_per_m2: int = 10
     #: ... of which there are so many.
     heading_sectors: int = 4
+
+    def is_far(self, X_KB: Pose2, lost: bool) -> bool:
+        """Whether a scan at ``X_KB`` from the last keyframe is the next one; ``lost``: it fits nowhere."""
+        metres, radians = self.keyframe_m, self.keyframe_rad
+        if lost:
+            metres, radians = self.lost_keyframe_m, self.lost_keyframe_rad
+        return math.hypot(X_KB.x, X_KB.y) > metres or abs(X_KB.theta) > radians
 
     def odometry_sigmas(self, distance_m: float, turn_rad: float) -> tuple[float, float]:
         """Standard deviations (m, rad) of a motion measured by odometry."""
