@@ -40,6 +40,7 @@ class LogInfo:
 
     ``format`` names it for people (``HBBA MCAP``, ``ROS 1 bag``, ``ROS 2 bag``, ``CARMEN``). ``ignored`` names topics
     that carry what this program has no message for, and why; ``notes`` says what the reader had to assume.
+    ``timed`` is False where the times of messages are assumed, too.
     """
 
     path: Path
@@ -50,6 +51,7 @@ class LogInfo:
     bytes: int
     ignored: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    timed: bool = True
 
     @property
     def duration_s(self) -> float:

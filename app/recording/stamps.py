@@ -3,8 +3,15 @@
 from __future__ import annotations
 
 import math
+from typing import Self
 
 SECOND = 1_000_000_000
+#: What is in the place of a stamp that goes back comes after the one before by the last step, but no later (s).
+_LONGEST_STEP_S = 1.0
+#: Stamps that go back no farther than this (s) are written a little out of order: not worth a word.
+JITTER_S = 0.1
+#: Stamps that would be alike differ by this (s).
+_LEAST_STEP_S = 1e-6
 
 
 def to_ns(seconds: float) -> int:
@@ -20,3 +27,51 @@ def from_ns(nanoseconds: int) -> float:
     """
     whole, rest = divmod(nanoseconds, SECOND)
     return whole + rest / 1e9
+
+
+class Onward:
+    """The stamps (s) of one sensor's messages in the order of a log, with those that go back put in their place.
+
+    A log's order is that of arrival, which is right where a stamp is not: a clock that was set, a message that was
+    stamped wrongly. Such a stamp becomes the one before plus the last step. Where the next one goes on from it, the
+    clock was set: stamps follow it then, and wait until it has caught up.
+    """
+
+    __slots__ = ("_given", "_last", "_newest", "_step", "back", "first_back", "most_back_s", "seen")
+
+    def __init__(self) -> None:
+        self._newest = -math.inf
+        self._last = -math.inf
+        self._given = -math.inf
+        self._step = 0.0
+        #: How many stamps went back, by how much (s) at most, the number of the first (from 0; -1: none did), and how
+        #: many there were.
+        self.back = 0
+        self.most_back_s = 0.0
+        self.first_back = -1
+        self.seen = 0
+
+    def next(self, stamp: float) -> float:
+        """``stamp``, or what is in its place: never less than the one before."""
+        self.seen += 1
+        went_back = stamp < self._newest
+        follows = self._last < self._newest and stamp >= self._last
+        self._last = stamp
+        if went_back and not follows:
+            self.back += 1
+            self.most_back_s = max(self.most_back_s, self._newest - stamp)
+            self.first_back = self.seen - 1 if self.first_back < 0 else self.first_back
+            self._given += max(self._step, _LEAST_STEP_S)
+            return self._given
+        if 0.0 < stamp - self._newest <= _LONGEST_STEP_S:
+            self._step = stamp - self._newest
+        self._newest = stamp
+        self._given = stamp if stamp >= self._given else self._given + _LEAST_STEP_S
+        return self._given
+
+    def copy(self) -> Self:
+        """The same, which goes on by itself."""
+        other = type(self)()
+        for name in self.__slots__:
+            setattr(other, name, getattr(self, name))
+        return other

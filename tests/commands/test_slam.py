@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -47,7 +48,7 @@ def test_a_log_becomes_a_map_and_figures(log: Path, tmp_path: Path, capsys: pyte
     arguments = ["--relations", str(relations), "--reference", str(reference), "--out", str(out), "--json"]
     assert main(["slam", str(log), *arguments]) == 0
     told = json.loads(capsys.readouterr().out)
-    assert told["intact"]
+    assert told["intact"] == "yes"
     assert told["relations"]["mean_m"] < 0.02
     assert told["relations"]["gross"] == 0
     assert told["reference"]["scans"] == told["scans"] == told["taken"]
@@ -68,7 +69,7 @@ def test_a_carmen_log_is_mapped_and_fewer_scans_are_taken(log: Path, capsys: pyt
     said = capsys.readouterr().out
     count = len(np.load(log)["ranges"])
     assert f"{-(-count // 3)} of {count} (φ = 3)" in said
-    assert "broken" not in said
+    assert "intact     yes" in said
 
 
 @pytest.mark.parametrize(
@@ -116,7 +117,7 @@ def test_a_log_that_shows_nothing_at_first_is_mapped_from_where_it_does(
     np.savez(tmp_path / "late.npz", ranges=ranges, pose=poses)
     assert main(["slam", str(tmp_path / "late.npz"), "--relations", str(log.parent / "relations.txt"), "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
-    assert told["intact"]
+    assert told["intact"] == "yes"
     assert told["relations"]["mean_m"] < 0.02
 
 
@@ -125,6 +126,64 @@ def test_a_log_that_was_cut_off_says_so(log: Path, tmp_path: Path, capsys: pytes
     (tmp_path / "cut.log.gz").write_bytes(packed[: len(packed) // 2])
     assert main(["slam", str(tmp_path / "cut.log.gz")]) == 0
     assert "ends in the middle of its packed text" in capsys.readouterr().out
+
+
+def rewritten(log: Path, to: Path, stamp: Callable[[int], float], reading: Callable[[int, str], str]) -> Path:
+    """The CARMEN log beside ``log`` with other stamps and readings, by number of the line and of the ray."""
+    lines = []
+    for k, words in enumerate(line.split() for line in (log.parent / "true.log").read_text().splitlines()):
+        words[2:183] = [reading(ray, word) for ray, word in enumerate(words[2:183])]
+        words[-3] = words[-1] = f"{stamp(k):.3f}"
+        lines.append(" ".join(words))
+    to.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return to
+
+
+@pytest.mark.parametrize(
+    ("stamp", "reading", "said"),
+    [
+        (lambda k: 0.0, lambda ray, word: word, "times of this log cannot be used"),
+        (lambda k: 0.2 * k - 0.4 if k < 9 else 4294967295.0, lambda ray, word: word, "5 scans a second are assumed"),
+        (lambda k: 0.2 * k, lambda ray, word: word, ""),
+        (lambda k: 50.0 + 0.2 * k - 3.0 * (k % 50 == 20), lambda ray, word: word, "stamps that go back: "),
+        (
+            lambda k: 1.0 + 0.2 * k,
+            lambda ray, word: "nan" if ray % 9 == 4 else word,
+            "readings (11.0 %) are no distance",
+        ),
+    ],
+    ids=["no times", "wrapped", "from 0 on", "going back", "no numbers"],
+)
+def test_a_log_with_odd_times_or_readings_is_mapped_all_the_same(
+    log: Path,
+    tmp_path: Path,
+    stamp: Callable[[int], float],
+    reading: Callable[[int, str], str],
+    said: str,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    odd = rewritten(log, tmp_path / "odd.log", stamp, reading)
+    reference = rewritten(log, tmp_path / "reference.log", stamp, reading)
+    arguments = ["--relations", str(log.parent / "relations.txt"), "--reference", str(reference), "--json"]
+    assert main(["slam", str(odd), *arguments]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["scans"] == told["taken"] == told["reference"]["scans"] == len(np.load(log)["ranges"])
+    assert told["relations"]["gross"] == 0
+    assert told["relations"]["mean_m"] < 0.02
+    assert any(said in note for note in [*told["notes"], ""])
+
+
+def test_stamps_of_arrays_that_go_back_are_said(log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with np.load(log) as whole:
+        ranges, poses = whole["ranges"].copy(), whole["pose"]
+    ranges[:, 7] = np.nan
+    stamps = 0.2 * np.arange(len(ranges))
+    stamps[30:32] -= 5.0
+    np.savez(tmp_path / "back.npz", ranges=ranges, pose=poses, stamp=stamps)
+    assert main(["slam", str(tmp_path / "back.npz"), "--json"]) == 0
+    notes = " ".join(json.loads(capsys.readouterr().out)["notes"])
+    assert "stamps that go back: 1 (the first is number 30; by 4.80 s at most)" in notes
+    assert "are no distance (no number, or too near)" in notes
 
 
 @pytest.mark.slow

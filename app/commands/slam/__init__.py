@@ -64,15 +64,17 @@ def run(args: argparse.Namespace) -> int:
     reference = None if args.reference is None else read_reference(args.reference)
     with shown("map") as progress:
         from app.modules.perception.slam.offline import mapped
+        from app.modules.perception.slam.self_check import checked
 
         log = mapped(source.sweeps, phi=args.phi, tell=lambda done, text: progress(done, source.count, text))
     if not log.rows:
         raise ConfigError(f"{args.log}: has no scan with odometry to it that shows anything")
-    document = figures(source, log, args.phi, relations, reference)
+    check = checked(log)
+    document = figures(source, log, args.phi, check, relations, reference)
     if args.out is not None:
         from app.commands.slam.outputs import write
 
-        document["written"] = write(args.out, log)
+        document["written"] = write(args.out, log, check)
     if args.json:
         print_json(document)
     else:

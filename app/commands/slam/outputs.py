@@ -13,9 +13,10 @@ from app.errors import ConfigError
 if TYPE_CHECKING:
     from app.messages import OccupancyGrid
     from app.modules.perception.slam.offline import MappedLog
+    from app.modules.perception.slam.self_check import Checked
 
 
-def write(folder: Path, log: MappedLog) -> list[str]:
+def write(folder: Path, log: MappedLog, check: Checked) -> list[str]:
     """Write all files into ``folder``, which is there; returns their names. Raises ConfigError."""
     from app.maps.map_server import pgm_bytes, yaml_text
     from app.maps.picture import shown_png
@@ -27,7 +28,7 @@ def write(folder: Path, log: MappedLog) -> list[str]:
         "map.pgm": pgm_bytes(grid),
         "map.png": shown_png(grid),
         "trajectory.tum": _tum(log).encode(),
-        "trajectory.csv": _csv(log).encode(),
+        "trajectory.csv": _csv(log, check).encode(),
     }
     try:
         for name, content in files.items():
@@ -68,9 +69,11 @@ def _tum(log: MappedLog) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _csv(log: MappedLog) -> str:
-    lines = ["scan,stamp,x_m,y_m,theta_rad,sigma_x_m,sigma_y_m,sigma_theta_rad,inliers"]
+def _csv(log: MappedLog, check: Checked) -> str:
+    """``sigma_…`` on the map around at the time, ``map_sigma_m`` on the whole map, seen from its first keyframe."""
+    lines = ["scan,stamp,x_m,y_m,theta_rad,sigma_x_m,sigma_y_m,sigma_theta_rad,inliers,map_sigma_m"]
     for row, (x, y, theta) in zip(log.rows, log.poses(), strict=True):
         sigmas = ",".join(f"{sigma:.5f}" for sigma in row.sigmas)
-        lines.append(f"{row.number},{row.stamp:.6f},{x:.5f},{y:.5f},{theta:.6f},{sigmas},{row.inliers:.3f}")
+        whole = check.sigmas_m[log.kept(row.keyframe)[0]]
+        lines.append(f"{row.number},{row.stamp:.6f},{x:.5f},{y:.5f},{theta:.6f},{sigmas},{row.inliers:.3f},{whole:.4f}")
     return "\n".join(lines) + "\n"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -16,24 +15,28 @@ if TYPE_CHECKING:
     from app.commands.slam.sweeps import SweepSource
     from app.commands.slam.truth import Reference, Relations
     from app.modules.perception.slam.offline import MappedLog
+    from app.modules.perception.slam.self_check import Checked
 
 #: A time of a relation or reference names a scan not farther away than this (s).
 _SAME_S = 0.05
 #: Beyond this (m) a relation between poses that odometry led to tells of the map, too.
 GROSS_M = 0.5
-#: A map of which more scans did not fit than this share is likely to be broken somewhere.
-BROKEN_SHARE = 0.01
 
 
 def figures(
-    source: SweepSource, log: MappedLog, phi: int, relations: Relations | None, reference: Reference | None
+    source: SweepSource,
+    log: MappedLog,
+    phi: int,
+    check: Checked,
+    relations: Relations | None,
+    reference: Reference | None,
 ) -> dict[str, Any]:
     """All that is told, for JSON. Raises ConfigError where relations or reference are of another log."""
     from app.modules.perception.slam.relations import filled_in
 
     scan_ms = 1e3 * np.array(log.scan_s)
     poses = log.poses()
-    unmatched = log.unmatched()
+    whole = np.array(list(check.sigmas_m.values()))
     document: dict[str, Any] = {
         "log": str(source.path),
         "notes": source.notes,
@@ -43,8 +46,9 @@ def figures(
         "path_m": round(float(np.hypot(*np.diff(poses[:, :2], axis=0).T).sum()), 1),
         "keyframes": len(log.slam.keyframes),
         "loops": log.slam.loops,
-        "unmatched": unmatched,
+        "unmatched": log.unmatched(),
         "sigma_m": _rounded(np.hypot(log.sigmas()[:, 0], log.sigmas()[:, 1]), 4),
+        "map_sigma_m": _rounded(whole, 4) if np.isfinite(whole).all() else None,
         "cpu_s": round(log.cpu_s, 2),
         "loops_cpu_s": round(log.jobs_s, 2),
         "scan_ms": _rounded(scan_ms, 3),
@@ -54,7 +58,10 @@ def figures(
         document["relations"] = _related(source, log, everywhere, relations)
     if reference is not None:
         document["reference"] = _compared(source, log, poses, reference)
-    document["intact"] = _intact(document)
+    gross = _gross(document)
+    doubts = [f"{gross} relations are wrong by more than 0.5 m or 5°"] if gross else []
+    document["intact"] = "no" if gross else check.intact
+    document["doubts"] = [*doubts, *check.doubts]
     return document
 
 
@@ -116,7 +123,7 @@ def _compared(source: SweepSource, log: MappedLog, poses: NDArray[np.float64], r
         for row, key in enumerate(reference.keys)
         if key in place and place[key] in by_number
     ]
-    if len(pairs) < 3 and source.timed:
+    if len(pairs) < 3 and source.timed and reference.timed:
         numbers = _nearest(log.stamps(), np.arange(len(log.rows)), reference.stamps)
         pairs = [(int(number), row) for row, number in enumerate(numbers) if number >= 0]
     if len(pairs) < 3:
@@ -124,11 +131,6 @@ def _compared(source: SweepSource, log: MappedLog, poses: NDArray[np.float64], r
     ours, theirs = (np.array(rows) for rows in zip(*pairs, strict=True))
     mean, rmse, most = (round(error, 4) for error in trajectory_error(poses[ours], reference.poses[theirs]))
     return {"file": str(reference.path), "scans": len(pairs), "mean_m": mean, "rmse_m": rmse, "max_m": most}
-
-
-def _intact(document: dict[str, Any]) -> bool:
-    """Whether nothing says that the map is broken."""
-    return not _gross(document) and bool(document["unmatched"] <= BROKEN_SHARE * document["taken"])
 
 
 def _gross(document: dict[str, Any]) -> int:
@@ -141,14 +143,16 @@ def _gross(document: dict[str, Any]) -> int:
 
 def print_figures(document: dict[str, Any]) -> None:
     """The same as a table."""
-    ms, sigma = document["scan_ms"], document["sigma_m"]
+    ms, sigma, whole = document["scan_ms"], document["sigma_m"], document["map_sigma_m"]
     rows = [
         ("scans", f"{document['taken']} of {document['scans']} (φ = {document['phi']}), {document['path_m']:.0f} m"),
         ("map", f"{document['keyframes']} keyframes, {document['loops']} loops closed"),
         ("a scan", f"mean {ms['mean']:.2f} ms, p99 {ms['p99']:.2f} ms, greatest {ms['max']:.1f} ms of CPU"),
         ("all", f"{document['cpu_s']:.1f} s of CPU, {document['loops_cpu_s']:.1f} s of it for loops"),
-        ("believed", f"±{sigma['mean']:.3f} m on average, p99 {sigma['p99']:.3f} m"),
+        ("believed", f"±{sigma['mean']:.3f} m on average on the map around, p99 {sigma['p99']:.3f} m"),
     ]
+    if whole is not None:
+        rows.append(("", f"±{whole['mean']:.3f} m on average on the whole map, greatest {whole['max']:.3f} m"))
     if "relations" in document:
         r = document["relations"]
         metres = f"{r['mean_m']:.4f} ± {r['sd_m']:.4f} m, greatest {r['max_m']:.2f} m"
@@ -167,15 +171,6 @@ def print_figures(document: dict[str, Any]) -> None:
         print(f"  {note}")
     for name, text in rows:
         print(f"  {name:<10} {text}")
-    if not document["intact"]:
-        print(f"  broken     {_why(document)}")
+    print(f"  {'intact':<10} {'; '.join([document['intact'], *document['doubts']])}")
     for path in document.get("written", ()):
         print(f"  written    {path}")
-
-
-def _why(document: dict[str, Any]) -> str:
-    share = document["unmatched"] / max(document["taken"], 1)
-    gross = _gross(document)
-    said = [f"{document['unmatched']} scans ({100 * share:.1f} %) did not fit the map"] if share > BROKEN_SHARE else []
-    said += [f"{gross} relations are wrong by more than 0.5 m or 5°"] if gross else []
-    return "; ".join(said) if not math.isnan(share) else ""

@@ -8,7 +8,7 @@ import math
 import zipfile
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +20,7 @@ from app.geometry import Pose2
 from app.messages import LaserScan, Odometry
 from app.npz_source import read_arrays
 from app.pose_buffer import PoseBuffer
+from app.recording.stamps import JITTER_S, Onward
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
     from app.modules.perception.slam.offline import Sweep
     from app.recording.log import Log
 
-#: Arrays without times are taken to be so far apart (s).
-ASSUMED_PERIOD_S = 0.2
 _RANGE_MIN_M = 0.05
 _RANGE_MAX_M = 80.0
 #: A greatest reading that so large a share of all have (at least) is the laser's word for "nothing".
@@ -81,11 +80,12 @@ def open_sweeps(args: argparse.Namespace) -> SweepSource:
         odometry = _channel(path, types, Odometry, args.odometry, "--odometry", "odometry")
     except ConfigError as lack:
         log.close()
-        malformed = log.info.ignored.get("malformed lines")
-        raise ConfigError(f"{lack}; lines that cannot be read: {malformed}" if malformed else str(lack)) from None
+        lines = [f"{what}: {why}" for what, why in log.info.ignored.items() if not what.startswith("/")]
+        raise ConfigError(f"{lack}; not read are {'; '.join(lines)}" if lines else str(lack)) from None
     # Topics that are of no use here go without saying; a log that ends too soon does not.
     unread = [f"not read: {what}: {why}" for what, why in log.info.ignored.items() if not what.startswith("/")]
-    source = SweepSource(path, channels[scans].count, iter(()), notes=[*log.info.notes, *unread])
+    notes = [*log.info.notes, *unread]
+    source = SweepSource(path, channels[scans].count, iter(()), notes, timed=log.info.timed)
     source.sweeps = _of_log(source, log, scans, odometry)
     return source
 
@@ -104,7 +104,7 @@ def _channel(
         return fitting[0]
     if not fitting:
         what = "laser scans" if wanted is LaserScan else "odometry"
-        raise ConfigError(f"{path}: has no {what}; mapping needs scans and odometry")
+        raise ConfigError(f"{path}: has no {what} that can be read; mapping needs scans and odometry")
     raise ConfigError(f"{path}: has several channels; choose with {option}: {', '.join(fitting)}")
 
 
@@ -119,28 +119,70 @@ def _of_log(source: SweepSource, log: Log, scans: str, odometry: str) -> Iterato
     newest = -math.inf
     waiting: deque[LaserScan] = deque()
     beams = BeamsOf()
+    order = {scans: Onward(), odometry: Onward()}
+    readings = _Readings()
+    poseless = 0
+
+    def ready(scan: LaserScan) -> Iterator[Sweep]:
+        nonlocal poseless
+        if (X_OB := poses.at(scan.stamp)) is None:
+            poseless += 1
+            return
+        source.keys.append(sweep_key(scan.ranges))
+        readings.count(scan.ranges, scan.range_min)
+        yield Sweep(scan.stamp, scan.ranges, beams(scan), X_OB, twist, scan.duration_s)
+
     try:
         for logged in log.messages(channels=(scans, odometry)):
             message = logged.message
+            stamp = order[logged.channel].next(message.stamp)
             if isinstance(message, Odometry):
+                # One that goes back is not taken; those around it say where the robot was.
                 poses.add(message.stamp, message.X_OB)
                 twist = (message.linear_mps, message.angular_radps)
                 newest = max(newest, message.stamp)
             else:
-                waiting.append(message)
+                waiting.append(message if stamp == message.stamp else replace(message, stamp=stamp))
             while waiting and (waiting[0].stamp <= newest or logged.at - waiting[0].stamp > _WAIT_S):
-                scan = waiting.popleft()
-                if (X_OB := poses.at(scan.stamp)) is not None:
-                    source.keys.append(sweep_key(scan.ranges))
-                    yield Sweep(scan.stamp, scan.ranges, beams(scan), X_OB, twist, scan.duration_s)
+                yield from ready(waiting.popleft())
         for scan in waiting:
-            if (X_OB := poses.at(scan.stamp)) is not None:
-                source.keys.append(sweep_key(scan.ranges))
-                yield Sweep(scan.stamp, scan.ranges, beams(scan), X_OB, twist, scan.duration_s)
+            yield from ready(scan)
     except LogError as failure:
         raise ConfigError(str(failure)) from None
     finally:
         log.close()
+    source.notes += [_went_back(channel, stamps) for channel, stamps in order.items() if stamps.most_back_s > JITTER_S]
+    source.notes += readings.notes()
+    if poseless:
+        source.notes.append(f"{poseless} scans are left out, and not numbered: no odometry is within 0.1 s of them")
+
+
+def _went_back(what: str, stamps: Onward) -> str:
+    return (
+        f"{what}: stamps that go back: {stamps.back} (the first is number {stamps.first_back}; by "
+        f"{stamps.most_back_s:.2f} s at most): the log's order is kept, each such stamp is the one before plus a step"
+    )
+
+
+class _Readings:
+    """Counts readings that are no distance."""
+
+    def __init__(self) -> None:
+        self._all = self._none = 0
+
+    def count(self, ranges: NDArray[np.floating[Any]], range_min: float) -> None:
+        """Count those of one sweep or several (m)."""
+        self._all += ranges.size
+        self._none += ranges.size - int(np.count_nonzero(ranges >= range_min))
+
+    def notes(self) -> list[str]:
+        """What is to be said of them."""
+        if not self._none:
+            return []
+        share = 100 * self._none / self._all
+        return [
+            f"{self._none} readings ({share:.1f} %) are no distance (no number, or too near): nothing is known there"
+        ]
 
 
 # --- Arrays ----------------------------------------------------------------------------------------------------------
@@ -150,14 +192,19 @@ def _arrays(path: Path, args: argparse.Namespace) -> SweepSource:
     ranges, poses, stamps = _loaded(path)
     from app.modules.perception.slam.offline import Sweep
     from app.modules.perception.slam.scans import Beams
+    from app.recording.foreign.carmen_clock import ASSUMED_PERIOD_S
     from app.recording.foreign.carmen_lines import lms_angles
+    from app.recording.foreign.far_end import FarEnd
 
     first, step = lms_angles(ranges.shape[1])
     if args.angle_min is not None:
         first = math.radians(args.angle_min)
     if args.angle_step is not None:
         step = math.radians(args.angle_step)
-    limit = args.range_max if args.range_max is not None else _limit(ranges)
+    far = FarEnd()
+    far.add(ranges)
+    pile = far.limit()
+    limit = args.range_max if args.range_max is not None else min(_limit(ranges), pile or math.inf)
     beams = Beams(
         first + step * np.arange(ranges.shape[1], dtype=np.float64), _RANGE_MIN_M, limit, Pose2(args.laser_x or 0.0)
     )
@@ -167,6 +214,15 @@ def _arrays(path: Path, args: argparse.Namespace) -> SweepSource:
     notes = [f"{ranges.shape[1]} rays from {math.degrees(first):g}° to {last:g}°, up to {limit:g} m"]
     if not timed:
         notes.append(f"no times: {1 / ASSUMED_PERIOD_S:g} scans a second are assumed")
+    if args.range_max is None and limit == pile:
+        notes.append(f"readings from {limit:.1f} m on are the laser's for nothing seen: they pile up there")
+    order = Onward()
+    times = np.array([order.next(time) for time in times.tolist()])
+    if order.most_back_s > JITTER_S:
+        notes.append(_went_back("scan", order))
+    readings = _Readings()
+    readings.count(ranges, _RANGE_MIN_M)
+    notes += readings.notes()
     source = SweepSource(path, len(ranges), iter(()), notes, timed=timed)
 
     def sweeps() -> Iterator[Sweep]:

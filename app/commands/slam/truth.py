@@ -30,12 +30,13 @@ class Relations:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reference:
-    """Corrected poses (K, 3) of sweeps, by their time (s) and by what was read in them."""
+    """Corrected poses (K, 3) of sweeps, by their time (s), if ``timed``, and by what was read in them."""
 
     path: Path
     stamps: NDArray[np.float64]
     keys: list[bytes]
     poses: NDArray[np.float64]
+    timed: bool = True
 
 
 def read_relations(path: Path) -> Relations:
@@ -88,4 +89,4 @@ def read_reference(path: Path) -> Reference:
         raise ConfigError(f"--reference: {failure}") from None
     if len(poses) < 3:
         raise ConfigError(f"--reference: {path} has {len(poses)} scans with a pose; at least 3 are needed")
-    return Reference(path, np.array(stamps), keys, np.array(poses))
+    return Reference(path, np.array(stamps), keys, np.array(poses), log.info.timed)

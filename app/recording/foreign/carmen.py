@@ -22,15 +22,13 @@ import numpy as np
 from app.geometry import Pose2, Pose3
 from app.messages import LaserScan, Odometry, read_only
 from app.plain_file import open_plain
-from app.recording.foreign.carmen_lines import KINDS, Beams, Odom, Param, Times, parse
+from app.recording.foreign.carmen_clock import ASSUMED_PERIOD_S, Advance, CarmenClock, Clock
+from app.recording.foreign.carmen_lines import KINDS, Beams, Odom, Param, parse
+from app.recording.foreign.far_end import FarEnd
 from app.recording.log import LogError, Logged, LoggedChannel, LogInfo
 from app.recording.manifest import Manifest
+from app.recording.stamps import JITTER_S
 
-#: A line of a log that goes back further than this (s), or on further, was not written at the time that it says.
-_BACK_S = 10.0
-_ON_S = 86400.0
-#: No time of a line that is that small (s) was measured.
-_NO_TIME_S = 1e-9
 #: A line is no longer (bytes): a thousand rays take some 20 kB. Of a longer one nothing is read,
 _LONGEST_LINE = 1 << 20
 #: and one that is longer than this is no line of a log: a packed file may hold gigabytes of nothing.
@@ -66,30 +64,11 @@ def is_carmen(head: bytes) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class _Clock:
-    """Where in time a reader of the lines is: ``shift`` takes logger times to the clock of the captures."""
-
-    at: float
-    shift: float
-    started: bool = False
-
-    def next(self, times: Times) -> _Clock | None:
-        """The clock after a line of ``times``; None for times that cannot be. It never goes back: lines stand in the
-        order of their arrival, though some loggers wrote times a little out of order."""
-        logged = times.logged + self.shift
-        if times.captured <= _NO_TIME_S or not (
-            self.at - _BACK_S <= times.captured <= self.at + _ON_S and self.at - _BACK_S <= logged <= self.at + _ON_S
-        ):
-            return None
-        return _Clock(max(self.at, logged) if self.started else logged, self.shift, True)
-
-
-@dataclass(frozen=True, slots=True)
 class _Mark:
     """Here one may begin to read: ``offset`` (bytes of text), and what was known there."""
 
     offset: int
-    clock: _Clock
+    clock: Clock
     twist: tuple[float, float]
 
 
@@ -105,6 +84,13 @@ class _Survey:
     end: float
     params: dict[str, str]
     farthest_m: dict[str, float]
+    far_ends: dict[str, FarEnd]
+    #: Readings that are no distance, and lines that say no maximum range, by kind.
+    blank: Counter[str]
+    wordless: Counter[str]
+    #: What is said of stamps that go back, and of times that are of no use.
+    back: str
+    wrong_times: str
     marks: list[_Mark]
     truncated: str
 
@@ -124,6 +110,7 @@ class CarmenLog:
             channel: next((kind for kind in choices if kinds[kind]), None) for channel, choices in _LASERS.items()
         }
         self._channel_of = {kind: channel for channel, kind in self._lasers.items() if kind is not None}
+        self._pile_m = {kind: end.limit() for kind, end in survey.far_ends.items() if kind in self._channel_of}
         poses = kinds["ODOM"] + sum(kinds[kind] for kind in self._channel_of if not kind.startswith("RAW"))
         counts = {
             **{channel: (LaserScan, kinds[kind]) for kind, channel in self._channel_of.items()},
@@ -136,7 +123,10 @@ class CarmenLog:
             name: LoggedChannel(name, kind, count, (count - 1) / duration if duration > 0 and count > 1 else None)
             for name, (kind, count) in counts.items()
         }
-        self._info = LogInfo(path, "CARMEN", survey.begin, survey.end, channels, path.stat().st_size, self._ignored())
+        self._info = LogInfo(
+            path, "CARMEN", survey.begin, survey.end, channels, path.stat().st_size, self._ignored(),
+            self._notes(), not survey.wrong_times,
+        )  # fmt: skip
         streams = {"stream.hokuyo": "scan", "stream.odometry": "odometry"}
         self._manifest = Manifest(facts={stream: name for stream, name in streams.items() if name in channels})
 
@@ -157,7 +147,7 @@ class CarmenLog:
             # The last mark whose lines all come before: marks' clocks do not go back.
             mark = self._survey.marks[max(0, bisect_left(self._survey.marks, begin, key=lambda m: m.clock.at) - 1)]
         wanted = set(self._info.channels if channels is None else channels)
-        clock, twist = mark.clock, mark.twist
+        clock, twist = mark.clock.copy(), mark.twist
         for line in self._text(mark.offset):
             try:
                 row = parse(line)
@@ -165,15 +155,15 @@ class CarmenLog:
                 continue  # counted when the log was opened
             if row is None or isinstance(row, Param):
                 continue
-            after = clock.next(row.times)
-            if after is None:
+            times = clock.next(_kind(row), row.times)
+            if times is None:
                 continue
-            clock = after
+            at, stamp = times
             twist = _twist(row) or twist
-            if begin is not None and clock.at < begin:
+            if begin is not None and at < begin:
                 continue
-            for channel, message in self._messages_of(row, twist, wanted):
-                yield Logged(clock.at, channel, message)
+            for channel, message in self._messages_of(row, stamp, twist, wanted):
+                yield Logged(at, channel, message)
 
     def close(self) -> None:
         """Nothing is held open between readings."""
@@ -187,9 +177,8 @@ class CarmenLog:
                 raise
 
     def _messages_of(
-        self, row: Odom | Beams, twist: tuple[float, float], wanted: Collection[str]
+        self, row: Odom | Beams, stamp: float, twist: tuple[float, float], wanted: Collection[str]
     ) -> Iterator[tuple[str, LaserScan | Odometry]]:
-        stamp = row.times.captured
         if isinstance(row, Odom):
             if "odometry" in wanted:
                 yield "odometry", Odometry(stamp, row.pose, row.linear_mps, row.angular_radps)
@@ -200,20 +189,23 @@ class CarmenLog:
         if row.robot is not None and "odometry" in wanted:
             yield "odometry", Odometry(stamp, row.robot, *twist)
         if channel in wanted:
-            yield channel, self._scan(channel, row)
+            yield channel, self._scan(channel, row, stamp)
 
-    def _scan(self, channel: str, row: Beams) -> LaserScan:
+    def _scan(self, channel: str, row: Beams, stamp: float) -> LaserScan:
         limit = self._limit(row)
         ranges = np.where(row.ranges < limit, row.ranges, np.float32(np.inf))
         intensities = np.zeros_like(ranges) if row.intensities is None else row.intensities
         return LaserScan(
-            row.times.captured, "laser" if channel == "scan" else "rear_laser", read_only(ranges),
+            stamp, "laser" if channel == "scan" else "rear_laser", read_only(ranges),
             read_only(intensities), row.angle_min, row.angle_increment, _RANGE_MIN_M, limit, 0.0,
             self._mount(channel, row),
         )  # fmt: skip
 
     def _limit(self, row: Beams) -> float:
         """The range (m) from which a reading says that nothing was seen."""
+        pile = self._pile_m.get(row.kind)
+        if row.maximum is None and pile is not None:
+            return pile
         low, top = _LMS_CODES_MM
         codes = low if low <= self._survey.farthest_m[row.kind] < top else _LMS_CODES_CM
         return min(codes, row.maximum or math.inf)
@@ -228,6 +220,21 @@ class CarmenLog:
         except ValueError:
             offset = 0.0
         return (Pose2(0.0, 0.0, turn) @ Pose2(offset)).to_pose3()
+
+    def _notes(self) -> tuple[str, ...]:
+        survey = self._survey
+        notes = [survey.wrong_times, survey.back]
+        for kind, pile in self._pile_m.items():
+            if pile is not None and survey.wordless[kind]:
+                notes.append(
+                    f"{kind}: readings from {pile:.1f} m on are its laser's for nothing seen: they pile up there"
+                )
+        notes += [
+            f"{kind}: {count} readings are no distance (no number, or below 0): they say nothing"
+            for kind, count in survey.blank.items()
+            if kind in self._channel_of
+        ]
+        return tuple(note for note in notes if note)
 
     def _ignored(self) -> dict[str, str]:
         survey = self._survey
@@ -252,11 +259,37 @@ def _twist(row: Odom | Beams) -> tuple[float, float] | None:
     return (row.linear_mps, row.angular_radps) if isinstance(row, Odom) else row.twist
 
 
+def _kind(row: Odom | Beams) -> str:
+    return "ODOM" if isinstance(row, Odom) else row.kind
+
+
 def _surveyed(path: Path) -> _Survey:
-    clock = _first_clock(path)
-    survey = _Survey(Counter(), Counter(), 0, "", math.inf, -math.inf, {}, {}, [_Mark(0, clock, (0.0, 0.0))], "")
+    """Raises LogError where the file cannot be opened."""
+    advance = Advance()
+    survey = _gone_through(path, _first_clock(path), advance)
+    # Where the laser's times are of no use, or, in a log without one, odometry's.
+    main = next((kind for kinds in _LASERS.values() for kind in kinds if advance.lines[kind]), "ODOM")
+    clock = advance.by_order(main)
+    if clock is None:
+        return survey
+    by_order = _gone_through(path, clock, Advance())
+    unit = "scans" if main != "ODOM" else "poses"
+    by_order.wrong_times = (
+        f"times of this log cannot be used (a later one than before is in {advance.advancing[main]} of "
+        f"{advance.lines[main]} {main} lines): lines are taken in their order, {1 / ASSUMED_PERIOD_S:g} {unit} a "
+        "second are assumed"
+    )
+    return by_order
+
+
+def _gone_through(path: Path, clock: Clock, advance: Advance) -> _Survey:
+    survey = _Survey(
+        Counter(), Counter(), 0, "", math.inf, -math.inf, {}, {}, {}, Counter(), Counter(), "", "",
+        [_Mark(0, clock.copy(), (0.0, 0.0))], "",
+    )  # fmt: skip
     twist = (0.0, 0.0)
     number = 0
+    first_back = 0
     lines = _lines(path, 0)
     while True:
         try:
@@ -268,7 +301,7 @@ def _surveyed(path: Path) -> _Survey:
             break
         number += 1
         if offset - survey.marks[-1].offset >= _MARK_EVERY:
-            survey.marks.append(_Mark(offset, clock, twist))
+            survey.marks.append(_Mark(offset, clock.copy(), twist))
         try:
             row = parse(line)
         except ValueError as failure:
@@ -284,22 +317,39 @@ def _surveyed(path: Path) -> _Survey:
             if row.name in _OFFSET_PARAMS.values():
                 survey.params[row.name] = row.value
             continue
-        kind = row.kind if isinstance(row, Beams) else "ODOM"
-        after = clock.next(row.times)
-        if after is None:
+        kind = _kind(row)
+        times = clock.next(kind, row.times)
+        advance.count(kind, row.times, times is not None)
+        if times is None:
             survey.untimed[kind] += 1
             continue
-        clock = after
+        if not first_back and isinstance(clock, CarmenClock) and clock.most_back_s > JITTER_S:
+            first_back = number
         twist = _twist(row) or twist
         survey.kinds[kind] += 1
-        survey.begin = min(survey.begin, clock.at)
-        survey.end = clock.at
+        survey.begin = min(survey.begin, times[0])
+        survey.end = times[0]
         if isinstance(row, Beams) and row.ranges.size:
-            survey.farthest_m[kind] = max(survey.farthest_m.get(kind, 0.0), float(row.ranges.max()))
+            _count_readings(survey, row)
+    if first_back and isinstance(clock, CarmenClock):
+        survey.back = (
+            f"stamps that go back: {clock.back} (the first in line {first_back}; by {clock.most_back_s:.2f} s at most)"
+            ": lines are taken in their order, each such stamp as the one before plus a step"
+        )
     return survey
 
 
-def _first_clock(path: Path) -> _Clock:
+def _count_readings(survey: _Survey, row: Beams) -> None:
+    if row.blank:
+        survey.blank[row.kind] += row.blank
+    survey.wordless[row.kind] += row.maximum is None
+    near = row.ranges[np.isfinite(row.ranges)]
+    if near.size:
+        survey.farthest_m[row.kind] = max(survey.farthest_m.get(row.kind, 0.0), float(near.max()))
+    survey.far_ends.setdefault(row.kind, FarEnd()).add(row.ranges)
+
+
+def _first_clock(path: Path) -> CarmenClock:
     """The clock before the first line: at the middle of the first times, so that one wrong one does no harm."""
     first = []
     for _, line in _lines(path, 0):
@@ -312,12 +362,12 @@ def _first_clock(path: Path) -> _Clock:
             if len(first) == _FIRST_LINES:
                 break
     if not first:
-        return _Clock(0.0, 0.0)
+        return CarmenClock(0.0, 0.0)
     middle = statistics.median_low([times.captured for times in first])
     shifts = [times.captured - times.logged for times in first]
     usual = statistics.median_low(shifts)
     # What was logged soonest after its capture shows the two clocks' distance best.
-    return _Clock(middle, max(shift for shift in shifts if abs(shift - usual) < _LATENCY_S))
+    return CarmenClock(middle, max(shift for shift in shifts if abs(shift - usual) < _LATENCY_S))
 
 
 def _lines(path: Path, offset: int) -> Iterator[tuple[int, str]]:

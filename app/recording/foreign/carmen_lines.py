@@ -65,10 +65,10 @@ class Odom:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Beams:
-    """One sweep: ``ranges`` (N,) float32 m as they stand; ``maximum`` (m) as the line says, None where it does not.
+    """One sweep: ``ranges`` (N,) float32 m as they stand, but 0 for what is no distance; ``blank`` says how many are.
 
-    ``intensities`` (N,) or None. ``robot`` and ``laser`` are the poses of base and laser in ``odom``, None where the
-    line has none; ``twist`` (m/s, rad/s) likewise.
+    ``maximum`` (m) as the line says, None where it does not. ``intensities`` (N,) or None. ``robot`` and ``laser`` are
+    the poses of base and laser in ``odom``, None where the line has none; ``twist`` (m/s, rad/s) likewise.
     """
 
     times: Times
@@ -81,6 +81,7 @@ class Beams:
     robot: Pose2 | None
     laser: Pose2 | None
     twist: tuple[float, float] | None
+    blank: int = 0
 
 
 def parse(line: str) -> Param | Odom | Beams | None:
@@ -111,10 +112,10 @@ def _old(kind: str, times: Times, body: Sequence[str]) -> Beams:
     count = _count(body, 0)
     if len(body) != 1 + count + 6:
         raise ValueError(f"{len(body) - 1} numbers follow instead of {count} ranges and 6 of poses")
-    ranges = _array(body[1 : 1 + count])
+    ranges, blank = _distances(body[1 : 1 + count])
     angle_min, increment = lms_angles(count)
     laser, robot = _poses(body[1 + count :])
-    return Beams(times, kind, ranges, None, angle_min, increment, None, robot, laser, None)
+    return Beams(times, kind, ranges, None, angle_min, increment, None, robot, laser, None, blank)
 
 
 def _new(kind: str, times: Times, body: Sequence[str]) -> Beams:
@@ -139,9 +140,10 @@ def _new(kind: str, times: Times, body: Sequence[str]) -> Beams:
         laser, robot = _poses(rest[:6])
         tv, rv = _numbers(rest[6:8])
         twist = (tv, rv)
+    ranges, blank = _distances(body[8:after])
     return Beams(
-        times, kind, _array(body[8:after]), _array(body[after + 1 : after + 1 + remissions]) if remissions else None,
-        start, resolution, maximum if maximum > 0 else None, robot, laser, twist,
+        times, kind, ranges, _array(body[after + 1 : after + 1 + remissions]) if remissions else None,
+        start, resolution, maximum if maximum > 0 else None, robot, laser, twist, blank,
     )  # fmt: skip
 
 
@@ -179,11 +181,18 @@ def _numbers(words: Sequence[str]) -> list[float]:
     return [_number(word) for word in words]
 
 
+def _distances(words: Sequence[str]) -> tuple[NDArray[np.float32], int]:
+    """Readings (m), 0 where one is no number or below 0: nothing is known there; and how many of these there are."""
+    values = _array(words)
+    blank = ~(values >= 0.0)  # NaN too
+    count = int(np.count_nonzero(blank))
+    return (np.where(blank, np.float32(0.0), values) if count else values), count
+
+
 def _array(words: Sequence[str]) -> NDArray[np.float32]:
     try:
-        values = np.array(words, dtype=np.float32)
+        return np.array(words, dtype=np.float32)
     except ValueError:
-        values = np.array([_number(word) for word in words], dtype=np.float32)  # names the word that is no number
-    if np.isnan(values).any():
-        raise ValueError("a reading is no number")
-    return values
+        for word in words:
+            _number(word)  # names the word that is no number
+        raise

@@ -40,6 +40,8 @@ _TO_RGB = {
 }
 _TWO_BYTES = {"yuv422", "uyvy", "yuv422_yuy2", "yuyv"}
 _DEPTH = {"16UC1": "u2", "mono16": "u2", "32FC1": "f4"}
+#: No laser measures nearer than this (m); what is not known is 0.
+_RANGE_MIN_M = 1e-3
 _GREY = {"mono8", "8UC1", "mono16"}
 #: What compressedDepth puts before its PNG: int32 format, float32 A and B of its inverse depth.
 _DEPTH_HEADER = struct.Struct("<iff")
@@ -95,11 +97,12 @@ def twist(message: Any, at: float) -> Twist:
 def laser_scan(message: Any, at: float, X_BL: Pose3) -> LaserScan:
     """sensor_msgs/LaserScan, or MultiEchoLaserScan with the first echo of each ray.
 
-    What is not a distance up to ``range_max`` becomes +inf where nothing was seen; -inf (too near) becomes 0.
+    What is farther than ``range_max`` becomes +inf: nothing was seen. NaN, -inf and what is below 0 become 0: nothing
+    is known there (REP 117).
     """
     ranges, intensities = _first_echoes(message.ranges), _first_echoes(message.intensities)
-    far = ~(ranges <= message.range_max)  # NaN too: a ray that measured nothing
-    ranges = np.where(far, np.float32(np.inf), np.maximum(ranges, np.float32(0)))
+    known = np.where(ranges >= 0.0, ranges, np.float32(0))  # NaN is not
+    ranges = np.where(known > message.range_max, np.float32(np.inf), known)
     if intensities.size != ranges.size:
         intensities = np.zeros_like(ranges)
     duration = float(message.time_increment) * max(ranges.size - 1, 0)
@@ -108,7 +111,8 @@ def laser_scan(message: Any, at: float, X_BL: Pose3) -> LaserScan:
         duration = float(message.scan_time) * min(turn / (2 * math.pi), 1.0)
     return LaserScan(
         stamp_of(message, at), frame_of(message), read_only(ranges), read_only(intensities), float(message.angle_min),
-        float(message.angle_increment), float(message.range_min), float(message.range_max), duration, X_BL,
+        float(message.angle_increment), max(float(message.range_min), _RANGE_MIN_M), float(message.range_max), duration,
+        X_BL,
     )  # fmt: skip
 
 

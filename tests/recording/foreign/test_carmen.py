@@ -19,7 +19,7 @@ from app.geometry import Pose2
 from app.messages import LaserScan, Odometry
 from app.recording.foreign import carmen
 from app.recording.foreign.carmen_lines import KINDS, Beams, Odom, Param, parse
-from app.recording.log import LogError
+from app.recording.log import Log, LogError
 from app.recording.open import open_log
 
 DATA = Path(os.environ.get("HBBA_REFERENCE_DATA") or Path(__file__).parents[4] / "shared" / "data") / "slam"
@@ -212,6 +212,81 @@ def test_lines_are_told_by_their_names() -> None:
     assert parse("PARAM a b host 0") == Param("a", "b")
     assert isinstance(parse("ODOM 1 2 3 0 0 0 1 host 1"), Odom)
     assert isinstance(parse("FLASER 1 2 0 0 0 0 0 0 1 host 1"), Beams)
+
+
+def flaser(at: float, x: float = 0.0, readings: str = "1 2 3") -> str:
+    return f"FLASER {len(readings.split())} {readings} {x} 0 0 {x} 0 0 {at} host {at}\n"
+
+
+def stamps_of(log: Log, channel: str = "scan") -> list[float]:
+    return [round(logged.message.stamp, 3) for logged in log.messages(channels={channel})]
+
+
+@pytest.mark.parametrize(
+    "stamps",
+    [
+        [0.0] * 60,
+        [1000.0] * 60,
+        [*(-0.4 + 0.004 * k for k in range(10)), *(4294967295.6 + 1e-4 * k for k in range(50))],
+        [1000.0 if k % 2 else 5e8 + k for k in range(60)],
+    ],
+    ids=["all 0", "all alike", "wrapped", "to and fro"],
+)
+def test_a_log_whose_times_cannot_be_used_is_read_in_its_order(tmp_path: Path, stamps: list[float]) -> None:
+    lines = "".join(f"ODOM {k} 0 0 0 0 0 {at} host {at}\n{flaser(at, k)}" for k, at in enumerate(stamps))
+    log = open_log(small(tmp_path, lines))
+    assert not log.info.timed
+    assert any("times of this log cannot be used" in note and "5 scans a second" in note for note in log.info.notes)
+    assert log.info.channels["scan"].count == 60
+    assert stamps_of(log) == [round(0.2 * k + 0.1, 3) for k in range(60)]
+    order = [(m.channel, m.message.X_OB.x) for m in log.messages() if m.channel == "odometry"]
+    assert [x for _, x in order] == [k for k in range(60) for _ in range(2)]
+
+
+def test_such_a_log_can_be_read_from_anywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(carmen, "_MARK_EVERY", 1 << 10)
+    log = open_log(small(tmp_path, "".join(flaser(0.0, k) for k in range(200))))
+    every = stamps_of(log)
+    for begin in (0.0, 3.3, 20.0):
+        assert [round(m.at, 3) for m in log.messages(begin, {"scan"})] == [at for at in every if at >= begin]
+
+
+def test_the_first_scan_may_have_the_time_0(tmp_path: Path) -> None:
+    lines = "".join(f"ODOM 0 0 0 0 0 0 {at} host {at}\n{flaser(at)}" for at in (0.0, 0.2, 0.4, 0.6))
+    log = open_log(small(tmp_path, lines))
+    assert log.info.timed
+    assert log.info.notes == ()
+    assert stamps_of(log) == [0.0, 0.2, 0.4, 0.6]
+
+
+def test_stamps_that_go_back_are_said_and_put_in_their_place(tmp_path: Path) -> None:
+    stamps = [1000 + 0.2 * k for k in range(50)]
+    stamps[20] -= 3.0
+    log = open_log(small(tmp_path, "".join(flaser(round(at, 3), k) for k, at in enumerate(stamps))))
+    assert stamps_of(log) == [round(1000 + 0.2 * k, 3) for k in range(50)]
+    assert stamps_of(log, "odometry") == stamps_of(log)
+    (note,) = log.info.notes
+    assert note.startswith("stamps that go back: 1 (the first in line 21; by 2.80 s at most)")
+
+
+def test_a_reading_that_is_no_number_says_nothing_and_its_scan_stays(tmp_path: Path) -> None:
+    log = open_log(small(tmp_path, flaser(1.0, readings="1 nan inf -2 -inf 3") + flaser(1.2, readings="1 1 1 1 1 1")))
+    scan = next(m.message for m in log.messages(channels={"scan"}))
+    np.testing.assert_array_equal(scan.ranges, np.array([1, 0, np.inf, 0, 0, 3], np.float32))
+    assert "malformed lines" not in log.info.ignored
+    assert log.info.notes == ("FLASER: 3 readings are no distance (no number, or below 0): they say nothing",)
+
+
+def test_a_pile_of_readings_at_the_far_end_is_nothing_seen(tmp_path: Path) -> None:
+    rng = np.random.default_rng(3)
+    ranges = rng.uniform(1.0, 30.0, (300, 180))
+    ranges[rng.random(ranges.shape) < 0.0127] = 0.0
+    ranges = np.where(ranges == 0.0, rng.uniform(50.5, 51.2, ranges.shape), ranges).round(2)
+    lines = (flaser(1000 + 0.2 * k, readings=" ".join(map(str, row))) for k, row in enumerate(ranges))
+    log = open_log(small(tmp_path, "".join(lines)))
+    read = np.array([m.message.ranges for m in log.messages(channels={"scan"})])
+    np.testing.assert_array_equal(np.isinf(read), ranges > 40.0)
+    assert any("FLASER: readings from 50.5 m on" in note for note in log.info.notes)
 
 
 def test_a_log_without_a_message_is_an_error(tmp_path: Path) -> None:

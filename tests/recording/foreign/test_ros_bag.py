@@ -101,7 +101,7 @@ def test_scans_odometry_and_joints_say_what_was_measured(bag: Bag) -> None:
     messages = everything(open_log(bag()))
     for i, logged in enumerate(on("scan", messages)):
         scan = logged.message
-        np.testing.assert_array_equal(scan.ranges, np.array([0.5, 1.5, np.inf, 5.0, np.inf, np.inf, 0.02], np.float32))
+        np.testing.assert_array_equal(scan.ranges, np.array([0.5, 1.5, np.inf, 5.0, np.inf, 0.0, 0.02], np.float32))
         np.testing.assert_array_equal(scan.intensities, np.arange(7, dtype=np.float32) + i)
         assert (scan.angle_min, scan.angle_increment, scan.range_max) == (-1.5, 0.5, 10.0)
         assert scan.duration_s == pytest.approx(0.006)

@@ -187,3 +187,14 @@ def test_heading_is_of_the_x_axis_on_the_ground(heading: float, roll: float, pit
     assert ros.yaw(SimpleNamespace(w=w, x=x, y=y, z=z)) == pytest.approx(heading, abs=1e-9)
     seen = ros.heading(pose)
     assert (seen.x, seen.y, seen.theta) == pytest.approx((1.0, 2.0, heading), abs=1e-9)
+
+
+@pytest.mark.parametrize("store", [ROS1, ROS2], ids=["ROS 1", "ROS 2"])
+def test_a_reading_that_is_no_number_says_nothing(store: Any) -> None:
+    fields = {
+        "header": header(STAMP, "/laser"), "angle_min": -1.0, "angle_increment": 0.5, "range_min": 0.0,
+        "range_max": 10.0, "ranges": np.array([1.0, np.nan, -np.inf, -1.0, np.inf, 11.0], np.float32),
+    }  # fmt: skip
+    scan = ros.laser_scan(made(store, "sensor_msgs/msg/LaserScan", fields), 0.0, Pose3.identity())
+    np.testing.assert_array_equal(scan.ranges, np.array([1, 0, 0, 0, np.inf, np.inf], np.float32))
+    assert scan.range_min > 0.0

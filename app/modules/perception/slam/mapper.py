@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.geometry import Pose2, wrap_angle
-from app.modules.perception.slam.information import Information, diagonal
+from app.modules.perception.slam.edges import edge_information
 from app.modules.perception.slam.local_map import DOUBTED_M, STALE_M, LocalMap, local_map
 from app.modules.perception.slam.loop_closure import LoopJob, LoopMemory, LoopOutcome, pose_array
 from app.modules.perception.slam.matching import NOISE_M, Fit, fitted
@@ -37,11 +37,6 @@ _PRICE_MOST = 0.37
 _PRICE_SIGMAS2 = 10.0
 #: What a scan that does not fit adds to the metres driven: so much faster the drift grows.
 _POOR_SCAN_M = 3.0
-#: An edge of so small a share of the scan says little, and one of no share next to nothing.
-_SURE_SHARE = 0.6
-#: Information (1/m^2, 1/rad^2) of these.
-_UNSURE = diagonal(50.0, 50.0, 800.0)
-_LOST = diagonal(0.25, 0.25, 4.0)
 #: Where the robot was placed by a person or a search (m, rad).
 _PLACED_SIGMAS = (0.5, 0.25)
 #: Rescue looks no farther than this (m, rad).
@@ -102,6 +97,7 @@ class Slam:
         self._X_KB = Pose2()
         self._rested = 0
         self._last_fit: Fit | None = None
+        self._off = (0.0, 0.0)
         self._step_sigmas = (0.0, 0.0)
         self._ratios = OdometryRatios()
         self._before = self._covariance
@@ -142,6 +138,7 @@ class Slam:
             self._travelled_m += distance
             if distance < _REST and abs(step.theta) < _REST and self._rested < _REST_SCANS:
                 self._rested += 1
+                self._off = (0.0, 0.0)
                 return self._told(stamp, X_OB, added=False)
         self._rested = 0
         scan = prepared(ranges, beams, twist, sweep_s, self.settings.range_max_m, self.settings.thinning_m)
@@ -157,8 +154,7 @@ class Slam:
                 self._look_around()
         fit = self._follow(scan, step)
         off = self._poses[self._keyframe].inverse() @ self._X_MB
-        far = math.hypot(off.x, off.y) > self.settings.keyframe_m or abs(off.theta) > self.settings.keyframe_rad
-        added = far and not self._frozen
+        added = self.settings.is_far(off, lost=fit.inliers < self.settings.lost_below) and not self._frozen
         if added:
             self._add_keyframe(stamp, scan, fit)
         else:
@@ -269,7 +265,10 @@ class Slam:
         self._last_fit = fit
         if fit.inliers < settings.poor_below:
             self._travelled_m += _POOR_SCAN_M
+        self._off = (0.0, 0.0)
         if fit.inliers >= settings.lost_below:
+            off = prior.inverse() @ fit.X_SB
+            self._off = math.hypot(off.x, off.y), abs(wrap_angle(off.theta))
             self._X_MB = X_MS @ fit.X_SB
             self._update(X_MS, fit)
         return fit
@@ -335,19 +334,21 @@ class Slam:
         self._poses[id] = self._X_MB
         self._keyframe, self._X_KB = id, Pose2()
         self._version += 1
-        information = _LOST if fit is None else self._edge_information(fit)
+        information = edge_information(fit, self._step_sigmas, self._covariance, self.settings.lost_below)
+        lost = fit is not None and fit.inliers < self.settings.lost_below
         for submap in self._active:
             X_SB = self._poses[submap.keyframes[0]].inverse() @ self._X_MB
-            submap.grid.insert(scan.points, X_SB)
             self._edges.append(Edge(submap.keyframes[0], id, X_SB, information, loop=False))
-            submap.keyframes.append(id)
+            if not lost:
+                submap.grid.insert(scan.points, X_SB)
+                submap.keyframes.append(id)
+        if lost:
+            # What follows is matched with this scan, not with what was before: on that, it hangs by odometry alone.
+            for submap in self._active:
+                self._finish(submap)
+            self._active = []
         self._turn_submaps(id, scan)
         self._due.append(id)
-
-    def _edge_information(self, fit: Fit) -> Information:
-        if fit.inliers > _SURE_SHARE:
-            return fit.edge_information(self._step_sigmas)
-        return _UNSURE if fit.inliers >= self.settings.lost_below else _LOST
 
     def _turn_submaps(self, id: int, scan: Scan) -> None:
         """Begin a submap when the newest is half full; then the oldest, if whole, is finished."""
@@ -396,4 +397,5 @@ class Slam:
             X_KB=self._X_KB,
             added=added,
             moved=moved,
+            off=self._off,
         )

@@ -38,6 +38,7 @@ class _Row:
     inliers: float
     matched: bool
     sigmas: tuple[float, float, float]
+    off: tuple[float, float]
 
 
 @dataclass(slots=True, eq=False)
@@ -66,20 +67,24 @@ class MappedLog:
         found = [self._pose(row.keyframe) @ row.X_KB for row in self.rows]
         return np.array([(p.x, p.y, p.theta) for p in found]).reshape(-1, 3)
 
-    def _pose(self, keyframe: int) -> Pose2:
-        """Of a keyframe that may have been removed since."""
+    def kept(self, keyframe: int) -> tuple[int, Pose2]:
+        """The keyframe of the map that one hangs on which may have been removed since, and its pose in it."""
         chain = Pose2()
         while keyframe in self.replaced:
             keyframe, X_ab = self.replaced[keyframe]
             chain = X_ab @ chain
-        return self.slam.pose(keyframe) @ chain
+        return keyframe, chain
+
+    def _pose(self, keyframe: int) -> Pose2:
+        kept, X_ab = self.kept(keyframe)
+        return self.slam.pose(kept) @ X_ab
 
     def odometry_poses(self) -> Poses:
         """(N, 3) of all scans of the log, as odometry said."""
         return np.array([(p.x, p.y, p.theta) for p in self.odometry]).reshape(-1, 3)
 
     def sigmas(self) -> NDArray[np.float64]:
-        """(K, 3) standard deviations of x, y (m) and theta (rad) of the scans taken, as told at the time."""
+        """(K, 3) standard deviations of x, y (m) and theta (rad) of the scans taken, on the map around at the time."""
         return np.array([row.sigmas for row in self.rows]).reshape(-1, 3)
 
     def unmatched(self) -> int:
@@ -118,6 +123,7 @@ def mapped(
                 match.inliers,
                 match.matched,
                 (float(x), float(y), float(theta)),
+                match.off,
             )
         )
         _do(log, log.slam.pending())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,7 +80,38 @@ def _farthest_sigmas(graph: GraphArrays) -> float:
     return float(np.sqrt(squares.max()))
 
 
+def uncertainties(graph: GraphArrays) -> NDArray[np.float64]:
+    """(N,) standard deviations (m) of where each pose is, whatever the direction, seen from the first: by all edges.
+
+    Drift is in it: what is not known of the way to a pose adds up, and a loop takes it away. All infinite where edges
+    say so little of some pose that it cannot be computed.
+    """
+    import gtsam
+
+    factors, values = _problem(graph, graph.poses, _SOFT_SIGMAS)
+    try:
+        marginals = gtsam.Marginals(factors, values)
+        variances = [np.trace(marginals.marginalCovariance(row)[:2, :2]) for row in range(len(graph.poses))]
+    except (RuntimeError, IndexError):  # GTSAM: no solution; a pose that no edge holds
+        return np.full(len(graph.poses), np.inf)
+    return np.sqrt(np.array(variances, dtype=np.float64))
+
+
 def _solved(graph: GraphArrays, poses: NDArray[np.float64], soft_sigmas: float) -> NDArray[np.float64]:
+    import gtsam
+
+    factors, values = _problem(graph, poses, soft_sigmas)
+    parameters = gtsam.LevenbergMarquardtParams()
+    parameters.setMaxIterations(8)
+    parameters.setRelativeErrorTol(1e-4)
+    parameters.setAbsoluteErrorTol(1e-4)
+    result = gtsam.LevenbergMarquardtOptimizer(factors, values, parameters).optimize()
+    # In the order of the keys, which is that of the rows.
+    return np.asarray(gtsam.utilities.extractPose2(result), dtype=np.float64)
+
+
+def _problem(graph: GraphArrays, poses: NDArray[np.float64], soft_sigmas: float) -> tuple[Any, Any]:
+    """GTSAM's factors and values."""
     import gtsam
 
     noise = gtsam.noiseModel
@@ -97,13 +129,7 @@ def _solved(graph: GraphArrays, poses: NDArray[np.float64], soft_sigmas: float) 
         sure = noise.Gaussian.SqrtInformation(root, False)
         model = noise.Robust.Create(soft, sure) if loop else sure
         factors.add(gtsam.BetweenFactorPose2(a, b, gtsam.Pose2(*X_ab), model))
-    parameters = gtsam.LevenbergMarquardtParams()
-    parameters.setMaxIterations(8)
-    parameters.setRelativeErrorTol(1e-4)
-    parameters.setAbsoluteErrorTol(1e-4)
-    result = gtsam.LevenbergMarquardtOptimizer(factors, values, parameters).optimize()
-    # In the order of the keys, which is that of the rows.
-    return np.asarray(gtsam.utilities.extractPose2(result), dtype=np.float64)
+    return factors, values
 
 
 def surest(edges: Iterable[Edge], id: int) -> Edge | None:

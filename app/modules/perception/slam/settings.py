@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+
+from app.geometry import Pose2
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +35,10 @@ class SlamSettings:
     poor_below: float = 0.55
     #: Less than this: the scan says nothing, odometry is believed.
     lost_below: float = 0.25
+    #: Scans that say nothing are not mapped until the robot is so far (m, rad) from the last keyframe: a laser that was
+    #: covered for a moment leaves nothing behind. From there on the map begins anew, on odometry alone.
+    lost_keyframe_m: float = 1.0
+    lost_keyframe_rad: float = 1.0
     #: How far loops are looked for, and how much farther per m driven since the place was last seen; at most.
     loop_window_m: float = 1.0
     loop_window_m_per_m: float = 0.035
@@ -46,6 +53,13 @@ class SlamSettings:
     keyframes_per_m2: int = 10
     #: ... of which there are so many.
     heading_sectors: int = 4
+
+    def is_far(self, X_KB: Pose2, lost: bool) -> bool:
+        """Whether a scan at ``X_KB`` from the last keyframe is the next one; ``lost``: it fits nowhere."""
+        metres, radians = self.keyframe_m, self.keyframe_rad
+        if lost:
+            metres, radians = self.lost_keyframe_m, self.lost_keyframe_rad
+        return math.hypot(X_KB.x, X_KB.y) > metres or abs(X_KB.theta) > radians
 
     def odometry_sigmas(self, distance_m: float, turn_rad: float) -> tuple[float, float]:
         """Standard deviations (m, rad) of a motion measured by odometry."""

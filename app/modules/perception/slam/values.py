@@ -40,7 +40,8 @@ class Match:
     them, ``inliers`` the share that lies on it. ``matched`` is False where the scan did not fit, and odometry alone
     led here. ``keyframe`` is the one this pose hangs on, ``X_KB`` the pose in it: after the graph was corrected, the
     better pose is ``slam.pose(match.keyframe) @ match.X_KB``. ``added``: the scan became that keyframe. ``moved``:
-    the graph was corrected since the scan before, X_MO has jumped.
+    the graph was corrected since the scan before, X_MO has jumped. ``off`` (m, rad): how far from where odometry led
+    the scan was matched.
     """
 
     stamp: float
@@ -54,6 +55,7 @@ class Match:
     X_KB: Pose2
     added: bool
     moved: bool
+    off: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ import pytest
 
 from app.geometry import Pose2
 from app.modules.perception.slam.mapper import Slam
-from app.modules.perception.slam.offline import MappedLog, mapped
+from app.modules.perception.slam.offline import MappedLog, Sweep, mapped
 from app.modules.perception.slam.settings import SlamSettings
 from app.modules.perception.slam.values import SlamState
 from tests.modules.perception.slam.rooms import around, driven, half_circle, ring, room, seen
@@ -168,3 +168,35 @@ def test_a_place_passed_again_and_again_does_not_grow() -> None:
     assert off(log, true) < 0.05
     ids = set(log.slam.keyframes)
     assert all({edge.a, edge.b} <= ids for edge in log.slam.state().edges)
+
+
+def _with_a_hole(true: list[Pose2], begin: int, end: int, wrong: Pose2) -> list[Sweep]:
+    """A drive along ``true`` of which sweeps are missing; odometry is ``wrong`` over the hole."""
+    sweeps = list(driven(WALLS, true, BEAMS))
+    X_OO = sweeps[begin].X_OB @ wrong @ sweeps[begin].X_OB.inverse()
+    return [*sweeps[:begin], *(replace(sweep, X_OB=X_OO @ sweep.X_OB) for sweep in sweeps[end:])]
+
+
+def test_loops_mend_what_a_hole_in_the_log_tore() -> None:
+    """What follows a scan that fits nowhere hangs on odometry alone, not on the map before, however well it fits."""
+    true = around(SIDE, 0.25, laps=2.2)
+    begin, end = 20, 60
+    log = mapped(_with_a_hole(true, begin, end, Pose2(0.5, -0.9, 0.1)))
+    kept = [*true[:begin], *true[end:]]
+    assert log.unmatched() >= 1
+    matched = [k for k, row in enumerate(log.rows) if row.matched]
+    start = true[0].inverse()
+    wanted = np.array([((p := start @ kept[k]).x, p.y) for k in matched])
+    assert np.hypot(*(log.poses()[matched, :2] - wanted).T).max() < 0.3
+
+
+def test_a_laser_that_was_covered_for_a_moment_leaves_nothing_in_the_map() -> None:
+    true = around(SIDE, 0.1, laps=0.25)
+    covered = [
+        replace(sweep, ranges=np.full(181, 0.1)) if 50 <= k < 55 else sweep
+        for k, sweep in enumerate(driven(WALLS, true, BEAMS))
+    ]
+    log = mapped(covered)
+    assert log.unmatched() == 5
+    assert not {keyframe.stamp for keyframe in log.slam.keyframes.values()} & {0.2 * k for k in range(50, 55)}
+    assert off(log, true) < 0.15

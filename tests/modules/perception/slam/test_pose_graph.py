@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from app.geometry import Pose2
 from app.modules.perception.slam.information import diagonal
-from app.modules.perception.slam.pose_graph import graph_arrays, optimized, without
+from app.modules.perception.slam.pose_graph import graph_arrays, optimized, uncertainties, without
 from app.modules.perception.slam.pruning import pruned, redundant
 from app.modules.perception.slam.values import Edge, Submap
 
@@ -120,3 +120,20 @@ def test_what_was_pruned_is_found_again() -> None:
             chain_ = X_ab @ chain_
         found = poses[at] @ chain_
         assert math.dist((found.x, found.y), (true[id].x, true[id].y)) < 1e-6
+
+
+def test_how_surely_a_pose_is_known_falls_along_the_way_and_rises_with_a_loop() -> None:
+    true = circle()
+    poses, edges = chain(true, 0.0)
+    open_end = uncertainties(graph_arrays(poses, edges))
+    assert (np.diff(open_end) > 0.0).all()
+    assert open_end[0] < 0.001
+    loop = Edge(0, 39, true[0].inverse() @ true[39], SURE, loop=True)
+    closed = uncertainties(graph_arrays(poses, [*edges, loop]))
+    assert closed[39] < 0.2 * open_end[39]
+    assert (closed[1:] < open_end[1:]).all()
+
+
+def test_where_no_edge_holds_a_pose_nothing_is_known() -> None:
+    poses, edges = chain(circle(3), 0.0)
+    assert np.isinf(uncertainties(graph_arrays(poses, edges[:1]))).all()
