@@ -85,7 +85,7 @@ class Program:
     async def started(self) -> None:
         await self.modules.wait()
 
-    async def wait_failed(self) -> Exception:
+    async def keep_going(self) -> Exception:
         failure: Exception = await self.lost
         return failure
 
