@@ -232,7 +232,7 @@ def read_stamp() -> dict[str, object] | None:
 
 
 #: What starts a command that others go before: tests in virtual time take what those against the clock leave.
-GIVING_WAY = ("nice", "-n", "10")
+GIVING_WAY = ("nice", "-n", "3")
 
 #: Tests that drive programs against the clock, or a browser: these go first, one after another.
 HURRIED = (
