@@ -2,9 +2,9 @@
 
 Rooms with people talking in them (``voice_rooms``; seeds 30000 and on for the talkers of tuning in rooms of any size,
 31000 and on for those held out, one scene of each kind and seed), heard at once by a box of eight microphones, by
-IRL-1's eight and by four on a cross of 64 mm. Each array hears each scene as it is, and in each wrong way: with channels
-in another order, or with positions of another scale. A rotation or mirror image of the array itself is no wrong way: its
-distances are right.
+IRL-1's eight and by four on a cross of 64 mm. Each array hears each scene as it is, and in each wrong way: with
+channels in another order, or with positions of another scale. A rotation or mirror image of the array itself is no
+wrong way: its distances are right.
 """
 
 # ruff: noqa: E402

@@ -14,7 +14,6 @@ from app.commands.arguments import number, whole
 from app.errors import ConfigError
 
 if TYPE_CHECKING:
-    import cv2
     import numpy as np
     from numpy.typing import NDArray
 

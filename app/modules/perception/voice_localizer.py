@@ -145,8 +145,8 @@ class VoiceLocalizer(Module):
             if pipeline.array_check.failed and not self._doubted:
                 self._doubted = True
                 self.log.warning(
-                    "the microphones' positions do not explain what they hear: directions are wrong. Check the order, and "
-                    "the positions (m), of the microphones in the robot's file",
+                    "the microphones' positions do not explain what they hear: directions are wrong. Check the "
+                    "order and the positions (m) of the microphones in the robot's file",
                     extra={"frame": audio.frame, "explained_percent": round(100 * pipeline.array_check.share)},
                 )
 

@@ -1,8 +1,8 @@
 """Whether the microphones are where they are said to be, judged by what they hear alone.
 
 Sound that reaches microphones i and j at times t_i and t_j makes their cross-correlation high at the lag t_i - t_j, and
-all pairs agree on M - 1 such differences, wherever the microphones are: around any three the lags add up to zero. So two
-figures can be had of one loud moment, both means over the pairs of correlations with phase transform:
+all pairs agree on M - 1 such differences, wherever the microphones are: around any three the lags add up to zero. So
+two figures can be had of one loud moment, both means over the pairs of correlations with phase transform:
 
 - *agreed*: the most over all sets of arrival times, of no geometry at all;
 - *explained*: the most over directions, each with the arrival times that the positions give it.
@@ -48,8 +48,8 @@ LEAST_SHARE = 0.7
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """Of one moment: how much the microphones ``agreed`` on any arrival times, and on those of the best direction, which
-    is what the positions ``explained``; 0 <= explained <= agreed <= 1."""
+    """Of one moment: how much the microphones ``agreed`` on any arrival times, and on those of the best direction,
+    which is what the positions ``explained``; 0 <= explained <= agreed <= 1."""
 
     agreed: float
     explained: float
