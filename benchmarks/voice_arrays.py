@@ -14,6 +14,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 # Before numpy is there: its threads would share the work, and hide it.
 for _library in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -23,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.modules.perception.voices.array import MicrophoneArray
-from app.modules.perception.voices.array_check import LEAST_MOMENTS, ArrayCheck
+from app.modules.perception.voices.array_check import LEAST_MOMENTS
 from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
 from benchmarks.report import Row, benchmark_main, row
 from benchmarks.voice_rooms import BOX, HELD_OUT, TUNING_WIDE, Recipe, Scene, cached, recipes
@@ -82,13 +83,23 @@ def kinds(seeds: int) -> Iterator[Recipe]:
                 yield from recipes(cast, 2, 0.3, 20.0, 1, True, first=first)
 
 
-def check(scene: Scene, columns: slice, positions: Positions) -> ArrayCheck:
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What is left of an ``ArrayCheck``, which holds large tables."""
+
+    moments: int
+    share: float
+    failed: bool
+
+
+def check(scene: Scene, columns: slice, positions: Positions) -> Verdict:
     """What the pipeline's check says of ``scene``, heard by the microphones of ``columns`` as if at ``positions``."""
     pipeline = VoicePipeline(MicrophoneArray(positions), scene.rate, PipelineSettings(separation=False, speech=False))
     sound = np.rint(scene.samples[:, columns] * 32768).astype(np.int16)
     for begin in range(0, len(sound) - pipeline.step + 1, pipeline.step):
         pipeline.process(sound[begin : begin + pipeline.step], begin / scene.rate, begin)
-    return pipeline.array_check
+    checked = pipeline.array_check
+    return Verdict(checked.moments, checked.share, checked.failed)
 
 
 def heard_by() -> dict[str, tuple[slice, Positions]]:
@@ -106,7 +117,7 @@ def measure(quick: bool) -> list[Row]:
     if not speech.is_dir():
         raise SystemExit(f"no recorded speech in {speech}; HBBA_REFERENCE_DATA names the folder of reference data")
     everywhere = np.concatenate([positions for _, positions in heard_by().values()])
-    found: dict[tuple[str, str], list[ArrayCheck]] = {}
+    found: dict[tuple[str, str], list[Verdict]] = {}
     for recipe in kinds(1 if quick else SEEDS):
         scene = cached(recipe, everywhere, speech)
         for name, (columns, placed) in heard_by().items():
