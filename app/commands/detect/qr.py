@@ -28,8 +28,8 @@ def add_parser(kinds: Any) -> None:
         help="QR codes in photographs and videos",
         description="Read the QR codes in photographs and videos, by the robot's own detector (zxing-cpp, with a "
         "second try on the image enlarged two times). Corners are in pixels of the image held upright, from the code's "
-        "upper left, clockwise as printed. Exit code 0 if a code was read, 1 if none was, 2 if a file cannot be read (to "
-        "its end) or does not exist.",
+        "upper left, clockwise as printed. Exit code 0 if a code was read, 1 if none was, 2 if a file cannot be read "
+        "(to its end) or does not exist.",
     )
     add_pictures(
         parser,
