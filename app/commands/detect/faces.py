@@ -133,7 +133,7 @@ def _face(face: Detection) -> Found:
 def _print_table(documents: list[Found]) -> None:
     read = [document for document in documents if "width" in document]
     photographs = [document for document in read if "duration_s" not in document]
-    rows = [("file", "score", "left", "top", "width", "height")]
+    rows: list[tuple[str, ...]] = [("file", "score", "left", "top", "width", "height")]
     for document in photographs:
         rows += [
             (document["file"], f"{face['score']:.2f}", *(f"{side:.0f}" for side in face["box"]))
