@@ -173,7 +173,7 @@ def test_channels_in_another_order_than_the_array_says_are_noticed(
     assert main(["detect", "voices", good, bad, "--array", array, "--json"]) == 0
     told = capsys.readouterr()
     assert f"{bad}: the microphones' positions do not explain what they heard (" in told.err
-    assert f"check the order of the channels, and the positions (m), in {array}" in told.err
+    assert f"check the order of the channels, the positions (m) and body_m in {array}" in told.err
     assert f"{good}: " not in told.err
     of_good, of_bad = json.loads(told.out)["files"]
     assert of_bad["warning"] in told.err

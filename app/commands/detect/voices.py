@@ -167,16 +167,15 @@ def _heard(
 
 def _array_report(path: Path, check: ArrayCheck, array: Path) -> dict[str, Any]:
     """What the sound says of the array; also said on standard error where the array cannot be right."""
-    from app.modules.perception.voices.array_check import LEAST_SHARE
-
     if not check.moments:
         return {}
     report: dict[str, Any] = {"array_explains": round(check.share, 3), "array_moments": check.moments}
     if check.failed:
+        share, least = 100 * check.share, 100 * check.least_share
         report["warning"] = (
-            f"the microphones' positions do not explain what they heard ({100 * check.share:.0f} % of what they agree "
-            f"on in {check.moments} loud moments, where right positions explain {100 * LEAST_SHARE:.0f} % and more), "
-            f"so directions are wrong: check the order of the channels, and the positions (m), in {array}"
+            f"the microphones' positions do not explain what they heard ({share:.0f} % of what they agree on in "
+            f"{check.moments} loud moments, where right positions explain {least:.0f} % and more), so directions are "
+            f"wrong: check the order of the channels, the positions (m) and body_m in {array}"
         )
         print(f"{COMMAND}: {path}: {report['warning']}", file=sys.stderr)
     return report

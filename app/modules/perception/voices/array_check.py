@@ -42,8 +42,9 @@ _RANGE_M = 1.8
 _AGREED, _AGREED_OF_FEW = 0.08, 0.15
 #: The verdict is of so many moments at least; no more than the most are looked at.
 LEAST_MOMENTS, MOST_MOMENTS = 12, 60
-#: Right positions explain at least this share of what the microphones agree on.
-LEAST_SHARE = 0.7
+#: Right positions explain at least this share of what the microphones agree on, by the array's size (m): what small
+#: ones hear differs little from microphone to microphone, so that wrong positions explain much of it.
+_LEAST_SHARES, _SIZES_M = (0.9, 0.7), (0.1, 0.2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,8 +65,10 @@ class ArrayCheck:
 
     def __init__(self, array: MicrophoneArray, frequencies: NDArray[np.float64], frame_s: float) -> None:
         self._array = array
-        size_s = float(np.linalg.norm(array.positions[array.first] - array.positions[array.second], axis=1).max())
-        size_s /= SPEED_OF_SOUND
+        size_m = float(np.linalg.norm(array.positions[array.first] - array.positions[array.second], axis=1).max())
+        size_s = size_m / SPEED_OF_SOUND
+        #: Right positions explain at least this share.
+        self.least_share = float(np.interp(size_m, _SIZES_M, _LEAST_SHARES))
         self._longest = int(min(max(_WIDER * size_s, size_s + 0.0003), _SHARE_OF_FRAME * frame_s) / LAG_STEP_S) + 1
         self._width = 2 * self._longest + 1
         times = np.arange(-self._longest, self._longest + 1) * LAG_STEP_S
@@ -94,7 +97,7 @@ class ArrayCheck:
     @property
     def failed(self) -> bool:
         """Whether the positions do not explain what was heard in moments enough for a verdict."""
-        return self.moments >= LEAST_MOMENTS and self.share < LEAST_SHARE
+        return self.moments >= LEAST_MOMENTS and self.share < self.least_share
 
     def hear(self, cross: NDArray[np.complex64]) -> None:
         """Take one moment into account, as :meth:`look` does; nothing once it is :attr:`done`."""

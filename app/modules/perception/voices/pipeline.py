@@ -125,7 +125,7 @@ class VoicePipeline:
             self._began = first_sample
         instant = self.instant(time_s)
         if instant <= self._time:
-            self._begin_anew()
+            self._restart()
         tracks = self._follow(sound, instant, heading)
         self._time = instant
         self._heard += self.step
@@ -136,7 +136,7 @@ class VoicePipeline:
         p_BA = tuple(self.array.middle.tolist())
         return SoundSources(instant, p_BA, tuple(self._source(track) for track in tracks)), separated
 
-    def _begin_anew(self) -> None:
+    def _restart(self) -> None:
         """Time has gone back: nothing that is known holds any more, but numbers are not used again."""
         first = self.next_track
         self._tracker, self._offset = Tracker(), first - 1
