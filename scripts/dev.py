@@ -239,6 +239,8 @@ HURRIED = (
     "tests/browser",
     "tests/commands/test_body.py",
     "tests/commands/test_run.py",
+    "tests/console/live/test_late_commands.py",
+    "tests/console/live/test_lost_body.py",
     "tests/console/test_playback.py",
     "tests/console/test_replays.py",
     "tests/console/test_without_driving.py",

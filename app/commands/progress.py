@@ -24,6 +24,15 @@ class Progress(Protocol):
         ...
 
 
+def part(progress: Progress, before: int, files: int, name: str) -> Progress:
+    """The progress within one of ``files``, ``before`` of which are done already."""
+
+    def tell(done: float, total: float, text: str = "") -> None:
+        progress(before + (done / total if total else 1), files, text or name)
+
+    return tell
+
+
 @contextmanager
 def shown(title: str) -> Iterator[Progress]:
     """Show the progress of what goes on inside, on standard error; the bar is taken away at the end."""

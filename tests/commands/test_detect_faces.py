@@ -101,7 +101,7 @@ def test_files_that_are_no_images_are_named_and_the_others_read(
     ("arguments", "said"),
     [
         (["nowhere.jpg"], "there is no file or folder nowhere.jpg"),
-        (["."], "there is no image in this folder or below"),
+        (["."], "there is no image or video in this folder or below"),
         (["x.png", "--threshold", "2"], "must be a number from 0 to 1, not '2'"),
         ([], "FILE"),
     ],

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -97,7 +99,7 @@ def test_what_cannot_be_used_is_said_and_the_rest_is_done(
     assert f"{stereo}: has 2 channels, but {array} has 8 microphones; there must be one channel for each" in told.err
     assert f"{slow}: has 8000 samples a second; at least 16000 are needed" in told.err
     assert f"{fast}: says it has 2000000000 samples a second; at most 384000 are taken" in told.err
-    assert f"{text}: cannot be read as a recording (WAV, FLAC, Ogg): Format not recognised\n" in told.err
+    assert f"{text}: cannot be read as a recording (WAV, FLAC, Ogg, MP3): Format not recognised\n" in told.err
     assert f"{silent}: holds no sound" in told.err
     assert f"{silent}: 0.0 s" not in told.out
     assert f"{good}: 2.0 s, 1 source" in told.out
@@ -106,8 +108,8 @@ def test_what_cannot_be_used_is_said_and_the_rest_is_done(
 def test_mistakes_on_the_command_line(tmp_path: Path, array: str, capsys: pytest.CaptureFixture[str]) -> None:
     missing = str(tmp_path / "missing.wav")
     assert main(["detect", "voices", missing, "--array", array]) == 2
-    assert f"there is no file {missing}" in capsys.readouterr().err
-    assert main(["detect", "voices", missing, "--array", array, "--microphones", "9"]) == 2
+    assert f"there is no file or folder {missing}" in capsys.readouterr().err
+    assert main(["detect", "voices", array, "--array", array, "--microphones", "9"]) == 2
     assert f"--microphones: {array} has 8, not 9" in capsys.readouterr().err
     assert main(["detect", "voices", missing, "--array", missing]) == 2
     with pytest.raises(SystemExit):
@@ -115,12 +117,67 @@ def test_mistakes_on_the_command_line(tmp_path: Path, array: str, capsys: pytest
     assert "must be a height from 0 to 10 (m), not 'tall'" in capsys.readouterr().err
 
 
-def test_a_folder_and_sound_without_a_header_are_refused_in_words(
+def test_a_folder_is_listened_through_with_what_is_below(
+    tmp_path: Path, talker: NDArray[np.int16], array: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sounds = tmp_path / "sounds"
+    (sounds / "below").mkdir(parents=True)
+    write(sounds / "below" / "room.flac", talker[: RATE // 2])
+    write(sounds / "silent.wav", np.zeros((RATE // 2, 8), np.int16))
+    (sounds / "notes.txt").write_text("no sound")
+    assert main(["detect", "voices", str(sounds), "--array", array, "--json"]) in (0, 1)
+    files = json.loads(capsys.readouterr().out)["files"]
+    assert [Path(file["file"]).name for file in files] == ["room.flac", "silent.wav"]
+    (sounds / "empty.wav").write_bytes(b"")
+    assert main(["detect", "voices", str(sounds), "--array", array]) == 2
+    told = capsys.readouterr()
+    assert f"{sounds / 'empty.wav'}: holds no sound: the file is empty" in told.err
+    assert told.out.count(": 0.5 s, ") == 2
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    assert main(["detect", "voices", str(empty), "--array", array]) == 2
+    assert f"{empty}: there is no recording in this folder or below" in capsys.readouterr().err
+
+
+def test_sound_without_a_header_and_videos_are_refused_in_words(
     tmp_path: Path, array: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert main(["detect", "voices", str(tmp_path), "--array", array]) == 2
-    assert f"{tmp_path} is a folder" in capsys.readouterr().err
     raw = tmp_path / "sound.raw"
     raw.write_bytes(bytes(1024))
     assert main(["detect", "voices", str(raw), "--array", array]) == 2
     assert f"{raw}: cannot be read as a recording: " in capsys.readouterr().err
+    video = tmp_path / "talk.mp4"
+    video.write_bytes(b"\0\0\0\x20ftypisom" + bytes(100))
+    assert main(["detect", "voices", str(video), "--array", array]) == 2
+    assert "of a video, write the sound by itself: ffmpeg -i" in capsys.readouterr().err
+
+
+def test_a_file_that_cannot_be_used_does_not_wait_for_what_hears(tmp_path: Path, array: str) -> None:
+    empty = tmp_path / "empty.wav"
+    empty.write_bytes(b"")
+    arguments = ["detect", "voices", str(empty), "--array", array]
+    heavy = "[name for name in ('scipy', 'onnxruntime', 'soundfile') if name in sys.modules]"
+    command = f"import sys; from app.cli import main; main({arguments}); print({heavy})"
+    done = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True, check=True)
+    assert "holds no sound: the file is empty" in done.stderr
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_channels_in_another_order_than_the_array_says_are_noticed(
+    tmp_path: Path, array: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sound = heard(babble(0, 4.0), toward(60)) + heard(babble(1, 4.0), toward(-75, 5))
+    right = as_int16(sound + np.random.default_rng(1).normal(0, 1e-3, sound.shape))
+    good, bad = (
+        write(tmp_path / "right.wav", right),
+        write(tmp_path / "swapped.wav", right[:, [0, 2, 1, 3, 4, 5, 6, 7]]),
+    )
+    assert main(["detect", "voices", good, bad, "--array", array, "--json"]) == 0
+    told = capsys.readouterr()
+    assert f"{bad}: the microphones' positions do not explain what they heard (" in told.err
+    assert f"check the order of the channels, the positions (m) and body_m in {array}" in told.err
+    assert f"{good}: " not in told.err
+    of_good, of_bad = json.loads(told.out)["files"]
+    assert of_bad["warning"] in told.err
+    assert "warning" not in of_good
+    assert of_bad["array_explains"] < 0.7 < of_good["array_explains"] <= 1

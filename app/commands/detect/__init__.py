@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from app.commands.detect import faces, qr, voices
+from app.commands.detect import faces, noises, qr, voices
 
 
 class Detector(Protocol):
@@ -26,6 +26,7 @@ DETECTORS: Mapping[str, Detector] = {
     "faces": faces,
     "qr": qr,
     "voices": voices,
+    "noises": noises,
 }
 
 
@@ -33,7 +34,7 @@ def add_parser(subparsers: Any) -> None:
     """Declare ``hbba detect`` and what it can detect."""
     parser = subparsers.add_parser(
         "detect",
-        help="find faces, QR codes and the like in your own files",
+        help="find faces, QR codes, voices and loud noises in your own files",
         description="Run the robot's perceptions on files of yours.",
     )
     kinds = parser.add_subparsers(dest="what", metavar="WHAT", required=True)

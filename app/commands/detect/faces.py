@@ -1,23 +1,26 @@
-"""``hbba detect faces FILE…``: the faces in anyone's photographs."""
+"""``hbba detect faces FILE…``: the faces in anyone's photographs and videos."""
 
 from __future__ import annotations
 
 import argparse
 import math
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.commands.arguments import file_named
-from app.commands.detect.images import FACES_DRAWN, each_image, find_images
-from app.commands.detect.outputs import make_folder, unused
-from app.commands.output import add_json, print_json
-from app.errors import ConfigError
+from app.commands.detect.pictures import (
+    Found,
+    add_pictures,
+    counted,
+    exit_code,
+    for_json,
+    look_through,
+)
+from app.commands.output import print_json
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from app.modules.perception.faces.yunet import Detection
+    from app.modules.perception.faces.yunet import Detection, FaceFinder
 
 COMMAND = "hbba detect faces"
 #: A face's landmarks in the order of the detector; right and left are the person's.
@@ -28,45 +31,32 @@ def add_parser(kinds: Any) -> None:
     """Declare ``hbba detect faces``."""
     parser = kinds.add_parser(
         "faces",
-        help="faces in photographs",
-        description="Find faces in photographs, by the robot's own detector (YuNet). Boxes are in pixels of the image "
-        "held upright: left, top, width, height. Exit code 0 if a face was found, 1 if none was, 2 if a file cannot be "
-        "read or does not exist.",
+        help="faces in photographs and videos",
+        description="Find faces in photographs and videos, by the robot's own detector (YuNet). Boxes are in pixels of "
+        "the image held upright: left, top, width, height. In a video, a face keeps its number while it is in view. "
+        "Exit code 0 if a face was found, 1 if none was, 2 if a file cannot be read (to its end) or does not exist.",
     )
-    parser.add_argument(
-        "files",
-        nargs="+",
-        type=file_named,
-        metavar="FILE",
-        help="an image, or a folder of images (no copies of --draw)",
+    add_pictures(
+        parser,
+        "print one JSON document instead: also landmarks, files without faces, and a video's frames with their times",
+        "write copies with the faces framed into FOLDER: JPEG of images, MP4 of videos",
     )
-    add_json(parser, "print one JSON document instead: also landmarks, and files without faces")
     parser.add_argument(
         "--threshold", type=_share, default=None, metavar="S", help="least score of a face, 0 to 1 (default 0.8)"
     )
-    parser.add_argument("--draw", type=Path, metavar="FOLDER", help="write copies with the faces framed into FOLDER")
 
 
 def run(args: argparse.Namespace) -> int:
     """Look through the files. Raises ConfigError."""
     from app.modules.perception.faces.yunet import THRESHOLD, FaceFinder
 
-    paths = find_images(args.files)
     finder = FaceFinder(THRESHOLD if args.threshold is None else args.threshold)
-    drawing = None if args.draw is None else _Drawing(args.draw)
-    documents = []
-    for path, color, trouble in each_image(paths, "look for faces", COMMAND):
-        faces = [] if color is None else finder.find_all_sizes(color)
-        documents.append(_document(path, color, faces, trouble))
-        if drawing is not None and color is not None:
-            drawing.write(path, color, faces)
+    documents = look_through(args, _Faces(finder), "look for faces", COMMAND)
     if args.json:
-        print_json({"threshold": round(finder.threshold, 6), "files": documents})
+        print_json({"threshold": round(finder.threshold, 6), "files": for_json(documents)})
     else:
         _print_table(documents)
-    if any("error" in document for document in documents):
-        return 2
-    return 0 if any(document["faces"] for document in documents) else 1
+    return exit_code(documents)
 
 
 def _share(text: str) -> float:
@@ -79,66 +69,93 @@ def _share(text: str) -> float:
     return value
 
 
-def _document(path: Path, color: NDArray[np.uint8] | None, faces: list[Detection], trouble: str) -> dict[str, Any]:
-    if color is None:
-        return {"file": str(path), "error": trouble, "faces": []}
-    height, width = color.shape[:2]
-    return {"file": str(path), "width": width, "height": height, "faces": [_face(face) for face in faces]}
+class _Faces:
+    """Finds faces, and follows them through a video."""
+
+    key = "faces"
+    drawn = ".faces"
+
+    def __init__(self, finder: FaceFinder) -> None:
+        self._finder = finder
+
+    def seek(self, picture: NDArray[np.uint8]) -> list[Found]:
+        return [_face(face) for face in self._finder.find_all_sizes(picture)]
+
+    def begin(self) -> None:
+        from app.modules.perception.faces.tracks import FaceTracks
+
+        self._following = FaceTracks()
+        self._tracks: dict[int, Found] = {}
+
+    def follow(self, picture: NDArray[np.uint8], time_s: float) -> list[Found]:
+        faces = self._finder.find_all_sizes(picture)
+        numbers = self._following.see_in_image(time_s, "video", faces)
+        found = []
+        for number, face in zip(numbers, faces, strict=True):
+            found.append({"track": number} | _face(face))
+            track = self._tracks.setdefault(
+                number, {"track": number, "begin_s": round(time_s, 3), "end_s": 0.0, "frames": 0, "score": 0.0}
+            )
+            track |= {"end_s": round(time_s, 3), "frames": track["frames"] + 1}
+            if face.score > track["score"]:
+                track |= {"score": round(face.score, 3), "best_s": round(time_s, 3)}
+        return found
+
+    def summary(self) -> tuple[str, list[Found]]:
+        return "tracks", list(self._tracks.values())
+
+    def draw(self, picture: NDArray[np.uint8], found: list[Found]) -> None:
+        import cv2
+
+        thick = max(2, round(max(picture.shape[:2]) / 400))
+        for face in found:
+            left, top, width, height = (round(side) for side in face["box"])
+            cv2.rectangle(picture, (left, top), (left + width, top + height), (80, 220, 80), thick, cv2.LINE_AA)
+            for u, v in face["landmarks"].values():
+                cv2.circle(picture, (round(u), round(v)), thick, (255, 60, 60), cv2.FILLED, cv2.LINE_AA)
+            words = f"{face['score']:.2f}" if "track" not in face else f"{face['track']}: {face['score']:.2f}"
+            at = (left, max(12, top - 2 * thick))
+            size = 0.25 * thick
+            cv2.putText(picture, words, at, cv2.FONT_HERSHEY_SIMPLEX, size, (80, 220, 80), thick // 2 or 1)
 
 
-def _face(face: Detection) -> dict[str, Any]:
+def _face(face: Detection) -> Found:
     landmarks = {
         name: [round(u, 1), round(v, 1)] for name, (u, v) in zip(LANDMARKS, face.landmarks.tolist(), strict=True)
     }
     return {"score": round(face.score, 3), "box": [round(side, 1) for side in face.box], "landmarks": landmarks}
 
 
-def _print_table(documents: list[dict[str, Any]]) -> None:
-    rows = [("file", "score", "left", "top", "width", "height")]
-    for document in documents:
+def _print_table(documents: list[Found]) -> None:
+    read = [document for document in documents if "width" in document]
+    photographs = [document for document in read if "duration_s" not in document]
+    rows: list[tuple[str, ...]] = [("file", "score", "left", "top", "width", "height")]
+    for document in photographs:
         rows += [
             (document["file"], f"{face['score']:.2f}", *(f"{side:.0f}" for side in face["box"]))
             for face in document["faces"]
         ]
-        if not document["faces"] and "error" not in document:
+        if not document["faces"]:
             rows.append((document["file"], "no face", "", "", "", ""))
-    if len(rows) > 1:
-        widths = [max(len(row[column]) for row in rows) for column in range(6)]
-        for file, *cells in rows:
-            figures = (cell.rjust(width) for cell, width in zip(cells, widths[1:], strict=True))
-            print("  ".join((file.ljust(widths[0]), *figures)).rstrip())
-    read = [document for document in documents if "error" not in document]
-    faces = sum(len(document["faces"]) for document in read)
-    print(f"{faces} face{'s' * (faces != 1)} in {len(read)} image{'s' * (len(read) != 1)}")
+    _print_rows(rows)
+    rows = [("file", "face", "from s", "to s", "frames", "best score", "at s")]
+    for document in read:
+        for track in document.get("tracks", ()):
+            seconds = (f"{track['begin_s']:.1f}", f"{track['end_s']:.1f}", str(track["frames"]))
+            best = (f"{track['score']:.2f}", f"{track['best_s']:.1f}")
+            rows.append((document["file"], str(track["track"]), *seconds, *best))
+        if "duration_s" in document and not document["tracks"]:
+            rows.append((document["file"], "no face", "", "", "", "", ""))
+    _print_rows(rows)
+    faces = sum(document["found"] for document in read)
+    print(f"{faces} face{'s' * (faces != 1)} in {counted(read)}")
 
 
-class _Drawing:
-    """Copies of the photographs with the faces framed."""
-
-    def __init__(self, folder: Path) -> None:
-        make_folder(folder, "--draw")
-        self._folder = folder
-        self._names: set[str] = set()
-
-    def write(self, path: Path, color: NDArray[np.uint8], faces: list[Detection]) -> None:
-        """Write ``<name>.faces.jpg``; a number is added where two photographs have one name. Raises ConfigError."""
-        import cv2
-
-        picture = cv2.cvtColor(color, cv2.COLOR_RGB2BGR)
-        thick = max(2, round(max(color.shape[:2]) / 400))
-        for face in faces:
-            left, top, width, height = (round(side) for side in face.box)
-            cv2.rectangle(picture, (left, top), (left + width, top + height), (80, 220, 80), thick, cv2.LINE_AA)
-            for u, v in face.landmarks.tolist():
-                cv2.circle(picture, (round(u), round(v)), thick, (60, 60, 255), cv2.FILLED, cv2.LINE_AA)
-            at = (left, max(12, top - 2 * thick))
-            size = 0.25 * thick
-            cv2.putText(
-                picture, f"{face.score:.2f}", at, cv2.FONT_HERSHEY_SIMPLEX, size, (80, 220, 80), thick // 2 or 1
-            )
-        file = self._folder / f"{unused(path.stem, self._names)}{FACES_DRAWN}"
-        _, jpeg = cv2.imencode(".jpg", picture, (cv2.IMWRITE_JPEG_QUALITY, 92))
-        try:
-            file.write_bytes(jpeg.tobytes())
-        except OSError as failure:
-            raise ConfigError(f"--draw: {file} cannot be written: {failure.strerror or failure}") from None
+def _print_rows(rows: list[tuple[str, ...]]) -> None:
+    """A table, where there is anything below its head."""
+    if len(rows) < 2:
+        return
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for file, *cells in rows:
+        figures = (cell.rjust(width) for cell, width in zip(cells, widths[1:], strict=True))
+        print("  ".join((file.ljust(widths[0]), *figures)).rstrip())

@@ -1,12 +1,12 @@
-"""The photographs that people name on the command line: files and folders, read upright."""
+"""The photographs and videos that people name on the command line: files and folders; photographs read upright."""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from app.commands.detect.videos import VIDEO_SUFFIXES, VIDEOS
 from app.errors import ConfigError
 from app.plain_file import read_plain
 
@@ -18,8 +18,7 @@ if TYPE_CHECKING:
 SUFFIXES = frozenset({".jpg", ".jpeg", ".png", ".webp", ".bmp", ".tif", ".tiff", ".gif", ".ppm", ".pgm"})
 
 #: How copies end on which what was found is drawn: folders are searched without them.
-FACES_DRAWN = ".faces.jpg"
-CODES_DRAWN = ".codes.jpg"
+_DRAWN = (".faces.jpg", ".codes.jpg", ".faces.mp4", ".codes.mp4")
 
 
 class NoImage(Exception):
@@ -27,18 +26,18 @@ class NoImage(Exception):
 
 
 def find_images(paths: Iterable[Path]) -> list[Path]:
-    """The files among ``paths``, and all photographs in the folders and below, in the order of their names.
+    """The files among ``paths``, and all photographs and videos in the folders and below, in the order of their names.
 
-    Copies that were drawn on (:data:`FACES_DRAWN`, :data:`CODES_DRAWN`) are read only where they are named themselves.
-    Raises ConfigError where there is no such file or folder, or no photograph in a folder.
+    Copies that were drawn on are read only where they are named themselves. Raises ConfigError where there is no such
+    file or folder, or neither photograph nor video in a folder.
     """
     found: list[Path] = []
     for path in paths:
         if path.is_dir():
-            inside = sorted(p for p in path.rglob("*") if _is_photograph(p) and p.is_file())
+            inside = sorted(p for p in path.rglob("*") if _is_picture(p) and p.is_file())
             if not inside:
-                endings = ", ".join(sorted(SUFFIXES))
-                raise ConfigError(f"{path}: there is no image in this folder or below (looked for {endings})")
+                endings = ", ".join(sorted(SUFFIXES | VIDEO_SUFFIXES))
+                raise ConfigError(f"{path}: there is no image or video in this folder or below (looked for {endings})")
             found += inside
         elif path.exists():
             found.append(path)
@@ -47,8 +46,8 @@ def find_images(paths: Iterable[Path]) -> list[Path]:
     return list(dict.fromkeys(found))
 
 
-def _is_photograph(path: Path) -> bool:
-    return path.suffix.lower() in SUFFIXES and not path.name.endswith((FACES_DRAWN, CODES_DRAWN))
+def _is_picture(path: Path) -> bool:
+    return path.suffix.lower() in SUFFIXES | VIDEO_SUFFIXES and not path.name.endswith(_DRAWN)
 
 
 def read_image(path: Path) -> NDArray[np.uint8]:
@@ -69,20 +68,5 @@ def read_image(path: Path) -> NDArray[np.uint8]:
         begun = kind_of(raw)
         if begun is not None:
             raise NoImage(f"{path}: is damaged: it begins as a {begun} file and cannot be read to its end")
-        raise NoImage(f"{path}: is no image that can be read here ({', '.join(BEGINNINGS)})")
+        raise NoImage(f"{path}: is no image that can be read here ({', '.join(BEGINNINGS)}), nor a video ({VIDEOS})")
     return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), np.uint8)
-
-
-def each_image(paths: list[Path], title: str, command: str) -> Iterator[tuple[Path, NDArray[np.uint8] | None, str]]:
-    """Each file with its image, or None and what is wrong with it (also said on standard error); shows progress."""
-    from app.commands.progress import shown
-
-    with shown(title) as progress:
-        for done, path in enumerate(paths):
-            progress(done, len(paths), path.name)
-            try:
-                yield path, read_image(path), ""
-            except NoImage as failure:
-                print(f"{command}: {failure}", file=sys.stderr)
-                yield path, None, str(failure).removeprefix(f"{path}: ")
-        progress(len(paths), len(paths))

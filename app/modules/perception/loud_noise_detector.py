@@ -15,14 +15,13 @@ and ``hold_off_s`` are parameters of the desire DetectNoises.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import partial
 from typing import Any
 
 import numpy as np
 from pydantic import Field
 
 from app.messages import Audio, LoudNoise
-from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudNoiseJudge, Rule, decibels, whole_energy
+from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudNoiseJudge, Rule, begun
 from app.modules.perception.overruns import Overruns
 from app.runtime.errors import InboxOverflow, ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
@@ -101,10 +100,9 @@ class LoudNoiseDetector(Module):
             samples, self._rest = samples[:whole], samples[whole:]
         for first in range(0, len(samples), FRAME):
             frame = samples[first : first + FRAME]
-            ratio = self._judge.judge(self._band.frame(frame), partial(whole_energy, frame))
-            if ratio is not None:
-                level_db = decibels(whole_energy(frame))
-                self.noises.publish(LoudNoise(begin + first / audio.rate, ratio, level_db))
+            noise = begun(frame, self._band.frame(frame), self._judge)
+            if noise is not None:
+                self.noises.publish(LoudNoise(begin + first / audio.rate, noise.ratio, noise.level_db))
 
     def _resume(self, audio: Audio, lost: int) -> None:
         """Go on after a gap of ``lost`` samples; afresh if it is long, or if the sound is another."""
@@ -115,12 +113,7 @@ class LoudNoiseDetector(Module):
             self._judge = LoudNoiseJudge(self._rule())
 
     def _rule(self) -> Rule:
-        frames_per_s = self._rate / FRAME
-        window = max(2, round(self.settings.window_s * frames_per_s))
-        return Rule(
-            ratio=self._ratio,
-            floor_db=self.settings.floor_db,
-            window=window,
-            history=max(1, min(window, round(self.settings.history_s * frames_per_s))),
-            hold_off=max(1, round(self._hold_off_s * frames_per_s)),
+        settings = self.settings
+        return Rule.lasting(
+            self._rate, self._ratio, settings.floor_db, settings.window_s, settings.history_s, self._hold_off_s
         )

@@ -32,6 +32,7 @@ import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from itertools import islice
 
 import numpy as np
@@ -144,6 +145,35 @@ class Rule:
         """The least energy of a loud frame."""
         return float(10.0 ** (self.floor_db / 10.0))
 
+    @classmethod
+    def lasting(
+        cls, rate: int, ratio: float, floor_db: float, window_s: float, history_s: float, hold_off_s: float
+    ) -> Rule:
+        """The rule for sound of ``rate`` samples a second, with its lengths in seconds."""
+        frames_per_s = rate / FRAME
+        window = max(2, round(window_s * frames_per_s))
+        return cls(
+            ratio=ratio,
+            floor_db=floor_db,
+            window=window,
+            history=max(1, min(window, round(history_s * frames_per_s))),
+            hold_off=max(1, round(hold_off_s * frames_per_s)),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Begun:
+    """A loud noise begins with this frame: so many times the background's energy; its own level (dB of full scale)."""
+
+    ratio: float
+    level_db: float
+
+
+def begun(frame: NDArray[np.int16], energy: float, judge: LoudNoiseJudge) -> Begun | None:
+    """Let ``judge`` hear the next ``frame`` (512,) int16, of which ``energy`` is what :class:`BandEnergy` said."""
+    ratio = judge.judge(energy, partial(whole_energy, frame))
+    return None if ratio is None else Begun(ratio, decibels(whole_energy(frame)))
+
 
 class LoudNoiseJudge:
     """Judges frame after frame: ``judge(energy)`` gives the ratio to the background where a loud noise begins."""
@@ -177,6 +207,14 @@ class LoudNoiseJudge:
         """The background's energy; 0 before the first frame."""
         return self._sum / self._known if self._known else 0.0
 
+    @property
+    def threshold(self) -> float | None:
+        """The energy above which the next frame is loud; None while the background is not known yet."""
+        return self._loud() if self._known >= self._rule.history else None
+
+    def _loud(self) -> float:
+        return max(self._floor, self._rule.ratio * max(self.background, _SILENCE), CREST * self._usual_peaks)
+
     def judge(self, energy: float, whole: Callable[[], float] | None = None) -> float | None:
         """Take the energy of the next frame; its ratio to the background if a loud noise begins with it, or None.
 
@@ -189,7 +227,7 @@ class LoudNoiseJudge:
             self._usual_peaks = max(self._usual_peaks * (_UP if energy > self._usual_peaks else _DOWN), self.background)
             return None
         background = max(self.background, _SILENCE)
-        loud = max(self._floor, rule.ratio * background, CREST * self._usual_peaks)
+        loud = self._loud()
         under_way = self._quiet < rule.hold_off
         begins = (
             energy > loud

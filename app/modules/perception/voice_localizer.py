@@ -14,7 +14,8 @@ the sound's own time (voices/tracking.py), each source's probability of being sp
 distance from how tall people are (height.py), and each of up to two sources by itself (voices/separation.py).
 ``microphones`` (2, 4, 8 ...: that many of those there are) and ``separation`` are parameters of the strategies for the
 desire LocateVoices, ``voices`` (how many are separated) of the desire itself. After a gap in the sound, and after a
-restart, all begins afresh but the numbers of the tracks.
+restart, all begins afresh but the numbers of the tracks. Where the microphones' positions do not explain what they hear
+(voices/array_check.py), it is said once.
 """
 
 from __future__ import annotations
@@ -82,6 +83,7 @@ class VoiceLocalizer(Module):
         self._overruns = Overruns(self.log, self.clock)
         self._wiring: _Wiring | None = None
         self._pipeline: VoicePipeline | None = None
+        self._doubted = False
         self._waiting: list[NDArray[np.int16]] = []
         self._waiting_length = 0
         #: Number and time of the first sample that waits, and the number of the next to come.
@@ -123,6 +125,7 @@ class VoiceLocalizer(Module):
         if self._wiring is None or not self._wiring.same(audio):
             self._retire()
             self._wiring = _Wiring(audio.p_BM, audio.rate)
+            self._doubted = False
         if audio.first_sample != self._next_sample:
             self._forget()
         if not self._waiting_length:
@@ -139,6 +142,13 @@ class VoiceLocalizer(Module):
         pipeline = self._pipeline
         while self._waiting_length >= pipeline.step and self._pipeline is pipeline:
             await self._process(pipeline, audio.rate)
+            if pipeline.array_check.failed and not self._doubted:
+                self._doubted = True
+                self.log.warning(
+                    "the microphones' positions do not explain what they hear: directions are wrong. Check the "
+                    "order and the positions (m) of the microphones in the robot's file",
+                    extra={"frame": audio.frame, "explained_percent": round(100 * pipeline.array_check.share)},
+                )
 
     async def _process(self, pipeline: VoicePipeline, rate: int) -> None:
         """Hear one block of what waits."""

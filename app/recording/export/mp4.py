@@ -84,7 +84,7 @@ class Mp4(Unsurveyed):
 
         def write(message: Any) -> None:
             nonlocal earlier
-            image = _even(rgb_of(message))
+            image = even_sided(rgb_of(message))
             if message.stamp < target.begin - LATE_S:
                 earlier = image
             else:
@@ -197,7 +197,7 @@ class ConstantRateVideo:
             self._slot = until
 
 
-def _even(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+def even_sided(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """``image`` with its last row or column repeated where their number is odd: colour is kept for blocks of 2 x 2."""
     height, width = image.shape[:2]
     if height % 2 or width % 2:

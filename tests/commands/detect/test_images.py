@@ -66,20 +66,31 @@ def test_no_name_at_all_is_not_the_current_folder(what: str, capsys: pytest.Capt
 def test_what_never_was_an_image_is_not_said_to_be_damaged(tmp_path: Path, content: bytes) -> None:
     file = tmp_path / "a.jpg"
     file.write_bytes(content)
-    with pytest.raises(NoImage, match=r"is no image that can be read here \(JPEG, PNG, WebP, BMP, TIFF, GIF, PNM\)"):
+    with pytest.raises(
+        NoImage, match=r"is no image that can be read here \(JPEG, PNG, WebP, BMP, TIFF, GIF, PNM\), nor a video"
+    ):
         read_image(file)
 
 
 def test_copies_that_were_drawn_on_are_not_searched_again_unless_they_are_named(tmp_path: Path) -> None:
     below = tmp_path / "below"
     below.mkdir()
-    names = ("x.jpg", "x.faces.jpg", "x-2.faces.jpg", "x.codes.jpg", "below/y.png", "below/y.faces.jpg", "faces.jpg")
+    names = (
+        "x.jpg",
+        "x.faces.jpg",
+        "x-2.faces.jpg",
+        "x.codes.jpg",
+        "x.faces.mp4",
+        "below/y.png",
+        "below/y.faces.jpg",
+        "faces.jpg",
+    )
     for name in names:
         (tmp_path / name).touch()
     assert find_images([tmp_path]) == [below / "y.png", tmp_path / "faces.jpg", tmp_path / "x.jpg"]
     assert find_images([tmp_path / "x.faces.jpg"]) == [tmp_path / "x.faces.jpg"]
     (below / "y.png").unlink()
-    with pytest.raises(ConfigError, match="no image in this folder"):
+    with pytest.raises(ConfigError, match="no image or video in this folder"):
         find_images([below])
 
 

@@ -145,7 +145,7 @@ REFUSED: dict[str, list[dict[str, Any]]] = {
         {"seq": 1.5, "held": True, "linear": 0, "angular": 0},
         {"seq": 1, "held": 1, "linear": 0, "angular": 0},
     ],
-    "ping": [{}, {"t": "now"}],
+    "ping": [{"t": "now"}, {"rtt_ms": "3"}],
     "ack": [{"kind": 5, "seq": 1}, {"kind": 1}],
     "view": [{"camera": 1}],
     "listen": [{}, {"on": None}],
@@ -199,8 +199,11 @@ async def test_it_is_served_with_the_address_it_was_asked_at(
     assert told["asyncapi"] == "3.0.0"
     assert told["servers"] == {"console": {"host": "127.0.0.1:8080", "protocol": "ws"}}
     assert told["channels"]["live"]["address"] == "/api/v1/live"
-    assert told["components"] == json.loads(json.dumps(DOCUMENT["components"]))
-    locked: FastAPI = create_app(system, static_dir=page, early_view=False, token="a long token")
+    document = description("127.0.0.1:8080", cookie="hbba_session_8080")
+    assert told["components"] == json.loads(json.dumps(document["components"]))
+    locked: FastAPI = create_app(
+        system, static_dir=page, early_view=False, token="a long token", host_names=("robot.local",)
+    )
     transport = httpx.ASGITransport(locked)
     async with httpx.AsyncClient(transport=transport, base_url="https://robot.local/api/v1") as stranger:
         assert (await stranger.get("/live.json")).status_code == 401

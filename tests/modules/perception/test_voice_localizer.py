@@ -172,3 +172,22 @@ def test_microphones_that_cannot_tell_directions_are_a_failure_in_words(talker: 
             assert "voices cannot be located with these microphones: positions are (M, 3) of 2 to 32" in b.problem
 
     run_virtual(main())
+
+
+def test_microphones_in_another_order_than_the_robots_file_says_are_said_once(caplog: pytest.LogCaptureFixture) -> None:
+    sound = heard(babble(0, 4.0), toward(60)) + heard(babble(1, 4.0), toward(-75, 5))
+    right = as_int16(sound + np.random.default_rng(1).normal(0, 1e-3, sound.shape))
+
+    async def main(order: list[int]) -> None:
+        async with bench(odometry=False, separation=False, speech=False) as b:
+            await say(b, right[:, order], pose=None)
+            b.slot.configure({"separation": True})
+            await say(b, right[:, order], first=5 * RATE, pose=None)
+
+    def doubts() -> int:
+        return len([r for r in caplog.records if "positions do not explain what they hear" in r.message])
+
+    run_virtual(main(list(range(8))))
+    assert doubts() == 0
+    run_virtual(main([0, 2, 1, 3, 4, 5, 6, 7]))
+    assert doubts() == 1

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from app.geometry import Pose3
 from app.modules.perception.faces.placing import Sighting, ray_covariance
-from app.modules.perception.faces.yunet import overlap
+from app.modules.perception.faces.yunet import Detection, overlap
 
 Vector = NDArray[np.float64]
 Box = tuple[float, float, float, float]
@@ -97,20 +97,42 @@ class FaceTracks:
         self._note_image(stamp, camera)
         self._forget(stamp)
         pairs = {} if X_OB is None else self._by_place(stamp, sightings, X_OB)
-        pairs |= self._by_overlap(stamp, camera, sightings, pairs)
+        pairs |= self._by_overlap(stamp, camera, [sighting.face for sighting in sightings], pairs)
         placed = []
         for index, sighting in enumerate(sightings):
             track = pairs.get(index)
             if track is None:
-                track = _Track(self.next, stamp, camera, sighting.face.box)
-                self.next += 1
-                self._tracks.append(track)
+                track = self._new(stamp, camera, sighting.face)
             placed.append(self._told(track, stamp, camera, sighting, X_OB))
-        if len(self._tracks) > self._model.most:
-            self._tracks = sorted(self._tracks, key=lambda t: t.seen)[-self._model.most :]
+        self._keep_the_newest()
         return tuple(placed)
 
+    def see_in_image(self, stamp: float, camera: str, faces: Sequence[Detection]) -> tuple[int, ...]:
+        """The number of each of one image's ``faces``, of a camera that may be anywhere: by their boxes alone."""
+        self._note_image(stamp, camera)
+        self._forget(stamp)
+        pairs = self._by_overlap(stamp, camera, faces, {})
+        tracks = [pairs.get(index) or self._new(stamp, camera, face) for index, face in enumerate(faces)]
+        for track, face in zip(tracks, faces, strict=True):
+            self._note_seen(track, stamp, camera, face)
+        self._keep_the_newest()
+        return tuple(track.number for track in tracks)
+
     # --- life and death ------------------------------------------------------------------------------------------
+
+    def _new(self, stamp: float, camera: str, face: Detection) -> _Track:
+        track = _Track(self.next, stamp, camera, face.box)
+        self.next += 1
+        self._tracks.append(track)
+        return track
+
+    def _note_seen(self, track: _Track, stamp: float, camera: str, face: Detection) -> None:
+        track.seen, track.camera, track.box = max(stamp, track.seen), camera, face.box
+        track.boxes[camera] = (stamp, face.box)
+
+    def _keep_the_newest(self) -> None:
+        if len(self._tracks) > self._model.most:
+            self._tracks = sorted(self._tracks, key=lambda t: t.seen)[-self._model.most :]
 
     def _note_image(self, stamp: float, camera: str) -> None:
         last, usual = self._images.get(camera, (stamp, 0.0))
@@ -145,10 +167,10 @@ class FaceTracks:
         return {int(r): tracks[c] for r, c in zip(rows, columns, strict=True) if costs[r, c] < _NEVER}
 
     def _by_overlap(
-        self, stamp: float, camera: str, sightings: Sequence[Sighting], pairs: dict[int, _Track]
+        self, stamp: float, camera: str, faces: Sequence[Detection], pairs: dict[int, _Track]
     ) -> dict[int, _Track]:
         taken = {track.number for track in pairs.values()}
-        left = [index for index in range(len(sightings)) if index not in pairs]
+        left = [index for index in range(len(faces)) if index not in pairs]
         fresh = max(0.5, self._model.forget_images * self._images[camera][1])
         tracks = [
             track
@@ -157,7 +179,7 @@ class FaceTracks:
         ]
         if not left or not tracks:
             return {}
-        shares = np.array([[overlap(sightings[i].face.box, t.boxes[camera][1]) for t in tracks] for i in left])
+        shares = np.array([[overlap(faces[i].box, t.boxes[camera][1]) for t in tracks] for i in left])
         rows, columns = _assigned(-shares)
         return {left[r]: tracks[c] for r, c in zip(rows, columns, strict=True) if shares[r, c] >= self._model.overlap}
 
@@ -171,8 +193,7 @@ class FaceTracks:
                 R_BO = X_OB.rotation.T
                 p_BF = np.asarray(X_OB.inverse().transform(track.x[:3]), np.float64)
                 told = Placed(track.number, p_BF, R_BO @ track.P[:3, :3] @ R_BO.T)
-        track.seen, track.camera, track.box = max(stamp, track.seen), camera, sighting.face.box
-        track.boxes[camera] = (stamp, sighting.face.box)
+        self._note_seen(track, stamp, camera, sighting.face)
         return told
 
     def _predicted(self, track: _Track, stamp: float) -> tuple[Vector, Vector]:

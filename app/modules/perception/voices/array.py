@@ -15,6 +15,8 @@ from app.yaml_source import parse
 
 #: Microphones nearer than this are one.
 _NEAREST_M = 0.005
+#: Sound crosses more than this in the time that is looked at at once.
+_FARTHEST_M = 5.0
 #: Below this share of the array's largest extent, an extent is none.
 _FLAT = 0.05
 
@@ -24,7 +26,7 @@ class MicrophoneArray:
 
     ``channels`` (M,) names the columns of the sound that are theirs: 0, 1, ... except in a :meth:`subset`. ``body_m``
     is the radius of the rigid body among them, taken as a sphere about their middle; sound goes round it. 0: they hang
-    in free air. Raises ValueError if there are fewer than two, or two at one place.
+    in free air. Raises ValueError if there are fewer than two, two at one place, or two more than 5 m apart.
     """
 
     def __init__(
@@ -42,6 +44,12 @@ class MicrophoneArray:
         if not np.isfinite(placed).all() or apart.min() < _NEAREST_M:
             near = int(apart.argmin())
             raise ValueError(f"microphones {self.first[near]} and {self.second[near]} are at one place")
+        if apart.max() > _FARTHEST_M:
+            far = int(apart.argmax())
+            raise ValueError(
+                f"microphones {self.first[far]} and {self.second[far]} are {apart[far]:.4g} m apart, more than "
+                f"{_FARTHEST_M:g} m: positions are in metres"
+            )
 
     def __len__(self) -> int:
         return len(self.positions)

@@ -128,7 +128,7 @@ class Localizer:
         self.frequencies = np.fft.rfftfreq(settings.frame, 1 / rate)
         chosen = np.flatnonzero((self.frequencies >= settings.lowest_hz) & (self.frequencies <= settings.highest_hz))
         self._band = slice(int(chosen[0]), int(chosen[-1]) + 1)
-        self._prepare(np.asarray(self.frequencies[self._band], np.float64))
+        self._prepare(self.band)
         self._clarity = Clarity(len(chosen), self.hop / rate, settings.tail, settings.tail_s, settings.floor)
         self._onsets = Onsets()
         pairs, bins = len(array.first), len(chosen)
@@ -195,6 +195,20 @@ class Localizer:
         if self._steps % self.settings.search_every == 0:
             self._found = self._search()
         return self._follow(expected)
+
+    @property
+    def band(self) -> NDArray[np.float64]:
+        """The frequencies (B,) Hz of :meth:`cross_spectra`."""
+        return np.asarray(self.frequencies[self._band], np.float64)
+
+    def clearness(self) -> float:
+        """How clearly what sounds now stands above the background and the room's answer, in [0, 1]: mean weight."""
+        return float(self._short_weight[0].mean())
+
+    def cross_spectra(self) -> NDArray[np.complex64]:
+        """What each pair of microphones has in common now (P, B): the mean over the last moments, without the
+        background, each frequency's absolute value at most about 1."""
+        return self._clear(self._short, self._short_weight)
 
     def _hear(self, samples: NDArray[np.float32], smeared: float) -> None:
         settings, hop = self.settings, self.hop
@@ -362,7 +376,7 @@ class Localizer:
             starts = np.concatenate([expected, starts[new]])
         if not len(starts):
             return NO_PEAKS
-        cross = self._clear(self._short, self._short_weight)
+        cross = self.cross_spectra()
         directions, recent = self._climb(self._correlation(cross), starts, 1)
         nearness = directions @ directions.T
         chosen: list[int] = []

@@ -15,6 +15,7 @@ from app.geometry import wrap_angle
 from app.messages import SeparatedSound, SoundSource, SoundSources, read_only
 from app.modules.perception.height import range_from_height
 from app.modules.perception.voices.array import MicrophoneArray
+from app.modules.perception.voices.array_check import ArrayCheck
 from app.modules.perception.voices.beams import DelayAndSum
 from app.modules.perception.voices.localization import Localizer
 from app.modules.perception.voices.resampling import Resampler
@@ -24,6 +25,9 @@ from app.modules.perception.voices.tracking import Track, Tracker
 
 _FULL_SCALE = 32768.0
 _QUIETEST = 1e-12
+#: The array is checked every so many blocks, at moments that are so clear: where nothing sounds it costs nothing.
+_CHECK_EVERY = 2
+_CHECK_CLEARNESS = 0.04
 #: How well elevations are known (rad), by the number of the array's dimensions: one on a line knows none.
 _ELEVATION_SIGMA = {1: 1.0, 2: math.radians(8), 3: math.radians(2.5)}
 
@@ -46,7 +50,8 @@ class VoicePipeline:
 
     ``array`` are the microphones in ``base_link``, whose origin lies on the floor; all columns of the sound, or those
     of its ``channels`` if it is a subset. ``rate`` from 16,000 up. ``step``: samples in one block. Tracks are numbered
-    from ``first_track`` and live in ``odom``'s axes, so that a robot that turns does not smear them.
+    from ``first_track`` and live in ``odom``'s axes, so that a robot that turns does not smear them. ``array_check``
+    says whether the microphones are where ``array`` says.
     """
 
     def __init__(
@@ -62,6 +67,8 @@ class VoicePipeline:
         self.settings = settings
         self._localizer = Localizer(array, rate)
         self.step = self._localizer.step
+        self.array_check = ArrayCheck(array, self._localizer.band, self._localizer.settings.frame / rate)
+        self._blocks = 0
         self._tracker = Tracker()
         self._offset = first_track - 1
         self._beams = DelayAndSum(array, rate)
@@ -118,7 +125,7 @@ class VoicePipeline:
             self._began = first_sample
         instant = self.instant(time_s)
         if instant <= self._time:
-            self._begin_anew()
+            self._restart()
         tracks = self._follow(sound, instant, heading)
         self._time = instant
         self._heard += self.step
@@ -129,7 +136,7 @@ class VoicePipeline:
         p_BA = tuple(self.array.middle.tolist())
         return SoundSources(instant, p_BA, tuple(self._source(track) for track in tracks)), separated
 
-    def _begin_anew(self) -> None:
+    def _restart(self) -> None:
         """Time has gone back: nothing that is known holds any more, but numbers are not used again."""
         first = self.next_track
         self._tracker, self._offset = Tracker(), first - 1
@@ -146,6 +153,7 @@ class VoicePipeline:
         mean_age = localizer.settings.follow_memory_s * localizer.rate / localizer.step
         R_OM = _turn(heading - turned * mean_age)
         peaks = localizer.process(sound, self._tracker.expected @ R_OM, turned)
+        self._check_array()
         tracks = self._tracker.update(instant, replace(peaks, directions=peaks.directions @ R_OM.T))
         R_OB = _turn(heading)
         here = tuple(
@@ -154,6 +162,15 @@ class VoicePipeline:
         )
         self._newest = max(self._newest, *(track.id for track in here), 0)
         return here
+
+    def _check_array(self) -> None:
+        self._blocks += 1
+        if (
+            self._blocks % _CHECK_EVERY == 0
+            and not self.array_check.done
+            and self._localizer.clearness() > _CHECK_CLEARNESS
+        ):
+            self.array_check.hear(self._localizer.cross_spectra())
 
     def _listen(self, sound: NDArray[np.float32], tracks: tuple[Track, ...]) -> None:
         """How loud each source is; and let the judge hear those that sound and are not separated."""

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
+from app.modules.perception.voices.confirmation import Source, TrackerSettings, confirm, reported
 from app.modules.perception.voices.localization import Peaks
 from app.modules.perception.voices.motion import Motion, Vector, along, angle_deg, angular_speed
-from app.modules.perception.voices.telling import Source, TrackerSettings, prove, told
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,7 +62,7 @@ class Tracker:
             source.motion = source.motion.predicted(passed, jerk, math.inf if heard else settings.rest_s)
             source.recent = source.share = 0.0
             source.level *= fading
-            source.pace *= fading
+            source.speed_radps *= fading
         tracks = [source for source in self._sources if source.id]
         maybe = [source for source in self._sources if not source.id]
         strongest = float(peaks.powers.max(initial=0.0))
@@ -80,12 +80,12 @@ class Tracker:
         ]
         for k in self._assign(maybe, free, peaks, passed, time_s):
             self._sources.append(self._begin(time_s, peaks, k, passed))
-        self._bury(time_s)
-        self._bear(time_s)
-        prove(self._sources, self._loudest, time_s, settings)
+        self._end_lost(time_s)
+        self._number_born(time_s)
+        confirm(self._sources, self._loudest, time_s, settings)
         self._replace(time_s)
         return tuple(
-            self._track(source, time_s) for source in self._sources if told(source, self._sources, time_s, settings)
+            self._track(source, time_s) for source in self._sources if reported(source, self._sources, time_s, settings)
         )
 
     def _replace(self, time_s: float) -> None:
@@ -94,7 +94,7 @@ class Tracker:
         begun = [
             source
             for source in self._sources
-            if source.id and source.proven and time_s - source.born < 1.0 and source.heard_s >= settings.replaced_s
+            if source.id and source.confirmed and time_s - source.born < 1.0 and source.heard_s >= settings.replaced_s
         ]
         if begun:
             self._sources = [
@@ -150,8 +150,8 @@ class Tracker:
                 taken.add(k)
                 source = sources[row]
                 found = peaks.powers[k] >= settings.keep_power
-                source.unfound_s = 0.0 if found else source.unfound_s + passed
-                if source.unfound_s > settings.unfound_s:
+                source.missed_s = 0.0 if found else source.missed_s + passed
+                if source.missed_s > settings.missed_s:
                     continue
                 source.recent = float(peaks.recent[k])
                 source.level = max(source.level, source.recent)
@@ -163,9 +163,9 @@ class Tracker:
                 if found and self._sure(source):
                     source.last_sure = time_s
                     source.heard_s += passed
-                    source.unproven_s += passed
-                    source.faint_s += passed
-                    source.pace = max(source.pace, angular_speed(source.motion.velocity))
+                    source.unconfirmed_s += passed
+                    source.since_loud_s += passed
+                    source.speed_radps = max(source.speed_radps, angular_speed(source.motion.velocity))
                 if source.recent >= settings.active_power:
                     source.last_active = time_s
         return [k for k in free if k not in taken]
@@ -231,7 +231,7 @@ class Tracker:
             motion, power, max(0.0, self._evidence(peaks, k, passed)), time_s, time_s, time_s, last_sure=time_s
         )
 
-    def _bury(self, time_s: float) -> None:
+    def _end_lost(self, time_s: float) -> None:
         def lives(source: Source) -> bool:
             if not source.id:
                 source.evidence = max(0.0, source.evidence)
@@ -244,20 +244,20 @@ class Tracker:
 
         self._sources = [source for source in self._sources if lives(source)]
 
-    def _bear(self, time_s: float) -> None:
+    def _number_born(self, time_s: float) -> None:
         """Number what has shown itself long enough, the strongest first, as far as there is room."""
         ready = [source for source in self._sources if not source.id and source.evidence >= 1]
         for source in sorted(ready, key=lambda source: -source.power):
             tracks = [other for other in self._sources if other.id]
             lost = self._lost(source, tracks, time_s)
             if lost is not None:
-                if not told(lost, self._sources, time_s, self.settings):
+                if not reported(lost, self._sources, time_s, self.settings):
                     # It may as well be an echo near where he fell silent: no credit of his.
-                    lost.try_anew(time_s)
+                    lost.restart_trial(time_s)
                     lost.echo = source.echo
                 lost.motion = source.motion.going_on_as(lost.motion)
                 lost.power, lost.evidence = source.power, lost.evidence + source.evidence
-                lost.last_sure, lost.level, lost.unfound_s = source.last_sure, source.level, 0.0
+                lost.last_sure, lost.level, lost.missed_s = source.last_sure, source.level, 0.0
                 lost.last_seen, lost.last_active = source.last_seen, source.last_active
                 self._sources.remove(source)
                 continue
@@ -271,7 +271,7 @@ class Tracker:
                 self._sources.remove(quiet)
             source.id = self._next
             source.born = time_s
-            source.try_anew(time_s)
+            source.restart_trial(time_s)
             self._next += 1
             self._sources.sort(key=lambda source: (not source.id, source.id))
 
@@ -280,7 +280,7 @@ class Tracker:
         found, nearest = None, math.inf
         for track in tracks:
             silent = time_s - track.last_sure
-            speed = math.degrees(track.pace)
+            speed = math.degrees(track.speed_radps)
             angle = angle_deg(source.motion.direction, track.motion.direction)
             if silent > 0.15 and angle < min(self.settings.apart_deg + 2 * speed * silent, 30.0, nearest):
                 found, nearest = track, angle

@@ -83,6 +83,7 @@ def test_two_microphones_at_one_place_are_refused() -> None:
         ("positions: [[0, 0, 0]]\n", r"array.yaml:1: positions"),
         ("position: [[0, 0, 0], [0, 0.1, 0]]\n", r"array.yaml:1: .*positions"),
         ("positions: [[0, 0, 0], [0, 0, 0]]\n", r"array.yaml:.* microphones 0 and 1 are at one place"),
+        ("positions: [[0, 0, 0], [0, 85, 0]]\n", r"array.yaml:.* 0 and 1 are 85 m apart, .* positions are in metres"),
     ],
 )
 def test_errors_name_file_and_line(text: str, said: str, tmp_path: Path) -> None:

@@ -187,7 +187,7 @@ def test_a_walker_who_paused_has_one_track_where_he_goes_on() -> None:
     assert angle(tracks[0].direction, unit(12 * now)) < 3
 
 
-def pace(track: Track) -> float:
+def speed_radps(track: Track) -> float:
     """To the left, degrees a second."""
     return float(np.degrees(np.cross([0, 0, 1], track.direction) @ track.velocity))
 
@@ -204,7 +204,7 @@ def test_what_a_walkers_pause_leaves_beside_another_does_not_turn_him_round() ->
         directions = np.array([unit(azimuth), unit(120)])
         tracks = tracker.update(now, Peaks(directions, powers, recents, np.full(2, 0.2), steady, leading(1.4, 1.4)))
     assert [track.id for track in tracks] == [1, 2]
-    assert pace(tracks[0]) > 2
+    assert speed_radps(tracks[0]) > 2
     assert angle(tracks[0].direction, unit(12 * now)) < 7
 
 
@@ -217,7 +217,7 @@ def test_a_walker_lost_and_heard_again_goes_on_as_he_went() -> None:
         tracks = tracker.update(now, peaks)
     assert [track.id for track in tracks] == [1]
     assert angle(tracks[0].direction, unit(12 * now + 25)) < 4
-    assert pace(tracks[0]) > 6
+    assert speed_radps(tracks[0]) > 6
 
 
 def test_what_is_only_remembered_and_no_longer_heard_dies() -> None:

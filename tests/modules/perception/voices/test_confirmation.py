@@ -1,4 +1,4 @@
-"""Whom to tell of: proof by moments of one's own, who leads and who only follows, trial, and trust that runs out."""
+"""Which tracks are reported: moments of one's own, who leads and who only follows, trial, and trust that runs out."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
+from app.modules.perception.voices.confirmation import Source, TrackerSettings, confirm, reported
 from app.modules.perception.voices.motion import Motion
-from app.modules.perception.voices.telling import Source, TrackerSettings, prove, told
 
 SETTINGS = TrackerSettings()
 
@@ -20,57 +20,57 @@ def source(recent: float, share: float, number: int = 1) -> Source:
     )
 
 
-@pytest.mark.parametrize(("recent", "share", "proven"), [(0.2, 0.5, True), (0.09, 0.5, False), (0.2, 0.1, False)])
-def test_proof_takes_a_share_and_a_loud_moment(recent: float, share: float, proven: bool) -> None:
+@pytest.mark.parametrize(("recent", "share", "confirmed"), [(0.2, 0.5, True), (0.09, 0.5, False), (0.2, 0.1, False)])
+def test_proof_takes_a_share_and_a_loud_moment(recent: float, share: float, confirmed: bool) -> None:
     weak, strong = source(recent, share), source(0.4, 1.0, number=2)
-    prove([weak, strong], 0.4, 9.0, SETTINGS)
-    assert weak.proven is proven
-    assert strong.proven
-    assert told(weak, [weak, strong], 9.0, SETTINGS) is proven
+    confirm([weak, strong], 0.4, 9.0, SETTINGS)
+    assert weak.confirmed is confirmed
+    assert strong.confirmed
+    assert reported(weak, [weak, strong], 9.0, SETTINGS) is confirmed
 
 
 def test_a_loud_moment_is_remembered_as_long_as_proof_is() -> None:
     talker = source(0.1, 0.5)
-    talker.faint_s = SETTINGS.trust_s - 0.1
-    prove([talker], 0.4, 9.0, SETTINGS)
-    assert told(talker, [talker], 9.0, SETTINGS)
-    talker.faint_s = SETTINGS.trust_s
-    assert not told(talker, [talker], 9.0, SETTINGS)
+    talker.since_loud_s = SETTINGS.trust_s - 0.1
+    confirm([talker], 0.4, 9.0, SETTINGS)
+    assert reported(talker, [talker], 9.0, SETTINGS)
+    talker.since_loud_s = SETTINGS.trust_s
+    assert not reported(talker, [talker], 9.0, SETTINGS)
 
 
 def test_who_is_tried_anew_is_told_of_for_the_trial_and_no_longer() -> None:
     talker = source(0.3, 1.0)
-    prove([talker], 0.3, 9.0, SETTINGS)
-    talker.try_anew(9.0)
-    assert not talker.proven
-    assert math.isinf(talker.faint_s)
+    confirm([talker], 0.3, 9.0, SETTINGS)
+    talker.restart_trial(9.0)
+    assert not talker.confirmed
+    assert math.isinf(talker.since_loud_s)
     talker.last_sure = 9.0 + 0.9 * SETTINGS.trial_s
-    assert told(talker, [talker], talker.last_sure, SETTINGS)
+    assert reported(talker, [talker], talker.last_sure, SETTINGS)
     talker.last_sure = 9.0 + 1.1 * SETTINGS.trial_s
-    assert not told(talker, [talker], talker.last_sure, SETTINGS)
+    assert not reported(talker, [talker], talker.last_sure, SETTINGS)
 
 
 @pytest.mark.parametrize(("echo", "recent", "trusted"), [(0.1, 0.17, True), (0.5, 0.17, False), (0.5, 0.27, True)])
 def test_who_may_be_a_copy_needs_a_louder_moment(echo: float, recent: float, trusted: bool) -> None:
     talker = source(recent, 1.0)
     talker.echo, talker.broken = echo, 9.0
-    prove([talker], 0.4, 9.0, SETTINGS)
-    assert talker.proven
-    assert told(talker, [talker], 9.0, SETTINGS) is trusted
+    confirm([talker], 0.4, 9.0, SETTINGS)
+    assert talker.confirmed
+    assert reported(talker, [talker], 9.0, SETTINGS) is trusted
 
 
 @pytest.mark.parametrize("breaks", [False, True])
 def test_who_may_be_a_copy_but_sounds_without_a_break_is_trusted(breaks: bool) -> None:
     talker = source(0.17, 1.0)
     talker.echo = 0.5
-    talker.try_anew(1.0)
+    talker.restart_trial(1.0)
     times = np.linspace(1.0, 1.0 + 1.5 * SETTINGS.trial_s, 31)
     for k, now in enumerate(times.tolist()):
         talker.last_sure = now if not breaks or k % 10 else talker.last_sure
-        prove([talker], 0.4, now, SETTINGS)
+        confirm([talker], 0.4, now, SETTINGS)
         talker.heard_s += SETTINGS.trial_s / 20
-    assert talker.proven
-    assert told(talker, [talker], float(times[-1]), SETTINGS) is not breaks
+    assert talker.confirmed
+    assert reported(talker, [talker], float(times[-1]), SETTINGS) is not breaks
 
 
 def leading(recent: float, leads: float, share: float = 1.0, number: int = 1) -> Source:
@@ -95,37 +95,37 @@ def leading(recent: float, leads: float, share: float = 1.0, number: int = 1) ->
 def test_beside_a_louder_one_only_who_leads_is_told_of(leads: float, echo: float, other: float, trusted: bool) -> None:
     weak, strong = leading(0.3, leads), leading(0.4, other, number=2)
     weak.echo = echo
-    prove([weak, strong], 0.4, 9.0, SETTINGS)
-    assert weak.proven
-    assert told(weak, [weak, strong], 9.0, SETTINGS) is trusted
-    assert told(strong, [weak, strong], 9.0, SETTINGS)
+    confirm([weak, strong], 0.4, 9.0, SETTINGS)
+    assert weak.confirmed
+    assert reported(weak, [weak, strong], 9.0, SETTINGS) is trusted
+    assert reported(strong, [weak, strong], 9.0, SETTINGS)
 
 
 @pytest.mark.parametrize(("leads", "echo", "trusted"), [(1.35, 0.4, True), (1.2, 0.4, False), (1.35, 0.5, False)])
 def test_who_leads_plainly_need_not_be_loud_for_long(leads: float, echo: float, trusted: bool) -> None:
     weak, strong = leading(0.2, leads, share=0.2), leading(0.4, 1.4, number=2)
     weak.echo = echo
-    prove([weak, strong], 0.4, 9.0, SETTINGS)
-    assert not weak.proven
-    assert told(weak, [weak, strong], 9.0, SETTINGS) is trusted
-    weak.faint_s = SETTINGS.trust_s
-    assert not told(weak, [weak, strong], 9.0, SETTINGS)
+    confirm([weak, strong], 0.4, 9.0, SETTINGS)
+    assert not weak.confirmed
+    assert reported(weak, [weak, strong], 9.0, SETTINGS) is trusted
+    weak.since_loud_s = SETTINGS.trust_s
+    assert not reported(weak, [weak, strong], 9.0, SETTINGS)
 
 
 def test_who_is_loudest_need_not_lead() -> None:
     steady, talker = leading(0.4, 1.0), leading(0.3, 1.4, number=2)
-    prove([steady, talker], 0.4, 9.0, SETTINGS)
-    assert told(steady, [steady, talker], 9.0, SETTINGS)
+    confirm([steady, talker], 0.4, 9.0, SETTINGS)
+    assert reported(steady, [steady, talker], 9.0, SETTINGS)
 
 
 @pytest.mark.parametrize(("sounded", "trusted"), [(0.9, True), (1.1, False)])
 def test_what_only_follows_is_told_of_for_a_moment(sounded: float, trusted: bool) -> None:
     weak, strong = leading(0.3, 1.0), leading(0.4, 1.4, number=2)
-    weak.try_anew(9.0)
+    weak.restart_trial(9.0)
     weak.heard_s = sounded * SETTINGS.soon_s
     weak.last_sure = 9.0 + weak.heard_s
     assert weak.heard_s < SETTINGS.trial_s
-    assert told(weak, [weak, strong], weak.last_sure, SETTINGS) is trusted
+    assert reported(weak, [weak, strong], weak.last_sure, SETTINGS) is trusted
 
 
 def test_nothing_heard_yet_does_not_lead() -> None:
