@@ -84,7 +84,7 @@ class Revival:
         delay_s = self._restarts.failed(self._clock.now())
         if delay_s is None:
             return _final(failure)
-        self._tell(failure)
+        self._report(failure)
         await self._supervisor.stop_modules()
         while True:
             await self._clock.sleep(delay_s)
@@ -94,7 +94,7 @@ class Revival:
                 delay_s = self._restarts.failed(self._clock.now())
                 if delay_s is None:
                     return _final(again)
-                self._tell(again)
+                self._report(again)
             else:
                 break
         self.up()
@@ -106,7 +106,7 @@ class Revival:
         self._notify()
         return None
 
-    def _tell(self, failure: LinkFailed) -> None:
+    def _report(self, failure: LinkFailed) -> None:
         reason = str(failure)
         self.problem = f"The body does not answer: {reason[:1].lower()}{reason[1:].rstrip('.')}. It is started again."
         log.warning("%s", self.problem)

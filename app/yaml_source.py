@@ -3,8 +3,8 @@
 Scalars follow the YAML 1.2 core schema: ``off``, ``no`` and ``12:30`` are strings and ``1e3`` is a number, where YAML
 1.1 would have made them False, False, 750 and a string. A key given twice is an error.
 
-Whoever wrote the text, reading it takes bounded time and memory: its size, its depth, the number of its values and the
-digits of a number are limited, and a value that an alias repeats counts as often as it is repeated.
+Reading takes bounded time and memory, whatever the text: its size, its depth, the number of its values and the digits
+of a number are limited, and a value that an alias repeats counts as often as it is repeated.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ from operator import itemgetter
 from app.attention.instance import Infeasible, Instance
 
 _MOST_OPTIONS = 64
-"""A class with more sets of strategies that may stand together is left to CP-SAT."""
+"""A class with more sets of strategies that may be selected together is left to CP-SAT."""
 
 
 @dataclass(frozen=True, slots=True)

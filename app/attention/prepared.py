@@ -1,4 +1,4 @@
-"""What all problems over one table of strategies share, computed once: whole numbers, and who excludes whom."""
+"""What all problems over one table of strategies share, computed once: its whole numbers and its mutual exclusions."""
 
 from __future__ import annotations
 

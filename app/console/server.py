@@ -42,7 +42,7 @@ log = logging.getLogger("hbba.console")
 def listen(host: str, port: int) -> socket.socket:
     """Bind ``host:port`` (port 0: any free one) and listen.
 
-    To be done before anything else starts, so that nothing starts in vain. Nobody is answered before :func:`serve`.
+    To be done before anything else starts, so that nothing starts in vain. No request is answered before :func:`serve`.
     Raises ConfigError saying what to do when the address cannot be had, or connections to it could not.
     """
     most_connections()
@@ -131,7 +131,7 @@ class _Server(uvicorn.Server):
                 if failure.errno not in _EXHAUSTED:
                     raise
                 if exhausted is None:
-                    log.warning("no connection can be accepted: %s; who waits longest gives way", failure.strerror)
+                    log.warning("no connection can be accepted: %s; the longest waiting one is closed", failure.strerror)
                 exhausted = loop.time()
                 self._visitors.make_room()
                 await asyncio.sleep(RETRY_S)

@@ -37,11 +37,11 @@ def find_cycle(followers: Mapping[str, Collection[str]]) -> list[str] | None:
 
 
 def slowdowns(own: Mapping[str, float], feeds: Mapping[str, Sequence[Feed]]) -> dict[str, float]:
-    """The greatest product of divisors (from 1 to infinity) on any way up from each channel in ``own``.
+    """The greatest product of divisors (from 1 to infinity) on any path upstream from each channel in ``own``.
 
-    ``own`` is φ of the output a channel comes from; ``feeds`` what sets its producer's pace. A way ends at what nobody
-    in ``own`` produces, and before it would come by a channel twice. Takes time linear in the number of feeds, but for
-    channels on circles, each of which takes at most a fixed number of steps.
+    ``own`` is φ of the output a channel comes from; ``feeds`` what sets its producer's pace. A path ends at a
+    channel that is not in ``own``, and before it would visit a channel twice. Takes time linear in the number of feeds,
+    but for channels on circles, each of which takes at most a fixed number of steps.
     """
     # Followed from the sources down, then back from the ends up: what neither reaches is on a circle, or between two.
     above = {channel: [feed for feed, _ in feeds.get(channel, ()) if feed in own] for channel in own}

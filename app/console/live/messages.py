@@ -1,7 +1,7 @@
-"""The shapes of what the robot tells over the live stream, for its description; in words they are in
-docs/live-stream.md.
+"""The schemas of the messages that the robot sends over the live stream, for its AsyncAPI description;
+docs/live-stream.md explains them in words.
 
-What REST tells too has REST's shapes. :mod:`app.console.live.protocol` declares what pages say.
+Data that REST serves too has REST's schemas. :mod:`app.console.live.protocol` declares the messages of pages.
 """
 
 from __future__ import annotations
@@ -111,7 +111,7 @@ class SourceState(Answer):
 
 
 class Status(Answer):
-    """20 times a second: guard, pose, who drives, how fresh everything is."""
+    """20 times a second: guard, pose, driver, freshness of every source."""
 
     type: Literal["status"]
     seq: Sequence
