@@ -131,7 +131,9 @@ class _Server(uvicorn.Server):
                 if failure.errno not in _EXHAUSTED:
                     raise
                 if exhausted is None:
-                    log.warning("no connection can be accepted: %s; the longest waiting one is closed", failure.strerror)
+                    log.warning(
+                        "no connection can be accepted: %s; the longest waiting one is closed", failure.strerror
+                    )
                 exhausted = loop.time()
                 self._visitors.make_room()
                 await asyncio.sleep(RETRY_S)
