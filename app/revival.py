@@ -52,7 +52,7 @@ class Revival:
     def __init__(
         self, link: RobotLink, supervisor: Supervisor, forget: Callable[[], None], timeline: Timeline, clock: Clock
     ) -> None:
-        """``forget`` has the program forget every message."""
+        """``forget`` clears every message that the program keeps."""
         self._link = link
         self._supervisor = supervisor
         self._forget = forget
@@ -79,7 +79,7 @@ class Revival:
     async def revive(self, failure: LinkFailed) -> LinkFailed | None:
         """Bring the body up after ``failure``; returns None once it and the modules run again, else why it never will.
 
-        In between no module lives, so nothing drives.
+        Meanwhile no module runs, so nothing drives.
         """
         delay_s = self._restarts.failed(self._clock.now())
         if delay_s is None:

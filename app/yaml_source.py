@@ -48,7 +48,7 @@ _LONGEST = 80
 MOST_BYTES = 10_000_000
 #: and no more names and values, however few of them it writes out beside its aliases (700 bytes of memory each or so).
 MOST_VALUES = 500_000
-#: The slow loader says more of a mistake; it is asked about no longer text than this.
+#: The slow loader describes a mistake better; it reads no longer texts than this (characters).
 _EXPLAINED = 1_000_000
 
 #: Scalars of YAML 1.2's core schema: tag, pattern, and with what it can begin.
@@ -74,7 +74,7 @@ class _QuickLoader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: igno
 
 
 def _construct_scalar(loader: yaml.SafeLoader, node: yaml.Node) -> Any:
-    """A scalar of the core schema. Raises yaml's ConstructorError for one whose tag says what it is not."""
+    """A scalar of the core schema. Raises yaml's ConstructorError where tag and value do not match."""
     if not isinstance(node, yaml.ScalarNode) or not _PATTERNS[node.tag].match(node.value):
         kind = node.tag.rpartition(":")[2]
         raise yaml.constructor.ConstructorError(None, None, f"what is tagged !!{kind} is none", node.start_mark)

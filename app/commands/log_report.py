@@ -112,7 +112,7 @@ def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwat
 
 
 def _undecided(doubt: Undecided) -> Contents:
-    """What is known of a bag whose topics do not decide which of them are the channels."""
+    """What is known of a bag before a remap file assigns its topics to channels."""
     info = doubt.info
     return Contents(
         path=str(info.path),

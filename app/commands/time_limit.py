@@ -11,7 +11,7 @@ from types import FrameType
 
 
 class TimeIsUp(BaseException):
-    """The deadline came; no Exception, or whatever is at work would take it for its own."""
+    """The deadline came. Not an Exception, since an ``except Exception`` in the work would catch it."""
 
 
 @contextmanager

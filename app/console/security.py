@@ -193,8 +193,8 @@ def _scheme(scope: Scope) -> str:
 
 
 def cookie_name(scope: Scope) -> str:
-    """What a session's cookie is called: browsers send a cookie to every port of a host, and a replay has a console of
-    its own beside this one."""
+    """The name of a session's cookie, one per port: browsers send a cookie to every port of a host, where the consoles
+    of replays may be."""
     server = scope.get("server")
     return f"{COOKIE}_{server[1]}" if server else COOKIE
 

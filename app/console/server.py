@@ -93,8 +93,8 @@ def url_of(listener: socket.socket) -> str:
 
 
 class _Server(uvicorn.Server):
-    """uvicorn without its signal handlers (the program has its own), with an end that never hangs, and accepting of
-    its own: asyncio's logs a traceback thousands of times a second while there are no file descriptors."""
+    """uvicorn without its signal handlers (the program has its own), with an end that never hangs. It accepts
+    connections itself: asyncio logs a traceback thousands of times a second while there are no file descriptors."""
 
     def __init__(self, config: uvicorn.Config, visitors: Visitors) -> None:
         super().__init__(config)

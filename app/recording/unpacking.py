@@ -34,7 +34,7 @@ _UNKNOWN = zstandard.CONTENTSIZE_UNKNOWN
 _WORD = struct.Struct("<I")
 
 
-#: What walking through a frame that is none raises; RuntimeError is lz4's.
+#: What is raised for data that is not a frame; RuntimeError by lz4.
 NO_FRAME = (struct.error, zstandard.ZstdError, RuntimeError)
 
 
@@ -128,5 +128,5 @@ def _lz4(packed: Packed, size: int, most: int) -> int:
 
 
 def within(data: bytes | memoryview) -> Packed:
-    """``data`` as what is walked through."""
+    """A function that returns the bytes of ``data`` from ``begin`` to ``end``."""
     return lambda begin, end: bytes(data[begin:end])

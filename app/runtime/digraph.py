@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 Feed = tuple[str, float]
 
 _MOST_STEPS = 1000
-"""The ways round circles may double with each channel on them: those found in so many steps count."""
+"""The number of paths may double with each channel on a cycle: only those found in so many steps are compared."""
 
 
 def find_cycle(followers: Mapping[str, Collection[str]]) -> list[str] | None:
@@ -84,7 +84,7 @@ def _peeled(
 def _longest(
     start: str, own: Mapping[str, float], feeds: Mapping[str, Sequence[Feed]], known: Mapping[str, float]
 ) -> float:
-    """The greatest product on a way up from ``start`` that comes by no channel twice; ``known`` are those above."""
+    """The greatest product on any path upstream from ``start`` that repeats no channel; ``known``: those found."""
     best = own[start]
     path: dict[str, tuple[float, Iterator[Feed]]] = {start: (own[start], iter(feeds.get(start, ())))}
     for _ in range(_MOST_STEPS):
