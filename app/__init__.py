@@ -7,5 +7,5 @@ one of them can be loaded, in every process of the program.
 import os
 
 #: ONNX Runtime (1.32) reads it when it is loaded; without, it keeps an identifier of the computer and a queue of
-#: reports in the home folder. A value that somebody has set is left.
+#: reports in the home folder. A value that is set already is kept.
 os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")

@@ -15,7 +15,7 @@ from app.errors import ConfigError
 #: on a busy computer costs four times what is computed; and matrices here are small.
 _SINGLE = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
-#: OpenCV writes its own lines past the log for each picture that it cannot read; who reads one says so in ours.
+#: OpenCV writes its own lines past the log for each picture that it cannot read; the program reports those itself.
 _QUIET = "OPENCV_LOG_LEVEL"
 
 

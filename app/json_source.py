@@ -1,4 +1,4 @@
-"""JSON that anybody may have written: within bounds that no honest text reaches."""
+"""JSON of unknown origin, read within bounds that no text in good faith reaches."""
 
 from __future__ import annotations
 

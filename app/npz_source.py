@@ -1,6 +1,6 @@
-"""Arrays from a numpy archive that anybody may have written or damaged.
+"""Arrays from a numpy archive of unknown origin, which may be damaged.
 
-How large its arrays say they are is read before any is unpacked: an archive of 4 MB can hold gigabytes of nothing.
+How large its arrays say they are is read before any is unpacked: an archive of 4 MB can hold gigabytes of zeros.
 """
 
 from __future__ import annotations

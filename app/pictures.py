@@ -1,6 +1,6 @@
-"""Pictures that anybody may have made: how large one says it is, is read before it is decoded.
+"""Pictures of unknown origin: the size that one declares is read before it is decoded.
 
-A few hundred bytes can say that they are a picture of gigabytes, and a decoder would make room for it first.
+A few hundred bytes can declare a picture of gigabytes, and a decoder would allocate them first.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Files that anybody may have put where they are: a pipe or a device in a file's place is refused, not waited for.
+"""Files of unknown origin: a pipe or a device in a file's place is refused, not waited for.
 
-Whatever reads a file that a person or another program may have made opens it here.
+Code that reads a file which a person or another program may have made opens it here.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import stat
 from pathlib import Path
 from typing import BinaryIO
 
-#: What stands there instead of a file, by the test that tells it.
+#: What can be there instead of a regular file: the test that recognizes it, and its name.
 _OTHERS = (
     (stat.S_ISFIFO, "a pipe"),
     (stat.S_ISCHR, "a device"),
@@ -25,7 +25,7 @@ def open_plain(path: Path | str) -> BinaryIO:
 
     Never waits. Raises OSError, whose ``strerror`` is for people, for anything else of this name.
     """
-    # Without O_NONBLOCK, opening a pipe that nobody writes to would wait for ever; on a file it means nothing.
+    # Without O_NONBLOCK, opening a pipe without a writer would wait for ever; on a regular file it has no effect.
     number = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     try:
         _check(os.fstat(number).st_mode, path)

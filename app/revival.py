@@ -52,7 +52,7 @@ class Revival:
     def __init__(
         self, link: RobotLink, supervisor: Supervisor, forget: Callable[[], None], timeline: Timeline, clock: Clock
     ) -> None:
-        """``forget`` has the program forget every message."""
+        """``forget`` clears every message that the program keeps."""
         self._link = link
         self._supervisor = supervisor
         self._forget = forget
@@ -79,12 +79,12 @@ class Revival:
     async def revive(self, failure: LinkFailed) -> LinkFailed | None:
         """Bring the body up after ``failure``; returns None once it and the modules run again, else why it never will.
 
-        In between no module lives, so nothing drives.
+        Meanwhile no module runs, so nothing drives.
         """
         delay_s = self._restarts.failed(self._clock.now())
         if delay_s is None:
             return _final(failure)
-        self._tell(failure)
+        self._report(failure)
         await self._supervisor.stop_modules()
         while True:
             await self._clock.sleep(delay_s)
@@ -94,7 +94,7 @@ class Revival:
                 delay_s = self._restarts.failed(self._clock.now())
                 if delay_s is None:
                     return _final(again)
-                self._tell(again)
+                self._report(again)
             else:
                 break
         self.up()
@@ -106,7 +106,7 @@ class Revival:
         self._notify()
         return None
 
-    def _tell(self, failure: LinkFailed) -> None:
+    def _report(self, failure: LinkFailed) -> None:
         reason = str(failure)
         self.problem = f"The body does not answer: {reason[:1].lower()}{reason[1:].rstrip('.')}. It is started again."
         log.warning("%s", self.problem)

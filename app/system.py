@@ -188,7 +188,7 @@ class System:
         self._feed.forget()
 
     async def keep_going(self) -> Exception:
-        """As :meth:`wait_failed`, but a body that can be started again is; one that dies again and again ends it."""
+        """As :meth:`wait_failed`, but a failed body is started again where it can be, unless it keeps dying."""
         while True:
             failure = await self.wait_failed()
             if not isinstance(failure, LinkFailed) or not self.link.description.restartable:

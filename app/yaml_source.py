@@ -3,8 +3,8 @@
 Scalars follow the YAML 1.2 core schema: ``off``, ``no`` and ``12:30`` are strings and ``1e3`` is a number, where YAML
 1.1 would have made them False, False, 750 and a string. A key given twice is an error.
 
-Whoever wrote the text, reading it takes bounded time and memory: its size, its depth, the number of its values and the
-digits of a number are limited, and a value that an alias repeats counts as often as it is repeated.
+Reading takes bounded time and memory, whatever the text: its size, its depth, the number of its values and the digits
+of a number are limited, and a value that an alias repeats counts as often as it is repeated.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ _LONGEST = 80
 MOST_BYTES = 10_000_000
 #: and no more names and values, however few of them it writes out beside its aliases (700 bytes of memory each or so).
 MOST_VALUES = 500_000
-#: The slow loader says more of a mistake; it is asked about no longer text than this.
+#: The slow loader describes a mistake better; it reads no longer texts than this (characters).
 _EXPLAINED = 1_000_000
 
 #: Scalars of YAML 1.2's core schema: tag, pattern, and with what it can begin.
@@ -74,7 +74,7 @@ class _QuickLoader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: igno
 
 
 def _construct_scalar(loader: yaml.SafeLoader, node: yaml.Node) -> Any:
-    """A scalar of the core schema. Raises yaml's ConstructorError for one whose tag says what it is not."""
+    """A scalar of the core schema. Raises yaml's ConstructorError where tag and value do not match."""
     if not isinstance(node, yaml.ScalarNode) or not _PATTERNS[node.tag].match(node.value):
         kind = node.tag.rpartition(":")[2]
         raise yaml.constructor.ConstructorError(None, None, f"what is tagged !!{kind} is none", node.start_mark)

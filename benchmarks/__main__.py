@@ -39,19 +39,19 @@ def main() -> int:
         parser.error(f"there is no benchmark {', '.join(unknown)}; there are {', '.join(known)}")
     chosen = args.names or known
     failed, rows = [], []
-    told = sys.stderr if args.json else sys.stdout
+    progress = sys.stderr if args.json else sys.stdout
     with tempfile.TemporaryDirectory() as folder:
         for number, name in enumerate(chosen, 1):
-            print(f"== {name} ({number} of {len(chosen)})", file=told, flush=True)
+            print(f"== {name} ({number} of {len(chosen)})", file=progress, flush=True)
             began = time.perf_counter()
             result = Path(folder) / f"{name}.json"
             command = [sys.executable, "-m", f"benchmarks.{name}", "--out", str(result)]
-            done = subprocess.run([*command, *(["--quick"] if args.quick else [])], stdout=told, check=False)
+            done = subprocess.run([*command, *(["--quick"] if args.quick else [])], stdout=progress, check=False)
             if done.returncode or not result.is_file():
                 failed.append(name)
             else:
                 rows += read_rows(json.loads(result.read_text(encoding="utf-8")))
-            print(f"   {time.perf_counter() - began:.0f} s\n", file=told, flush=True)
+            print(f"   {time.perf_counter() - began:.0f} s\n", file=progress, flush=True)
     if args.json:
         print(json_text(rows))
     if args.out:

@@ -99,7 +99,7 @@ def _settled(robot: Robot) -> list[GuardRow]:
 
 
 def _why(robot: Robot, page: Page) -> str:
-    """What robot and page say of it."""
+    """The reasons that robot and page give for wheels that do not move."""
     guard = robot.get("/robot")["guard"]
     hints = [text.strip() for text in page.locator(".drive-hint, .notice p, [data-testid=limited]").all_inner_texts()]
     return f"the guard says {guard['state']}: {guard['reason'] or 'nothing more'}; the page says: {' | '.join(hints)}"

@@ -12,7 +12,7 @@ import pytest
 from app import children
 
 ROOT = Path(__file__).resolve().parent.parent
-#: Who may start an interpreter by its name alone: the helper itself, and the benchmarks, which are not installed.
+#: Files that may start an interpreter by its name: the helper itself, and the benchmarks, which are not installed.
 ALLOWED = {ROOT / "app" / "children.py", ROOT / "app" / "commands" / "bench.py"}
 SPAWNING = """
 import math, os
@@ -31,7 +31,7 @@ if __name__ == "__main__":
 
 @pytest.fixture
 def strangers_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The working folder holds an ``app`` of somebody else, and a file named as one of the standard library."""
+    """The working folder holds an ``app`` of another program, and a file named as one of the standard library."""
     (tmp_path / "app").mkdir()
     (tmp_path / "app" / "__init__.py").write_text("raise SystemExit('another app')\n")
     (tmp_path / "fractions.py").write_text("raise SystemExit('another fractions')\n")

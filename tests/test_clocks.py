@@ -1,4 +1,4 @@
-"""Who may read the computer's clock: what does not go by the robot's clock is not the same twice in a replay."""
+"""Which files may read the computer's clock: code that does not use the robot's clock differs between two replays."""
 
 from __future__ import annotations
 

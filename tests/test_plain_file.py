@@ -1,4 +1,4 @@
-"""Files that anybody may have put there: regular ones are read, and nothing else is waited for."""
+"""Files of unknown origin: regular ones are read, and nothing else is waited for."""
 
 from __future__ import annotations
 

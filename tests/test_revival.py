@@ -69,7 +69,7 @@ def test_a_body_that_stayed_up_is_trusted_again() -> None:
 
 def test_the_program_goes_on_with_a_new_body(built: tuple[System, Mortal]) -> None:
     system, body = built
-    told: list[str] = []
+    reports: list[str] = []
 
     @in_virtual_time
     async def story() -> None:
@@ -83,10 +83,10 @@ def test_the_program_goes_on_with_a_new_body(built: tuple[System, Mortal]) -> No
             body.emit("odometry", Odometry(system.clock.now(), Pose2(3.0, 0.0, 0.0), 0.0, 0.0))
             body.stillborn = 2
             body.die()
-            told.extend([await news.get() for _ in range(3)])
+            reports.extend([await news.get() for _ in range(3)])
             assert {state.status for state in system.supervisor.states.values()} == {"stopped"}
             assert system.graph.channel("odometry").latest is not None
-            told.append(await news.get())
+            reports.append(await news.get())
             await system.supervisor.started()
             assert {state.status for state in system.supervisor.states.values()} == {"running"}
             assert system.graph.channel("odometry").latest is None, "what was built on the old odometry is void"
@@ -100,7 +100,7 @@ def test_the_program_goes_on_with_a_new_body(built: tuple[System, Mortal]) -> No
     story()
     gaps = [later - earlier for earlier, later in zip(body.starts, body.starts[1:], strict=False)]
     assert gaps[1:] == pytest.approx([1.0, 2.0], abs=0.01)
-    assert told == [
+    assert reports == [
         "The body does not answer: the body's process was killed by signal 9. It is started again.",
         *["The body does not answer: the body's cable is out. It is started again."] * 2,
         "",

@@ -1,4 +1,4 @@
-"""Nothing of the program, nor of the libraries that it loads, reports to anybody."""
+"""Neither the program nor the libraries that it loads send reports to a server."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ for name in (
     [
         pytest.param(HEAR, "internet_sockets", id="the network that hears voices"),
         pytest.param(EVERY_LIBRARY, "internet_sockets", id="every library, loaded"),
-        pytest.param(DOCTOR, "connections", id="hbba doctor"),  # it binds the console's port, and connects to nobody
+        pytest.param(DOCTOR, "connections", id="hbba doctor"),  # it binds the console's port, and connects to no server
     ],
 )
 def test_nothing_reports_to_anybody(program: str, forbidden: str, tmp_path: Path) -> None:

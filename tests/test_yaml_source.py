@@ -241,7 +241,7 @@ def test_a_pipe_in_a_files_place_is_refused_and_not_waited_for(tmp_path: Path) -
         ('{"a":\n\t' + "9" * 5_000 + "}", 2),
     ],
 )
-def test_a_number_of_thousands_of_digits_is_told(text: str, line: int) -> None:
+def test_a_number_of_thousands_of_digits_is_refused(text: str, line: int) -> None:
     with pytest.raises(ConfigError, match=r"a number has 500\d digits; at most 250 are read") as refusal:
         load_text(text, "it")
     assert refusal.value.line == line
@@ -268,7 +268,7 @@ def test_a_number_of_hundreds_of_digits_becomes_what_it_says() -> None:
         ("a: !!python/object/apply:os.system [ls]", "constructor for the tag 'tag:yaml.org,2002:python/object"),
     ],
 )
-def test_a_tag_that_is_none_of_the_schema_is_told(text: str, words: str) -> None:
+def test_a_tag_that_is_none_of_the_schema_is_refused(text: str, words: str) -> None:
     with pytest.raises(ConfigError, match="is not valid YAML") as refusal:
         load_text(text, "it")
     assert words in refusal.value.message

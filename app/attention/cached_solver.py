@@ -23,8 +23,8 @@ class CacheStatistics:
 class CachedSolver:
     """``solve`` with a bounded memory of equal problems (the least recently asked is forgotten).
 
-    Problems are equal if they ask the same of the same table: who desires, since when and with which parameters does
-    not matter. Only proven selections are remembered. Answers have their ``reasons``, without what would help. Use from
+    Problems are equal if they ask the same of the same table: source, time and parameters of a desire do not
+    matter. Only proven selections are remembered. Answers have their ``reasons``, without what would help. Use from
     one thread at a time. Unless ``timed``, no answer says how long it took: two runs of the same program can be
     compared.
     """

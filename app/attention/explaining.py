@@ -29,8 +29,8 @@ class Explainer:
     async def reasons(
         self, problem: Problem, selection: Selection, give_up: Callable[[], bool]
     ) -> dict[str, Reason] | None:
-        """The reasons; None, and an entry in the log, if they cannot be found. ``give_up`` says that nobody asks any
-        more."""
+        """The reasons; None, and an entry in the log, if they cannot be found. ``give_up`` is true when they are no
+        longer needed."""
         if self._limit_s <= 0:
             return None
         try:

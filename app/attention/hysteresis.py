@@ -12,8 +12,8 @@ from app.attention.problem import Problem, Selection, produced
 class Hysteresis:
     """When a selection that takes something from a desire may replace one that still holds.
 
-    It must gain more than ``gain`` in Ω, or have been the better one for ``dwell_s`` seconds. 0 leaves out that way;
-    both 0: every switch is made at once.
+    It must gain more than ``gain`` in Ω, or have been the better one for ``dwell_s`` seconds. A limit of 0 is not used;
+    with both 0 every switch is made at once.
     """
 
     gain: float = 0.0
@@ -29,7 +29,7 @@ class Hold:
         self.until: float | None = None
 
     def release(self) -> None:
-        """Forget what is held back: the next switch is timed from its own beginning."""
+        """Drop the switch that is held back: ``dwell_s`` of the next one begins with that one."""
         self.until = None
 
     def concerns(self, best: Selection, before: Collection[str]) -> bool:

@@ -191,7 +191,7 @@ def _exclusion(
     for name, group in zip(names, members, strict=True):
         known = table.members.get(name)
         if known is None or known.exclusive or len(group) < 2:
-            # Nobody asks for groups where one of all is chosen anyway.
+            # Groups are not needed where one of all is chosen anyway.
             cliques.append(())
             exclusive.append(True)
             continue

@@ -11,7 +11,7 @@ from operator import itemgetter
 from app.attention.instance import Infeasible, Instance
 
 _MOST_OPTIONS = 64
-"""A class with more sets of strategies that may stand together is left to CP-SAT."""
+"""A class with more sets of strategies that may be selected together is left to CP-SAT."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,8 +26,8 @@ class Option:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """The classes' options and what couples them; so many of it are ``graded``: resources for which several classes
-    contend in more amounts than all or nothing. ``best`` is the sum of the classes' best values."""
+    """The options of every class, and the capacities that couple them. ``graded`` counts the resources for which
+    several classes contend in more amounts than all or nothing. ``best`` is the sum of the classes' best values."""
 
     groups: list[list[Option]]
     capacities: tuple[int, ...]

@@ -1,4 +1,4 @@
-"""What all problems over one table of strategies share, computed once: whole numbers, and who excludes whom."""
+"""What all problems over one table of strategies share, computed once: its whole numbers and its mutual exclusions."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def _members(strategies: Sequence[Strategy], indices: Sequence[int]) -> Members:
 
 
 def all_exclude(group: Sequence[int], cliques: Sequence[Sequence[int]]) -> bool:
-    """Whether any two of ``group`` are in a clique together; of very many that no one clique holds, it may say no."""
+    """Whether every two of ``group`` share a clique. Over ``_FEW`` that are not in one clique give False, unchecked."""
     if len(group) < 2 or any(len(clique) == len(group) for clique in cliques):
         return True
     if len(group) > _FEW:

@@ -44,7 +44,7 @@ class Problem:
 
     ``desires`` holds the strongest desire of each class; ``strategies`` the table in order; ``capacities`` the m_j;
     ``previous`` the strategies selected now (ties keep them); ``thrift`` the resource that ties are decided by (the
-    first one there is, if absent); ``prepared`` the table in whole numbers, if somebody computed it already.
+    first one there is, if absent); ``prepared`` the table in whole numbers, where it is computed already.
     """
 
     desires: Mapping[str, Desire]

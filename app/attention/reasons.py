@@ -101,7 +101,7 @@ def _alternatives(
 ) -> tuple[tuple[Alternative, ...], bool]:
     """What would serve the desire better, and whether all that could was looked for."""
     cls, wanted = desire.cls, desire.utility
-    # Where no amount of a resource helps, somebody else's desire may still be in the way.
+    # Where no amount of a resource helps, another desire may still be in the way.
     if why and not _inhibitors(facts, cls):
         return (), True
     if variants is None:

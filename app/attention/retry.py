@@ -11,7 +11,7 @@ _log = logging.getLogger(__name__)
 
 _FIRST_S: Final = 1.0
 _MOST_S: Final = 30.0
-"""It is asked again after the first time, then after twice as long, and so on."""
+"""The solver is called again after ``_FIRST_S``, then after twice the time each, at most ``_MOST_S``."""
 
 
 class Retry:
@@ -25,11 +25,11 @@ class Retry:
         self.at: float | None = None
 
     def begin(self) -> None:
-        """It is being asked."""
+        """The solver is called."""
         self.at = None
 
     def failed(self, why: str, now: float) -> None:
-        """It failed."""
+        """The solver failed at ``now`` (s) for the reason ``why``: set when it is called again."""
         self.at = now + self._wait_s
         self._wait_s = min(2 * self._wait_s, _MOST_S)
         text = f"the solver failed ({why}); the last intention stays"

@@ -31,8 +31,8 @@ _BEAM = 12
 _SWEEPS = 3
 _MOST_LABELS = 20_000
 _MOST_STEPS = 30_000
-"""Where several graded resources contend, labels differ in too much to be dropped: after so many that were looked at,
-about 40 ms, CP-SAT is quicker. Where one contends, every instance seen was proven sooner by labels."""
+"""With several graded resources few labels dominate others: after so many steps, about 40 ms, CP-SAT is quicker. With
+one, labels proved every measured instance sooner."""
 
 Floats = NDArray[np.float64]
 _Node = tuple["Option", "_Node | None"]

@@ -59,7 +59,7 @@ class Variants:
                 self._spans[name].append(_span(self._base, name, round(capacity * GRAIN)))
         self._without: dict[str, _Optimum] = {}
         fulfilled = frozenset(selection.fulfilled)
-        #: Those without whom the optimum may be another.
+        #: The classes without whose desire the optimum may be another.
         self._taking = tuple(
             cls for cls, d in problem.desires.items() if self._base is None or cls in fulfilled or d.utility == 0
         )
@@ -124,7 +124,7 @@ class Variants:
         return optimum
 
     def _lacking(self, other: str) -> _Optimum | None:
-        """The optimum had nobody desired ``other``; None if there was no time to find it."""
+        """The optimum without the desire for ``other``; None if there was no time to find it."""
         known = self._without.get(other)
         if known is None and (known := self._solved(lambda: self._problem.without(other))) is not None:
             self._without[other] = known

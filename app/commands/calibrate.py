@@ -118,7 +118,7 @@ def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log)
     output = args.out or configuration.calibration_file
     progress = Progress(output.with_suffix(".partial.json"), key)
     if not args.fresh and (taken_up := progress.load()):
-        print(f"{taken_up} runs were made before and are taken up (--fresh measures them anew)", file=sys.stderr)
+        print(f"{taken_up} runs were made before and are taken up (--fresh measures them again)", file=sys.stderr)
     print(f"{len(runs)} runs of {seconds:.0f} s of {info.path.name}; Ctrl-C keeps what is measured", file=sys.stderr)
     for doubt in _doubts(configuration, info, runs):
         print(f"hbba calibrate: {doubt}", file=sys.stderr)

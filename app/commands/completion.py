@@ -101,7 +101,7 @@ def leaves(parser: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]
 
 
 def _kind_of(command: str, action: argparse.Action) -> Mapping[str, Any] | None:
-    """How the value of ``action`` is completed, None where nobody knows."""
+    """How the value of ``action`` is completed; None where that is not known."""
     import shtab
 
     if action.dest in ("file", "log") and not action.option_strings and command.startswith(_TAKE_LOGS):

@@ -95,8 +95,8 @@ def _trial(args: argparse.Namespace) -> int:
             program, args.record, lambda leg, of, label: progress(leg, of, label), virtual=args.virtual
         )
     if args.json:
-        told = [{"at": round(event.at, 3), "subject": event.subject, "text": event.text} for event in events]
-        print_json(document((outcome,), {"events": told}))
+        rows = [{"at": round(event.at, 3), "subject": event.subject, "text": event.text} for event in events]
+        print_json(document((outcome,), {"events": rows}))
         return 0
     for event in events:
         print(f"{event.at:7.1f} s  {event.text}")

@@ -20,7 +20,7 @@ async def kernels_ready(command: Sequence[str] = ()) -> None:
     ``command`` compiles them and prints a line for each; replaced in tests. A kernel that cannot be compiled is logged
     here, and its module fails later, with the reason.
     """
-    from app import compiled  # with what shares work among processes, which nobody needs who asks for help
+    from app import compiled  # imports what shares work among processes: not needed for --help
 
     if await asyncio.to_thread(compiled.is_ready):
         return

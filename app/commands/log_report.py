@@ -112,7 +112,7 @@ def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwat
 
 
 def _undecided(doubt: Undecided) -> Contents:
-    """What can be told of a bag that does not say which topics are meant."""
+    """What is known of a bag before a remap file assigns its topics to channels."""
     info = doubt.info
     return Contents(
         path=str(info.path),
@@ -133,7 +133,7 @@ def _undecided(doubt: Undecided) -> Contents:
 
 
 def _unreadable(path: Path, failure: LogError, progress: Progress) -> Contents:
-    """What can be told of an MCAP file that does not open. Raises LogError where that is nothing, or it is well."""
+    """What is known of an MCAP file that does not open. Raises LogError if nothing is, or if it is not damaged."""
     found = examine(path, progress)
     if found.healthy:
         raise failure

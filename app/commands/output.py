@@ -25,12 +25,12 @@ def json_text(document: Any) -> str:
 
 
 def print_json(document: Any) -> None:
-    """To standard output."""
+    """Print ``document`` as JSON on standard output."""
     print(json_text(document))
 
 
 def check_writable(file: Path | None) -> None:
-    """What ``--out FILE`` names, before the work rather than after it. Raises ConfigError."""
+    """Raise ConfigError if the folder of ``file`` (``--out``) does not exist; called before the work, not after it."""
     if file is not None and not file.absolute().parent.is_dir():
         raise ConfigError("there is no such folder", str(file.parent))
 

@@ -10,7 +10,7 @@ from typing import Literal
 from app import paths
 from app.errors import ConfigError
 
-#: What is asked for; "configuration" is any of them, a program before the others.
+#: Kinds of configuration; "configuration" is any of them, a program before the others.
 Kind = Literal["program", "robot", "scenario", "array", "configuration"]
 
 _FOLDERS: dict[Kind, tuple[str, ...]] = {

@@ -143,7 +143,7 @@ async def _live(
     log.info("starting", extra={"configuration": configuration.program_document.file})
     clock = RealClock()
     system = System(configuration, link=create_link(body, clock.offset), body=body, clock=clock)
-    app = create_app(system, token=token, host=host, host_names=names)  # takes long enough to be felt by who drives
+    app = create_app(system, token=token, host=host, host_names=names)  # takes so long that a driver would notice it
     async with system:
         await serve_once_started(system, lambda: serve(app, host, port, listener=listener, started=announce))
 

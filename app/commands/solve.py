@@ -59,7 +59,7 @@ def run(args: argparse.Namespace) -> int:
         raise ConfigError(
             f"--time-limit must be a number of seconds greater than 0 and at most {LONGEST_S}, not {args.time_limit!r}"
         )
-    # Who types a problem, or pipes it in from another program, may take any time: that is not ours to bound.
+    # A problem that is typed, or piped in from another program, may take any time to come: no limit is set here.
     text = sys.stdin.read(MOST_BYTES + 1) if args.file == "-" else None
     deadline = time.perf_counter() + limit_s
     try:

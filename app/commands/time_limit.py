@@ -11,7 +11,7 @@ from types import FrameType
 
 
 class TimeIsUp(BaseException):
-    """The deadline came; no Exception, or whatever is at work would take it for its own."""
+    """The deadline came. Not an Exception, since an ``except Exception`` in the work would catch it."""
 
 
 @contextmanager
@@ -33,7 +33,7 @@ def until(deadline: float) -> Iterator[None]:
     try:
         yield
     finally:
-        # Somebody else's alarm goes on.
+        # An alarm that was set before goes on.
         passed = time.perf_counter() - began
         signal.setitimer(signal.ITIMER_REAL, max(left - passed, 1e-6) if left else 0.0, interval)
         signal.signal(signal.SIGALRM, handler)

@@ -56,7 +56,7 @@ def create_app(
     ``static_dir`` holds the built page (default: where the build puts it). ``token`` None: whoever is on this computer
     may use it, under a name of this computer; see :mod:`app.console.security`. ``host_names`` are names that it is
     reached by beside this computer's own, where a token is needed. ``host`` is where replays that are started from here
-    listen. ``early_view``: start the 3D view with the program rather than with the first who looks.
+    listen. ``early_view``: start the 3D view with the program rather than with its first viewer.
     """
     hub = Hub(system, playback)
     view = View(system, hub.percepts, hub.way, lambda: hub.is_shown(COSTMAP), early=early_view, playback=playback)
@@ -115,7 +115,7 @@ def create_app(
 
 
 class _Console(FastAPI):
-    """FastAPI behind a door that stands outside of all its layers, that for mistakes of ours among them."""
+    """FastAPI with the door as its outermost layer, outside even of the one that answers 500."""
 
     def __init__(self, door: Door, **options: Any) -> None:
         super().__init__(**options)

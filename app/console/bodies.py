@@ -24,7 +24,7 @@ _CLOSE = {"Connection": "close"}
 
 
 class ClientLeft(Exception):
-    """The connection ended before the whole body was there: nobody waits for an answer."""
+    """The connection ended before the whole body was there: no answer is awaited."""
 
 
 def objection_to_header(target: bytes, fields: Iterable[tuple[bytes, bytes]]) -> Problem | None:

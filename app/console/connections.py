@@ -74,7 +74,7 @@ class BoundedHttp(H11Protocol):
         self.transport.abort()
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Someone connected."""
+        """A client connected."""
         super().connection_made(transport)
         if self._visitors.enter(self):
             self._look()
@@ -188,7 +188,7 @@ class BoundedWebSocket(WebSocketsSansIOProtocol):
 
     @property
     def waits(self) -> bool:
-        """Never: it was let in, and a ping finds out whether anybody is there."""
+        """Never: it was let in, and a ping finds out whether the client is still there."""
         return False
 
     def give_way(self) -> None:
@@ -216,7 +216,7 @@ class BoundedWebSocket(WebSocketsSansIOProtocol):
             self.handshake_complete = True
 
     def keepalive_timeout(self) -> None:
-        """Nobody answers pings: nobody will take what is still to be sent, which a mere close waits for."""
+        """Pings are not answered: what is still to be sent, which a mere close waits for, will not be taken either."""
         super().keepalive_timeout()
         self.loop.call_later(LINGER_S, self.give_way)
 

@@ -218,8 +218,8 @@ def _drive(lease: Lease, now: float, drive: Drive) -> Step:
     if not _within_range(drive.linear) or not _within_range(drive.angular):
         stopped, actions = _stopped(lease) if session == lease.driver else (lease, ())
         text = f"Drive commands go from -1 to 1, not {drive.linear:g} and {drive.angular:g}: refused."
-        refused, told = _refused(stopped, session, "error", text)
-        return refused, (*actions, *told)
+        refused, notices = _refused(stopped, session, "error", text)
+        return refused, (*actions, *notices)
     if drive.cause:
         return _late(lease, now, drive)
     if lease.e_stopped:
@@ -254,8 +254,8 @@ def _late(lease: Lease, now: float, drive: Drive) -> Step:
         lease, actions = _stopped(replace(lease, last_heard=now))
     if not drive.lasting:
         return lease, actions
-    lease, told = _refused(lease, drive.session, "warning", f"{drive.cause}: driving waits.")
-    return lease, (*actions, *told)
+    lease, notices = _refused(lease, drive.session, "warning", f"{drive.cause}: driving waits.")
+    return lease, (*actions, *notices)
 
 
 def _within_range(value: float) -> bool:
@@ -284,8 +284,8 @@ def _e_stop(lease: Lease, latched: bool) -> Step:
     if latched and lease.moving and lease.driver is not None:
         driver = lease.driver
         lease, actions = _stopped(lease)
-        lease, told = _refused(lease, driver, "warning", "Emergency stop: the robot stands until it is cleared.")
-        actions = (*actions, *told)
+        lease, notices = _refused(lease, driver, "warning", "Emergency stop: the robot stands until it is cleared.")
+        actions = (*actions, *notices)
     return replace(lease, e_stopped=latched), actions
 
 

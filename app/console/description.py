@@ -81,8 +81,8 @@ def operation_id(route: APIRoute) -> str:
 def describe(app: FastAPI, prefix: str, *, token_needed: bool = False) -> None:
     """Serve ``openapi.json``, ``live.json`` and ``docs`` under ``prefix``; must come after the routes it describes.
 
-    ``token_needed``: nobody enters without the token. ``app.openapi()`` takes a fifth of a second the first time, long
-    enough to be felt by who drives: call it off the event loop.
+    ``token_needed``: requests need the token or a session. The first call of ``app.openapi()`` takes a fifth of
+    a second, which a driver would notice: call it off the event loop.
     """
 
     def document() -> dict[str, Any]:
@@ -102,14 +102,14 @@ def describe(app: FastAPI, prefix: str, *, token_needed: bool = False) -> None:
 
     @app.get(f"{prefix}/live.json", include_in_schema=False)
     async def live(request: Request) -> Response:
-        def told() -> dict[str, Any]:
+        def described() -> dict[str, Any]:
             from app.console.live.description import description  # seldom asked for: not at the program's start
 
             cookie = cookie_name(request.scope)
             secure = request.url.scheme == "https"
             return description(request.url.netloc, secure=secure, token_needed=token_needed, cookie=cookie)
 
-        return Json(await asyncio.to_thread(told))
+        return Json(await asyncio.to_thread(described))
 
     @app.get(f"{prefix}/docs", include_in_schema=False)
     async def docs(request: Request) -> Response:
@@ -146,7 +146,7 @@ def _document(app: FastAPI, token_needed: bool) -> dict[str, Any]:
 
 
 def _complete(path: str, method: str, operation: dict[str, Any]) -> None:
-    """Say of an operation what its route does not: who may ask, and what the door and the router answer."""
+    """Add to an operation what its route does not say: the permission it needs, and the answers of door and router."""
     responses = operation["responses"]
     for status, response in responses.items():
         if status >= "400":

@@ -98,7 +98,7 @@ def _row(document: Schema, path: str, method: str, operation: Schema) -> str:
         parts.append(_body(document, body))
     for status, response in operation["responses"].items():
         if "$ref" in response:
-            continue  # what any operation may be answered is told once, among the refusals
+            continue  # an answer that many operations share is written once, among the refusals
         shape = response.get("content", {}).get(_JSON, {}).get("schema")
         inner = "" if shape is None else "".join(fields(document, each, asked=False) for each in _inside(shape))
         about = response.get("description", "").replace(_UNSAID, "")
@@ -110,7 +110,7 @@ def _row(document: Schema, path: str, method: str, operation: Schema) -> str:
 
 
 def _common(document: Schema) -> str:
-    """Refusals that several operations share, each told once."""
+    """Refusals that several operations share, each written once."""
     statuses = {
         response["$ref"].rpartition("/")[2]: status
         for methods in document["paths"].values()

@@ -105,8 +105,8 @@ class Driving:
     def clear_e_stop(self, seen: float, session: str | None = None) -> bool:
         """Release the latch; nothing moves before a fresh command.
 
-        ``seen`` is the newest stamp of the robot (s) that who releases it knew: a stop that was pressed later is
-        not released, since nobody has seen it. Returns whether it was released.
+        ``seen`` is the newest stamp of the robot (s) known to the person who releases it: a stop that was pressed later
+        is not released, since that person has not seen it. Returns whether it was released.
         """
         if self._is_in_vain(session) or seen <= self._stopped_at:
             return False
@@ -130,8 +130,8 @@ class Driving:
         else:
             self.handle(control.TakeControl(session))
 
-    def heed(self, status: LinkStatus) -> None:
-        """Take over what the guard says of its latch."""
+    def on_guard_status(self, status: LinkStatus) -> None:
+        """Take over the state of the guard's latch."""
         if status.e_stopped != self._lease.e_stopped:
             if status.e_stopped:
                 self._stopped_at = self._clock.now()
@@ -140,7 +140,7 @@ class Driving:
                 self._stopped()
 
     def body(self, lost: bool) -> None:
-        """The body does not answer any more, or does again: the driver must press again, and nobody's goal is left."""
+        """The body does not answer any more, or does again: the driver must press again, and no goal is left."""
         self._lost = lost
         driver = self._lease.driver
         if lost and driver is not None and self._lease.moving:

@@ -162,10 +162,10 @@ class Percepts:
     def _fade(self, now: float) -> None:
         """Forget what is over. With each message, too: for days nobody may ask."""
         for face, (faces, _) in tuple(self._faces.items()):
-            if now - faces.stamp > self._told_for("faces", face[1]):
+            if now - faces.stamp > self._kept_for("faces", face[1]):
                 del self._faces[face]
         for code, (codes, _) in tuple(self._codes.items()):
-            if now - codes.stamp > self._told_for("codes", code[1]):
+            if now - codes.stamp > self._kept_for("codes", code[1]):
                 del self._codes[code]
         for track, heard in tuple(self._sounds.items()):
             if now - heard.last_active > SOUND_S:
@@ -173,7 +173,7 @@ class Percepts:
         while self._noises and now - self._noises[0].stamp > NOISE_S:
             self._noises.popleft()
 
-    def _told_for(self, what: str, frame: str) -> float:
+    def _kept_for(self, what: str, frame: str) -> float:
         _, period_s = self._images[what, frame]
         return min(max(SEEN_S, SEEN_IMAGES * period_s), LONGEST_SEEN_S)
 

@@ -74,7 +74,7 @@ class Replays:
             options += [option for name in self._names for option in ("--host-name", name)]
             environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
             if self._token is not None:
-                # What stands in the environment of a process no other user can read; its arguments everybody can.
+                # No other user can read the environment of a process; every user can read its arguments.
                 environment[VARIABLE] = self._token
             child = self._child = await _Child.spawn(name, [*self.command, *options, "--", str(path)], environment)
         try:

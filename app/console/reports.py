@@ -24,8 +24,8 @@ SILENT_AFTER_S = 0.5
 
 
 def robot_json(system: System, *, replayed: bool = False) -> dict[str, Any]:
-    """What the body is, and what people must know of how its program is configured; ``replayed``: it lives a recording
-    again, and nobody can drive or stop it."""
+    """What the body is, and what people must know of how its program is configured; ``replayed``: it replays a
+    recording, and cannot be driven or stopped."""
     description = system.link.description
     limits = description.limits
     return {
@@ -57,9 +57,9 @@ def class_json(system: System, name: str) -> dict[str, Any]:
 def guard_json(status: LinkStatus | None, now: float, rate: float = 1.0, problem: str = "") -> dict[str, Any]:
     """What the guard says; before its first word, or when it has fallen silent, that it says nothing.
 
-    ``problem``: why the body does not answer, where that is known. What it said last is then kept but for its state;
-    the age of the command it had grows on. ``rate``: seconds of the robot's clock in a real one, where a recording is
-    played faster than it was lived.
+    ``problem``: why the body does not answer, where that is known. Its last report is then kept but for the state, and
+    the age of its last command goes on growing. ``rate``: seconds of the robot's clock in one real second; not 1 where
+    a recording is played faster or slower than it was recorded.
     """
     if status is None:
         return {

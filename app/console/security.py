@@ -56,7 +56,7 @@ def is_loopback(host: str) -> bool:
 
 
 class Door:
-    """Decides who may enter. ``token`` None: whoever is on this computer.
+    """Decides which requests are let in. ``token`` None: those from this computer.
 
     ``names`` are host names that this console answers to beyond addresses and this computer's own name; ``now`` gives
     seconds of any steady clock.
@@ -161,7 +161,7 @@ def unauthorized() -> Problem:
     )
 
 
-#: A host as it may stand in a header: a name, an IPv4 address or a bracketed IPv6 address, and a port.
+#: A host as a header may name it: a name, an IPv4 address or a bracketed IPv6 address, and a port.
 _HOST = re.compile(
     r"(?:([a-z0-9](?:[a-z0-9._-]*[a-z0-9])?)\.?|\[([0-9a-f:.]+)\])(?::[0-9]{1,5})?", re.IGNORECASE | re.ASCII
 )
@@ -193,8 +193,8 @@ def _scheme(scope: Scope) -> str:
 
 
 def cookie_name(scope: Scope) -> str:
-    """What a session's cookie is called: browsers send a cookie to every port of a host, and a replay has a console of
-    its own beside this one."""
+    """The name of a session's cookie, one per port: browsers send a cookie to every port of a host, where the consoles
+    of replays may be."""
     server = scope.get("server")
     return f"{COOKIE}_{server[1]}" if server else COOKIE
 
@@ -211,7 +211,7 @@ def _cookie(scope: Scope) -> str | None:
 class Guarded:
     """ASGI middleware: asks the door, reads bodies, and gives every answer its security headers.
 
-    To stand outside of all else, so that an answer to a mistake of ours has them too.
+    It must be the outermost layer, so that an answer to an error of the program has them too.
     """
 
     def __init__(self, app: ASGIApp, door: Door) -> None:

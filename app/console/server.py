@@ -42,7 +42,7 @@ log = logging.getLogger("hbba.console")
 def listen(host: str, port: int) -> socket.socket:
     """Bind ``host:port`` (port 0: any free one) and listen.
 
-    To be done before anything else starts, so that nothing starts in vain. Nobody is answered before :func:`serve`.
+    To be done before anything else starts, so that nothing starts in vain. No request is answered before :func:`serve`.
     Raises ConfigError saying what to do when the address cannot be had, or connections to it could not.
     """
     most_connections()
@@ -93,8 +93,8 @@ def url_of(listener: socket.socket) -> str:
 
 
 class _Server(uvicorn.Server):
-    """uvicorn without its signal handlers (the program has its own), with an end that never hangs, and accepting of
-    its own: asyncio's logs a traceback thousands of times a second while there are no file descriptors."""
+    """uvicorn without its signal handlers (the program has its own), with an end that never hangs. It accepts
+    connections itself: asyncio logs a traceback thousands of times a second while there are no file descriptors."""
 
     def __init__(self, config: uvicorn.Config, visitors: Visitors) -> None:
         super().__init__(config)
@@ -131,7 +131,9 @@ class _Server(uvicorn.Server):
                 if failure.errno not in _EXHAUSTED:
                     raise
                 if exhausted is None:
-                    log.warning("no connection can be accepted: %s; who waits longest gives way", failure.strerror)
+                    log.warning(
+                        "no connection can be accepted: %s; the longest waiting one is closed", failure.strerror
+                    )
                 exhausted = loop.time()
                 self._visitors.make_room()
                 await asyncio.sleep(RETRY_S)

@@ -1,4 +1,4 @@
-"""Who has logged in: sessions under random names, of which the program keeps a hash alone."""
+"""Sessions of people who have logged in, under random names of which the program keeps only a hash."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ import secrets
 from collections import OrderedDict
 from collections.abc import Callable
 
-#: A session that nothing was asked in for so long is over; an open WebSocket of it counts as asking.
+#: A session without a request for so long (s) ends; an open WebSocket counts as a request.
 LASTS_S = 12 * 3600.0
-#: Beyond, the one that was not used for longest gives way.
+#: Of more, the least recently used is ended.
 MOST_SESSIONS = 200
 
 

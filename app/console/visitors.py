@@ -1,7 +1,8 @@
 """How many connections the console bears, and which gives way to a new one.
 
-A connection that nothing was asked on yet, or whose request is not whole, costs its holder nothing; so while there is
-no room, the one that has waited longest gives way. Who asks at once, as browsers do, is kept out by nobody's waiting.
+A connection without a request yet, or whose request is not whole, costs its client nothing. So while there is no room,
+the one that has waited longest is closed. A client that sends its request at once, as browsers do, is not kept out by
+connections that wait.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ if sys.platform != "win32":
     import resource
 
 MOST_CONNECTIONS = 512
-#: Of one address; of this computer, where everybody behind a proxy seems to come from, as many as of all.
+#: Of one address; of this computer, where every client behind a proxy seems to come from, as many as of all.
 MOST_OF_ONE = 128
 #: Never taken by WebSockets, so that REST is there, the emergency stop among it.
 KEPT_FOR_REQUESTS = 32
@@ -34,7 +35,7 @@ _WANTED_DESCRIPTORS = 4096
 def most_connections() -> int:
     """How many connections this process may hold, having raised its own limit of open files as far as it may.
 
-    Raises ConfigError where they are too few to serve anybody.
+    Raises ConfigError where they are too few to serve a single client.
     """
     if sys.platform == "win32":
         return MOST_CONNECTIONS  # sockets are no files there
@@ -78,7 +79,7 @@ class Visitors:
     def __init__(self, most: int = MOST_CONNECTIONS, most_of_one: int = MOST_OF_ONE) -> None:
         self._most = most
         self._most_of_one = most_of_one
-        #: In the order in which they came, or were last served: who has waited longest comes first.
+        #: In the order in which they came, or were last served: the one that has waited longest comes first.
         self._visitors: dict[Visitor, None] = {}
         self._sockets: dict[Visitor, None] = {}
         self._of: dict[str, int] = {}

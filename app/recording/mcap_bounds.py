@@ -1,4 +1,4 @@
-"""Whether the chunks of an MCAP file are within bounds, told from their heads alone, before a library unpacks one."""
+"""Checks that the chunks of an MCAP file are within bounds, by their headers alone, before a library unpacks one."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ _NO_PLACE = 1 << 62
 class BoundedReader(SeekingReader):
     """A reader that takes no record of more than ``MOST_RECORD`` and looks for no chunk where none should be.
 
-    What the MCAP library reads as a summary or as an attached file it unpacks where a chunk stands there. Chunks that
-    messages are read from are for :func:`check_chunks`.
+    Where the MCAP library reads a summary or an attached file and finds a chunk, it unpacks the chunk. Chunks that hold
+    messages are checked by :func:`check_chunks`.
     """
 
     def __init__(self, file: IO[bytes], *, validate_crcs: bool = False) -> None:
@@ -65,7 +65,7 @@ class BoundedReader(SeekingReader):
 
     def _check_place(self, offset: int, opcode: Opcode) -> None:
         if offset >= _NO_PLACE or os.pread(self._stream.fileno(), 1, offset) != bytes([opcode]):
-            raise ValueError(f"its index says what does not stand at byte {offset}")
+            raise ValueError(f"its index names a record that is not at byte {offset}")
 
 
 def check_chunks(path: Path, file: IO[bytes], summary: Summary | None) -> None:
@@ -105,7 +105,7 @@ def _check(path: Path, file: IO[bytes], offset: int) -> None:
         name = head[at - length : at].decode("utf-8", "replace")
         (packed,) = struct.unpack_from("<Q", head, at)
     except struct.error:
-        return  # whoever reads it finds the damage
+        return  # the library that reads it reports the damage
     _bounded(path, file, offset, offset + at + 8, packed, name, size)
 
 

@@ -6,9 +6,9 @@ import math
 from typing import Self
 
 SECOND = 1_000_000_000
-#: What is in the place of a stamp that goes back comes after the one before by the last step, but no later (s).
+#: A stamp that goes back is replaced by the one before plus the last step, which counts as at most this (s).
 _LONGEST_STEP_S = 1.0
-#: Stamps that go back no farther than this (s) are written a little out of order: not worth a word.
+#: Stamps that go back no farther than this (s) were written a little out of order: they are not reported.
 JITTER_S = 0.1
 #: Stamps that would be alike differ by this (s).
 _LEAST_STEP_S = 1e-6
@@ -70,7 +70,7 @@ class Onward:
         return self._given
 
     def copy(self) -> Self:
-        """The same, which goes on by itself."""
+        """An independent copy of this state."""
         other = type(self)()
         for name in self.__slots__:
             setattr(other, name, getattr(self, name))

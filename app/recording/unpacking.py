@@ -1,4 +1,4 @@
-"""How much packed data unpacks to, told before it is unpacked: 100 kB can hold gigabytes of nothing.
+"""How much packed data unpacks to, computed before it is unpacked: 100 kB can hold gigabytes of zeros.
 
 Libraries make room for what a frame says it holds, or for as much as comes out of it. So frames are walked through by
 the heads of their blocks, none of which unpacks to more than a bound of its format (RFC 8878, LZ4 Frame Format).
@@ -34,7 +34,7 @@ _UNKNOWN = zstandard.CONTENTSIZE_UNKNOWN
 _WORD = struct.Struct("<I")
 
 
-#: What walking through a frame that is none raises; RuntimeError is lz4's.
+#: What is raised for data that is not a frame; RuntimeError by lz4.
 NO_FRAME = (struct.error, zstandard.ZstdError, RuntimeError)
 
 
@@ -45,7 +45,7 @@ class TooMuch(LogError):
 def check_unpacked(packed: Packed, size: int, compression: str, declared: int, most: int = MOST_UNPACKED) -> None:
     """Raise TooMuch where ``size`` bytes of ``packed`` may unpack to more than ``most`` or say that they do.
 
-    ``declared`` is what stands beside them as their unpacked size (bytes). Damage is let pass: the library will say so.
+    ``declared`` is the unpacked size (bytes) that their record names. Damage passes: the library reports it.
     """
     bound = declared
     with suppress(*NO_FRAME):  # no frame: nothing comes out of it
@@ -128,5 +128,5 @@ def _lz4(packed: Packed, size: int, most: int) -> int:
 
 
 def within(data: bytes | memoryview) -> Packed:
-    """``data`` as what is walked through."""
+    """A function that returns the bytes of ``data`` from ``begin`` to ``end``."""
     return lambda begin, end: bytes(data[begin:end])

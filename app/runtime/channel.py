@@ -89,7 +89,7 @@ class Subscription(Generic[M]):
         self._on_close = on_close
         self._inbox: deque[M] = deque()
         self._waiter: asyncio.Future[None] | None = None
-        #: Those who wait for room, in the order they came.
+        #: The publishers that wait for room, in the order in which they came.
         self._senders: dict[asyncio.Future[bool], None] = {}
         self._closed = False
         self._attended = True
@@ -183,9 +183,9 @@ class Subscription(Generic[M]):
         return not self.lossless or len(self._inbox) < self._capacity or self._closed or not self._attended
 
     async def wait_for_room(self, give_up_at: float) -> bool:
-        """Wait until a message is taken, or nobody takes any more; False if the loop's time ``give_up_at`` came first.
+        """Wait until a message is taken, or no more will be; False if the loop's time ``give_up_at`` came first.
 
-        However the wait ends, nothing of it is left here.
+        However the wait ends, it leaves nothing behind.
         """
         loop = asyncio.get_running_loop()
         sender: asyncio.Future[bool] = loop.create_future()

@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 Feed = tuple[str, float]
 
 _MOST_STEPS = 1000
-"""The ways round circles may double with each channel on them: those found in so many steps count."""
+"""The number of paths may double with each channel on a cycle: only those found in so many steps are compared."""
 
 
 def find_cycle(followers: Mapping[str, Collection[str]]) -> list[str] | None:
@@ -37,11 +37,11 @@ def find_cycle(followers: Mapping[str, Collection[str]]) -> list[str] | None:
 
 
 def slowdowns(own: Mapping[str, float], feeds: Mapping[str, Sequence[Feed]]) -> dict[str, float]:
-    """The greatest product of divisors (from 1 to infinity) on any way up from each channel in ``own``.
+    """The greatest product of divisors (from 1 to infinity) on any path upstream from each channel in ``own``.
 
-    ``own`` is φ of the output a channel comes from; ``feeds`` what sets its producer's pace. A way ends at what nobody
-    in ``own`` produces, and before it would come by a channel twice. Takes time linear in the number of feeds, but for
-    channels on circles, each of which takes at most a fixed number of steps.
+    ``own`` is φ of the output a channel comes from; ``feeds`` what sets its producer's pace. A path ends at a
+    channel that is not in ``own``, and before it would visit a channel twice. Takes time linear in the number of feeds,
+    but for channels on circles, each of which takes at most a fixed number of steps.
     """
     # Followed from the sources down, then back from the ends up: what neither reaches is on a circle, or between two.
     above = {channel: [feed for feed, _ in feeds.get(channel, ()) if feed in own] for channel in own}
@@ -84,7 +84,7 @@ def _peeled(
 def _longest(
     start: str, own: Mapping[str, float], feeds: Mapping[str, Sequence[Feed]], known: Mapping[str, float]
 ) -> float:
-    """The greatest product on a way up from ``start`` that comes by no channel twice; ``known`` are those above."""
+    """The greatest product on any path upstream from ``start`` that repeats no channel; ``known``: those found."""
     best = own[start]
     path: dict[str, tuple[float, Iterator[Feed]]] = {start: (own[start], iter(feeds.get(start, ())))}
     for _ in range(_MOST_STEPS):

@@ -144,7 +144,7 @@ class Output(Generic[M]):
         self._stop_listening = channel.on_wanted(self._tell_wanted)
 
     def _filter_changed(self, _before: float, after: float) -> None:
-        # On a stream that has ended nobody hears a last word, and a rewrite of many filters must not stop half-way.
+        # On a stream that has ended a last word is not received, and a rewrite of many filters must not stop half-way.
         if after == CLOSED and self.channel is not None and not self.channel.closed and self.last_word is not None:
             message = self.last_word()
             if message is not None:

@@ -136,7 +136,7 @@ class Supervisor:
             self._tasks[name] = asyncio.create_task(self._supervise(slot), name=f"supervise {name}")
 
     async def started(self) -> None:
-        """Wait until every module has begun to serve, or has failed to once."""
+        """Wait until every module serves, or has failed to start once."""
         waiting = {name for name in self._tasks if self.states[name].status in ("stopped", "starting")}
         changed = asyncio.Event()
 

@@ -24,7 +24,7 @@ def test_cache_answers_equal_problems() -> None:
     assert solver.solve(problem([later], (SLAM, GOTO, *FACES), CPU)).strategies == ("slam", "go-to"), "another table"
 
 
-def test_an_untimed_cache_tells_no_times() -> None:
+def test_an_untimed_cache_reports_no_times() -> None:
     solver = CachedSolver(timed=False)
     p = problem([desire("GoTo", 8)], (SLAM, GOTO), CPU)
     first = solver.solve(p)

@@ -117,7 +117,7 @@ def test_every_alternative_is_true(p: Problem) -> None:
 @settings(max_examples=60, deadline=None)
 @given(problems())
 def test_whose_absence_would_help_is_found_as_if_each_had_been_tried(p: Problem) -> None:
-    """Sharing what was solved, and leaving out desires that take nothing from anybody, loses no alternative."""
+    """Sharing what was solved, and leaving out desires that take nothing from others, loses no alternative."""
     selection = solve(p)
     for cls, reason in explain(p, selection, time_limit_s=30).items():
         assert reason.searched
@@ -156,14 +156,14 @@ def test_states_are_said_without_solving_anything(monkeypatch: pytest.MonkeyPatc
     assert (reason.state, reason.utility, reason.best, reason.searched) == ("degraded", 3, 8, False)
 
 
-def test_no_variant_is_begun_that_cannot_end_in_time(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_variant_is_started_that_cannot_end_in_time(monkeypatch: pytest.MonkeyPatch) -> None:
     p = problem([desire("GoTo", 8), desire("LocateFaces", 8)], TABLE_4_4, CPU)
     selection = solve(p)
     slow = replace(selection, solve_time_s=1e6)
-    begun: list[object] = []
-    monkeypatch.setattr("app.attention.variants.solve", lambda *_, **__: begun.append(0) or selection)
+    solved: list[object] = []
+    monkeypatch.setattr("app.attention.variants.solve", lambda *_, **__: solved.append(0) or selection)
     reasons = explain(p, slow, time_limit_s=60)
-    assert not begun
+    assert not solved
     assert (reasons["LocateFaces"].alternatives, reasons["LocateFaces"].searched) == ((), False)
     assert reasons["GoTo"].searched, "it is at its best: there is nothing to look for"
 

@@ -16,7 +16,7 @@ def log(*speeds: float) -> list[GuardRow]:
     return [GuardRow(0.01 * number, speed, 0.0) for number, speed in enumerate(speeds)]
 
 
-def test_press_and_release_are_told_apart() -> None:
+def test_press_and_release_are_distinguished() -> None:
     # Held backward too: slower is nearer to zero.
     for sign in (1, -1):
         rows = log(*(sign * speed for speed in (0, 0, 0, 0.1, 0.2, 0.3, 0.3, 0.3, 0.2, 0.1, 0)))

@@ -17,7 +17,7 @@ from tests.browser.running import Robot, running_robot
 from tests.console.slow_link import slow_link_aside
 from tests.patience import PATIENCE_S
 
-#: The guard stops wheels that nobody commands within so long, by its own clock.
+#: The guard stops wheels without commands within so long, by its own clock.
 GUARD_S = 0.25
 
 

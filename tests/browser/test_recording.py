@@ -99,7 +99,7 @@ def wait_position(page: Page, least: float, most: float) -> None:
 
 
 def pause(page: Page) -> None:
-    """Have the recording stand still, where it has not come to its end by itself."""
+    """Pause the recording, unless it has come to its end by itself."""
     transport = page.get_by_test_id("transport")
     if transport.get_attribute("data-playing") == "true":
         page.keyboard.press("Space")

@@ -43,6 +43,6 @@ def test_results_are_written_where_the_person_stands(monkeypatch: pytest.MonkeyP
 def test_rows_are_the_only_thing_on_standard_output_for_programs(capfd: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["bench", "solver", "--quick", "--json"]) == 0
     out, err = capfd.readouterr()
-    told = json.loads(out)
-    assert {row["benchmark"] for row in told["rows"]} == {"solver"}
+    result = json.loads(out)
+    assert {row["benchmark"] for row in result["rows"]} == {"solver"}
     assert "== solver (1 of 1)" in err

@@ -57,11 +57,11 @@ def test_strategies_cost_what_was_measured(program: Path, log_file: Path, capsys
     assert cli.main(once_more) == 0
     assert "CameraStream.images (measured before, kept)" in capsys.readouterr().out
     assert cli.main([*once_more, "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["measured"] == ["PointCloudBuilder.images"]
-    assert told["written"][0] == str(folder / f"{paths.host_name()}.yaml")
-    assert set(told["calibration"]["relations"]) == {"CameraStream.images", "PointCloudBuilder.images"}
-    assert all(row["measured"] > 0 for row in told["strategies"])
+    result = json.loads(capsys.readouterr().out)
+    assert result["measured"] == ["PointCloudBuilder.images"]
+    assert result["written"][0] == str(folder / f"{paths.host_name()}.yaml")
+    assert set(result["calibration"]["relations"]) == {"CameraStream.images", "PointCloudBuilder.images"}
+    assert all(row["measured"] > 0 for row in result["strategies"])
     both = load_calibration(folder, paths.host_name())
     assert both is not None
     assert both.relations["CameraStream.images"] == relation

@@ -47,7 +47,7 @@ def test_what_this_computer_lacks_is_no_result(capfd: pytest.CaptureFixture[str]
     assert [line.split(":")[0] for line in out.splitlines()] == files
 
 
-def test_programs_are_told_each_files_kind_or_mistake(config: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_each_files_kind_or_mistake_is_printed_for_programs(config: Path, capsys: pytest.CaptureFixture[str]) -> None:
     line = replace(config / "lab.yaml", "  port: 8080", "  port: 80800")
     files = [str(config / name) for name in ("lab.yaml", "worlds/lab.yaml")]
     assert cli.main(["check", "--json", *files]) == 2

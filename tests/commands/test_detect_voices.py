@@ -95,14 +95,14 @@ def test_what_cannot_be_used_is_said_and_the_rest_is_done(
     text.write_text("no sound")
     silent = write(tmp_path / "silent.wav", talker[:0])
     assert main(["detect", "voices", stereo, slow, fast, str(text), silent, good, "--array", array]) == 2
-    told = capsys.readouterr()
-    assert f"{stereo}: has 2 channels, but {array} has 8 microphones; there must be one channel for each" in told.err
-    assert f"{slow}: has 8000 samples a second; at least 16000 are needed" in told.err
-    assert f"{fast}: says it has 2000000000 samples a second; at most 384000 are taken" in told.err
-    assert f"{text}: cannot be read as a recording (WAV, FLAC, Ogg, MP3): Format not recognised\n" in told.err
-    assert f"{silent}: holds no sound" in told.err
-    assert f"{silent}: 0.0 s" not in told.out
-    assert f"{good}: 2.0 s, 1 source" in told.out
+    printed = capsys.readouterr()
+    assert f"{stereo}: has 2 channels, but {array} has 8 microphones; there must be one channel for each" in printed.err
+    assert f"{slow}: has 8000 samples a second; at least 16000 are needed" in printed.err
+    assert f"{fast}: says it has 2000000000 samples a second; at most 384000 are taken" in printed.err
+    assert f"{text}: cannot be read as a recording (WAV, FLAC, Ogg, MP3): Format not recognised\n" in printed.err
+    assert f"{silent}: holds no sound" in printed.err
+    assert f"{silent}: 0.0 s" not in printed.out
+    assert f"{good}: 2.0 s, 1 source" in printed.out
 
 
 def test_mistakes_on_the_command_line(tmp_path: Path, array: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -62,9 +62,9 @@ def test_barn_tells_what_is_done_and_draws_it(tmp_path: Path, capsys: pytest.Cap
     assert "| successes, % | 100.0 |" in said.out
     assert (out / "world_4.png").is_file()
     assert cli.main([*arguments, "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["worlds"][0]["world"] == "4"
-    assert told["summary"]["score"] == 0.375
+    result = json.loads(capsys.readouterr().out)
+    assert result["worlds"][0]["world"] == "4"
+    assert result["summary"]["score"] == 0.375
 
 
 @pytest.mark.parametrize(

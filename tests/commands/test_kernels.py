@@ -15,7 +15,7 @@ from app import compiled
 from app.commands import kernels, replay, run
 from app.commands.kernels import kernels_ready
 
-#: A compiler that shares its work with another process, says who both are, and never comes to an end.
+#: A compiler that shares its work with another process, prints the ids of both, and never ends.
 ENDLESS = """
 import subprocess, sys
 other = subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE)
@@ -41,9 +41,9 @@ async def test_each_file_is_a_line_of_the_log(
     program = "print('hbba: compiled app.a (1 of 2)'); print('hbba: compiled app.b (2 of 2)'); raise SystemExit(3)"
     await kernels_ready([sys.executable, "-c", program])
     assert "once on this computer" in capsys.readouterr().out
-    told = [record.getMessage() for record in caplog.records]
-    assert told[1:3] == ["compiled app.a (1 of 2)", "compiled app.b (2 of 2)"]
-    assert "status 3" in told[3]
+    lines = [record.getMessage() for record in caplog.records]
+    assert lines[1:3] == ["compiled app.a (1 of 2)", "compiled app.b (2 of 2)"]
+    assert "status 3" in lines[3]
 
 
 async def test_all_that_compiles_ends_when_it_is_cancelled(

@@ -98,14 +98,14 @@ def test_the_list_says_size_length_and_state(
 
 
 @pytest.mark.parametrize("arguments", [("--json",), ("list", "--json"), ("--json", "list")])
-def test_the_list_is_told_to_programs(
+def test_the_list_is_printed_for_programs(
     arguments: tuple[str, ...], library: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert hbba(*arguments) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["folder"] == str(library)
-    assert told["free_bytes"] > 0
-    (tour,) = told["recordings"]
+    document = json.loads(capsys.readouterr().out)
+    assert document["folder"] == str(library)
+    assert document["free_bytes"] > 0
+    (tour,) = document["recordings"]
     assert tour == {
         "name": "tour",
         "bytes": (library / "tour.mcap").stat().st_size,
@@ -116,21 +116,21 @@ def test_the_list_is_told_to_programs(
     }
 
 
-def test_what_was_done_is_told_to_programs(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    def told(*arguments: str) -> dict[str, Any]:
+def test_what_was_done_is_printed_for_programs(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def result(*arguments: str) -> dict[str, Any]:
         assert hbba(*arguments, "--json") == 0
         document: dict[str, Any] = json.loads(capsys.readouterr().out)
         return document
 
-    cut = told("cut", "tour", "--to", "1")
+    cut = result("cut", "tour", "--to", "1")
     assert cut["out"] == str(library / "tour-cut.mcap")
     assert cut["bytes"] == (library / "tour-cut.mcap").stat().st_size
-    exported = told("export", "tour", "csv", "--channels", "odometry")
+    exported = result("export", "tour", "csv", "--channels", "odometry")
     assert exported["folder"] == "tour-export"
     assert len(exported["written"]) == 1
-    assert told("repair", "tour")["healthy"]
+    assert result("repair", "tour")["healthy"]
     damage(library / "tour.mcap")
-    repaired = told("repair", "tour")
+    repaired = result("repair", "tour")
     assert repaired["out"] == str(library / "tour-repaired.mcap")
     assert [loss for loss in repaired["losses"] if not loss["index"]]
 
@@ -181,10 +181,10 @@ def test_info_finds_a_recording_by_its_name(library: Path, capsys: pytest.Captur
 
 def test_info_as_json_counts_what_each_channel_takes(library: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert hbba("info", "tour", "--json") == 0
-    told = json.loads(capsys.readouterr().out)
-    assert (told["state"], told["format"], told["facts"]["robot"]) == ("complete", "HBBA MCAP", "IRL-1/TR")
-    assert told["bytes"] == (library / "tour.mcap").stat().st_size
-    channels = {channel["name"]: channel for channel in told["channels"]}
+    document = json.loads(capsys.readouterr().out)
+    assert (document["state"], document["format"], document["facts"]["robot"]) == ("complete", "HBBA MCAP", "IRL-1/TR")
+    assert document["bytes"] == (library / "tour.mcap").stat().st_size
+    channels = {channel["name"]: channel for channel in document["channels"]}
     assert channels["kinect"]["messages"] == 30
     assert channels["kinect"]["nominal_hz"] == 15
     # Depth is kept raw, 48 x 64 of two bytes, and ranges and intensities four bytes a ray.
@@ -201,9 +201,9 @@ def test_info_of_an_unfinished_log_says_what_can_be_read_and_what_to_do(
     assert "unfinished; readable are" in out
     assert "`hbba log repair` makes it readable" in out
     assert hbba("info", "tour", "--json") == 1
-    told = json.loads(capsys.readouterr().out)
-    assert told["state"] == "unfinished"
-    assert told["messages"] > 100
+    document = json.loads(capsys.readouterr().out)
+    assert document["state"] == "unfinished"
+    assert document["messages"] > 100
 
 
 def test_a_recording_in_the_making_is_told_from_an_abandoned_one(

@@ -22,6 +22,6 @@ def test_what_can_be_read_stays(text: str) -> None:
     assert one_line(text) == text
 
 
-def test_a_mistake_with_an_escape_code_in_it_is_told_without(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_mistake_with_an_escape_code_in_it_is_printed_without(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["solve", "\x1b[31m.yaml"]) == 2
     assert r"\x1b[31m.yaml" in capsys.readouterr().err

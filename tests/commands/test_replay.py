@@ -38,14 +38,14 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_headless_prints_tables_and_writes_json(
     recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    told = tmp_path / "told.json"
-    assert main(["replay", str(recording), "--headless", "--out", str(told)]) == 0
+    result = tmp_path / "result.json"
+    assert main(["replay", str(recording), "--headless", "--out", str(result)]) == 0
     printed = capsys.readouterr().out
     assert re.search(r"qr_codes +│ +\d+ │ [0-9a-f]{32}", printed)
     assert re.search(r"QRCodeDetector +│ +\d+\.\d{3} │ images \d+, panorama 0, ", printed)
     assert "find-qr-codes-1" in printed
     assert "times real time" in printed
-    values = json.loads(told.read_text())
+    values = json.loads(result.read_text())
     assert values["channels"]["odometry"]["messages"] == 150
     assert (
         values["modules"]["QRCodeDetector"]["inputs"]["images"]["taken"] == values["channels"]["qr_codes"]["messages"]
@@ -103,8 +103,8 @@ def test_a_replay_can_be_recorded_and_replayed_by_its_name(
     assert main(["replay", str(recording), "--headless", "--record", "again", "--to", "1", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["recorded"] == "again-3"
     assert main(["replay", "again", "--headless", "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)  # and nothing else is printed
-    assert told["channels"]["odometry"]["messages"] == 150
+    result = json.loads(capsys.readouterr().out)  # and nothing else is printed
+    assert result["channels"]["odometry"]["messages"] == 150
 
 
 @pytest.mark.parametrize(

@@ -47,21 +47,21 @@ def test_a_log_becomes_a_map_and_figures(log: Path, tmp_path: Path, capsys: pyte
     relations, reference = log.parent / "relations.txt", log.parent / "true.log"
     arguments = ["--relations", str(relations), "--reference", str(reference), "--out", str(out), "--json"]
     assert main(["slam", str(log), *arguments]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["intact"] == "yes"
-    assert told["relations"]["mean_m"] < 0.02
-    assert told["relations"]["gross"] == 0
-    assert told["reference"]["scans"] == told["scans"] == told["taken"]
-    assert told["reference"]["rmse_m"] < 0.1
+    result = json.loads(capsys.readouterr().out)
+    assert result["intact"] == "yes"
+    assert result["relations"]["mean_m"] < 0.02
+    assert result["relations"]["gross"] == 0
+    assert result["reference"]["scans"] == result["scans"] == result["taken"]
+    assert result["reference"]["rmse_m"] < 0.1
     grid = read_map(out / "map.yaml")
     assert (grid.cells == 100).sum() > 200
     assert (grid.cells == 0).sum() > 5 * (grid.cells == 100).sum()
     assert (out / "map.png").read_bytes().startswith(b"\x89PNG")
-    assert len(read_state(out / "graph.npz").keyframes) == told["keyframes"]
+    assert len(read_state(out / "graph.npz").keyframes) == result["keyframes"]
     trajectory = np.loadtxt(out / "trajectory.tum")
-    assert trajectory.shape == (told["taken"], 8)
-    assert len((out / "trajectory.csv").read_text().splitlines()) == told["taken"] + 1
-    assert [Path(path).name for path in told["written"]][:3] == ["map.yaml", "map.pgm", "map.png"]
+    assert trajectory.shape == (result["taken"], 8)
+    assert len((out / "trajectory.csv").read_text().splitlines()) == result["taken"] + 1
+    assert [Path(path).name for path in result["written"]][:3] == ["map.yaml", "map.pgm", "map.png"]
 
 
 def test_a_carmen_log_is_mapped_and_fewer_scans_are_taken(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -116,9 +116,9 @@ def test_a_log_that_shows_nothing_at_first_is_mapped_from_where_it_does(
     ranges[:5] = np.inf
     np.savez(tmp_path / "late.npz", ranges=ranges, pose=poses)
     assert main(["slam", str(tmp_path / "late.npz"), "--relations", str(log.parent / "relations.txt"), "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["intact"] == "yes"
-    assert told["relations"]["mean_m"] < 0.02
+    result = json.loads(capsys.readouterr().out)
+    assert result["intact"] == "yes"
+    assert result["relations"]["mean_m"] < 0.02
 
 
 def test_a_log_that_was_cut_off_says_so(log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -166,11 +166,11 @@ def test_a_log_with_odd_times_or_readings_is_mapped_all_the_same(
     reference = rewritten(log, tmp_path / "reference.log", stamp, reading)
     arguments = ["--relations", str(log.parent / "relations.txt"), "--reference", str(reference), "--json"]
     assert main(["slam", str(odd), *arguments]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["scans"] == told["taken"] == told["reference"]["scans"] == len(np.load(log)["ranges"])
-    assert told["relations"]["gross"] == 0
-    assert told["relations"]["mean_m"] < 0.02
-    assert any(said in note for note in [*told["notes"], ""])
+    result = json.loads(capsys.readouterr().out)
+    assert result["scans"] == result["taken"] == result["reference"]["scans"] == len(np.load(log)["ranges"])
+    assert result["relations"]["gross"] == 0
+    assert result["relations"]["mean_m"] < 0.02
+    assert any(said in note for note in [*result["notes"], ""])
 
 
 def test_stamps_of_arrays_that_go_back_are_said(log: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -197,11 +197,11 @@ def test_the_intel_lab_is_mapped_to_millimetres(tmp_path: Path, capsys: pytest.C
     relations = np.loadtxt(DATA / "intel.relations.txt")
     np.savetxt(tmp_path / "relations.txt", relations[relations[:, 1] < rows], fmt="%d %d %.6f %.6f %.7f %d")
     assert main(["slam", str(tmp_path / "intel.npz"), "--relations", str(tmp_path / "relations.txt"), "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["relations"]["relations"] > 80
-    assert told["relations"]["gross"] == 0
-    assert told["relations"]["mean_m"] < 0.008
-    assert told["relations"]["mean_deg"] < 0.2
+    result = json.loads(capsys.readouterr().out)
+    assert result["relations"]["relations"] > 80
+    assert result["relations"]["gross"] == 0
+    assert result["relations"]["mean_m"] < 0.008
+    assert result["relations"]["mean_deg"] < 0.2
 
 
 @pytest.mark.parametrize(

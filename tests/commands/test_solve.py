@@ -180,7 +180,7 @@ desires: [{class: "A\nB", intensity: 1, params: {"\u009b": "\u001b]0;x"}}]
 def test_what_could_not_be_explained_in_time_is_named(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # Whatever is begun would take longer than there is.
+    # Each variant would take longer than there is time.
     monkeypatch.setattr("app.attention.variants.Variants._solved", cut_off)
     found = answer(capsys, str(EXAMPLES / "thesis-4.3.3.yaml"))
     assert found["unexplained"] == ["LocateFaces"]

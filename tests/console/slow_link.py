@@ -81,7 +81,7 @@ async def slow_link(url: str) -> AsyncIterator[SlowLink]:
 
 @contextlib.contextmanager
 def slow_link_aside(url: str) -> Iterator[SlowLink]:
-    """The same on an event loop in a thread of its own, for who has none."""
+    """The same on an event loop in a thread of its own, for tests without one."""
     ready: list[SlowLink] = []
     loop = asyncio.new_event_loop()
     up, end = threading.Event(), asyncio.Event()

@@ -146,7 +146,7 @@ async def test_without_descriptors_it_is_said_once_and_tried_again(
             assert await answers(url)
     said = [record.getMessage() for record in caplog.records if record.name == "hbba.console"]
     assert said == [
-        "no connection can be accepted: Too many open files; who waits longest gives way",
+        "no connection can be accepted: Too many open files; the longest waiting one is closed",
         "connections are accepted again",
     ]
 

@@ -68,15 +68,15 @@ def test_who_may_is_said_of_every_operation(app: FastAPI, system: System, page: 
 def test_every_refusal_is_described_as_a_problem_document(app: FastAPI) -> None:
     document = app.openapi()
     for path, method, operation in operations(document):
-        told = operation["responses"]
-        for status, response in told.items():
+        responses = operation["responses"]
+        for status, response in responses.items():
             shared = document["components"]["responses"].get(response.get("$ref", "").rpartition("/")[2])
             if status >= "400":
                 assert list((shared or response)["content"]) == [MEDIA_TYPE], (path, method, status)
-        assert "421" in told
-        assert ("413" in told) == ("408" in told) == ("403" in told) == (method != "get")
-        assert ("405" in told) == ("{" in path)
-        assert "401" in told or path == "/api/v1/health" or (path, method) == ("/api/v1/session", "delete")
+        assert "421" in responses
+        assert ("413" in responses) == ("408" in responses) == ("403" in responses) == (method != "get")
+        assert ("405" in responses) == ("{" in path)
+        assert "401" in responses or path == "/api/v1/health" or (path, method) == ("/api/v1/session", "delete")
 
 
 def test_what_is_done_in_somebodys_name_says_so(app: FastAPI) -> None:

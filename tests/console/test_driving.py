@@ -25,7 +25,7 @@ class Wheel:
 
     def __init__(self, system: System, body: Body) -> None:
         self.clock, self.link = system.clock, body
-        self.told: list[tuple[str, str]] = []
+        self.notices: list[tuple[str, str]] = []
         self.commands: list[OperatorDrive] = []
         self.withdrawn = 0
         channel = system.graph.channel("operator_drive")
@@ -35,7 +35,7 @@ class Wheel:
             self.driving.handle(control.Connected(session, name))
 
     def _notify(self, session: str, level: Literal["info", "warning", "error"], text: str) -> None:
-        self.told.append((session, text))
+        self.notices.append((session, text))
 
     def _withdraw(self) -> None:
         self.withdrawn += 1
@@ -56,7 +56,7 @@ def built(tmp_path: Path) -> tuple[System, Body]:
     return build(tmp_path, clock=VirtualClock())
 
 
-def test_a_stop_is_released_by_who_has_seen_it_and_in_time(built: tuple[System, Body]) -> None:
+def test_a_stop_is_released_by_a_page_that_has_seen_it_and_in_time(built: tuple[System, Body]) -> None:
     @in_virtual_time
     async def story() -> None:
         wheel = Wheel(*built)
@@ -73,11 +73,11 @@ def test_a_stop_is_released_by_who_has_seen_it_and_in_time(built: tuple[System, 
             (Judgement("No time"), None, "No time: the emergency stop stays latched."),
         ):
             driving.release_e_stop("a", judged, seen)
-            assert wheel.told.pop() == ("a", words)
+            assert wheel.notices.pop() == ("a", words)
             assert wheel.link.e_stopped
         driving.release_e_stop("a", IN_TIME, now())
         assert not wheel.link.e_stopped
-        assert wheel.told == []
+        assert wheel.notices == []
         # Ann's release is under way while Bob presses again: his stop is newer than what she saw.
         driving.e_stop("Bob", "b")
         seen = now()
@@ -96,7 +96,7 @@ def test_a_stop_at_the_body_itself_counts_as_pressed(built: tuple[System, Body])
         wheel = Wheel(*built)
         seen = wheel.clock.now()
         await wheel.clock.sleep(0.1)
-        wheel.link.receivers["status"].append(wheel.driving.heed)
+        wheel.link.receivers["status"].append(wheel.driving.on_guard_status)
         wheel.link.e_stopped = True
         wheel.link.emit_status(wheel.clock.now())
         wheel.driving.release_e_stop("a", IN_TIME, seen)
@@ -114,7 +114,7 @@ def test_who_comes_late_is_not_given_the_wheel(built: tuple[System, Body]) -> No
         wheel.drive(1)
         wheel.driving.take_control("b", LATE)
         assert wheel.driving.lease.driver == "a"
-        assert wheel.told == [("b", f"{LATE.cause}: the wheel stays where it is.")]
+        assert wheel.notices == [("b", f"{LATE.cause}: the wheel stays where it is.")]
         wheel.driving.take_control("b", IN_TIME)
         assert wheel.driving.lease.driver == "b"
         wheel.driving.close()
@@ -129,7 +129,7 @@ def test_a_lost_body_ends_the_hold_and_withdraws_what_was_wanted(built: tuple[Sy
         wheel.drive(1)
         wheel.driving.body(lost=True)
         assert wheel.held == [True, False]
-        assert wheel.told == [("a", f"{LOST}: driving waits.")]
+        assert wheel.notices == [("a", f"{LOST}: driving waits.")]
         assert wheel.withdrawn == 1
         wheel.drive(2)
         wheel.driving.body(lost=False)
@@ -139,7 +139,7 @@ def test_a_lost_body_ends_the_hold_and_withdraws_what_was_wanted(built: tuple[Sy
         wheel.drive(4, held=False)
         wheel.drive(5)
         assert wheel.held == [True, False, True]
-        # Who held nothing when it was lost need not let go of anything.
+        # A driver that held nothing when the body was lost need not let go of anything.
         wheel.drive(6, held=False)
         wheel.driving.body(lost=True)
         wheel.driving.body(lost=False)

@@ -30,7 +30,7 @@ CHANNELS = {
 }
 
 
-class Told:
+class Perception:
     """A graph of external channels, and what is told of them."""
 
     def __init__(self, names: tuple[str, ...] = tuple(CHANNELS)) -> None:
@@ -50,131 +50,131 @@ class Told:
 
 
 @pytest.fixture
-def told() -> Iterator[Told]:
-    told = Told()
-    yield told
-    told.end()
+def perception() -> Iterator[Perception]:
+    perception = Perception()
+    yield perception
+    perception.end()
 
 
-def test_nothing_is_told_of_nothing(told: Told) -> None:
-    assert told.at(5.0) == {"stamp": 5.0, "faces": [], "sounds": [], "noises": [], "codes": []}
-    bare = Told(())
+def test_nothing_is_told_of_nothing(perception: Perception) -> None:
+    assert perception.at(5.0) == {"stamp": 5.0, "faces": [], "sounds": [], "noises": [], "codes": []}
+    bare = Perception(())
     assert bare.percepts.channels == ()
     assert bare.at(1.0)["faces"] == []
 
 
-def test_a_face_is_where_the_robot_was_when_it_was_seen(told: Told) -> None:
+def test_a_face_is_where_the_robot_was_when_it_was_seen(perception: Perception) -> None:
     """The robot turns on: seen is half way between two reports, and never now."""
-    told.say("faces", faces(10.05, (2.0, 0.0, 1.7)))
-    told.odometry(10.0, Pose2(1.0, 0.0, 0.0))
-    assert [told.at(10.1)["faces"][0][name] for name in "xyz"] == [None] * 3, "odometry is not there yet"
-    told.odometry(10.1, Pose2(1.0, 0.0, math.pi / 2))
-    told.odometry(10.2, Pose2(5.0, 5.0, math.pi))
-    (face,) = told.at(10.2)["faces"]
+    perception.say("faces", faces(10.05, (2.0, 0.0, 1.7)))
+    perception.odometry(10.0, Pose2(1.0, 0.0, 0.0))
+    assert [perception.at(10.1)["faces"][0][name] for name in "xyz"] == [None] * 3, "odometry is not there yet"
+    perception.odometry(10.1, Pose2(1.0, 0.0, math.pi / 2))
+    perception.odometry(10.2, Pose2(5.0, 5.0, math.pi))
+    (face,) = perception.at(10.2)["faces"]
     assert [face[name] for name in "xyz"] == pytest.approx([1.0 + math.sqrt(2), math.sqrt(2), 1.7], abs=1e-3)
 
 
-def test_angles_are_seen_from_the_camera(told: Told) -> None:
-    told.say("faces", faces(10.0, (1.1, 1.0, 2.2)))
-    (face,) = told.at(10.0)["faces"]
+def test_angles_are_seen_from_the_camera(perception: Perception) -> None:
+    perception.say("faces", faces(10.0, (1.1, 1.0, 2.2)))
+    (face,) = perception.at(10.0)["faces"]
     assert face["azimuth"] == pytest.approx(math.pi / 4, abs=1e-3)
     assert face["elevation"] == pytest.approx(math.atan2(1.0, math.sqrt(2)), abs=1e-3)
     assert face["panorama"] is None
-    told.say("panorama_jpeg", panorama(9.9))
-    (face,) = told.at(10.0)["faces"]
+    perception.say("panorama_jpeg", panorama(9.9))
+    (face,) = perception.at(10.0)["faces"]
     assert face["panorama"] == [face["azimuth"], face["elevation"]]
     assert (face["camera"], face["image"], face["box"]) == ("imv_optical_frame", [1024, 768], [400, 300, 40, 50])
 
 
-def test_a_face_is_seen_from_where_its_camera_was_when_it_was_seen(told: Told) -> None:
+def test_a_face_is_seen_from_where_its_camera_was_when_it_was_seen(perception: Perception) -> None:
     """The head moves on: a newer picture of the same camera, from elsewhere, changes nothing of what was seen."""
     low, high = (Pose3.from_translation_rpy((0.0, 0.0, z), (0.0, 0.0, 0.0)) for z in (1.0, 3.0))
-    told.say("faces", faces(10.0, (2.0, 0.0, 1.0), X_BC=low))
-    assert told.at(10.0)["faces"][0]["elevation"] == 0.0
-    told.say("faces", faces(10.1, (2.0, 0.0, 1.0), first=2, X_BC=high))
-    told.say("panorama_jpeg", panorama(10.1, X_BC=high))
-    old, new = told.at(10.2)["faces"]
+    perception.say("faces", faces(10.0, (2.0, 0.0, 1.0), X_BC=low))
+    assert perception.at(10.0)["faces"][0]["elevation"] == 0.0
+    perception.say("faces", faces(10.1, (2.0, 0.0, 1.0), first=2, X_BC=high))
+    perception.say("panorama_jpeg", panorama(10.1, X_BC=high))
+    old, new = perception.at(10.2)["faces"]
     assert (old["elevation"], new["elevation"]) == (0.0, pytest.approx(-math.pi / 4, abs=1e-4))
     # In the picture that is shown, both are where the camera of that picture sees them.
     assert old["panorama"] == new["panorama"] == pytest.approx([0.0, -math.pi / 4], abs=1e-4)
 
 
-def test_a_face_is_told_until_it_was_not_seen_for_a_second(told: Told) -> None:
-    told.say("faces", faces(10.0))
-    told.say("faces", faces(10.1, (3.0, 0.0, 1.2), first=2))
-    assert [face["track"] for face in told.at(11.0)["faces"]] == [1, 2]
-    assert [face["track"] for face in told.at(11.05)["faces"]] == [2]
-    assert told.at(11.2)["faces"] == []
+def test_a_face_is_told_until_it_was_not_seen_for_a_second(perception: Perception) -> None:
+    perception.say("faces", faces(10.0))
+    perception.say("faces", faces(10.1, (3.0, 0.0, 1.2), first=2))
+    assert [face["track"] for face in perception.at(11.0)["faces"]] == [1, 2]
+    assert [face["track"] for face in perception.at(11.05)["faces"]] == [2]
+    assert perception.at(11.2)["faces"] == []
 
 
-def test_a_face_stays_between_images_that_come_seldom(told: Told) -> None:
+def test_a_face_stays_between_images_that_come_seldom(perception: Perception) -> None:
     """The camera's images at φ = 15: one in 1.5 s."""
     for number in range(4):
         stamp = 10.0 + 1.5 * number
-        told.say("faces", faces(stamp))
+        perception.say("faces", faces(stamp))
         if number > 0:
-            assert told.at(stamp + 1.4)["faces"]
-    assert told.at(14.5 + 3.7)["faces"]
-    assert not told.at(14.5 + 3.8)["faces"]
+            assert perception.at(stamp + 1.4)["faces"]
+    assert perception.at(14.5 + 3.7)["faces"]
+    assert not perception.at(14.5 + 3.8)["faces"]
 
 
-def test_one_face_in_two_cameras_is_two_entries_of_one_track(told: Told) -> None:
-    told.say("faces", faces(10.0))
-    told.say("faces", faces(10.0, frame="kinect_optical_frame"))
-    told_of = [(face["track"], face["camera"]) for face in told.at(10.0)["faces"]]
-    assert told_of == [(1, "imv_optical_frame"), (1, "kinect_optical_frame")]
+def test_one_face_in_two_cameras_is_two_entries_of_one_track(perception: Perception) -> None:
+    perception.say("faces", faces(10.0))
+    perception.say("faces", faces(10.0, frame="kinect_optical_frame"))
+    entries = [(face["track"], face["camera"]) for face in perception.at(10.0)["faces"]]
+    assert entries == [(1, "imv_optical_frame"), (1, "kinect_optical_frame")]
 
 
-def test_a_sound_falls_silent_and_goes(told: Told) -> None:
-    told.say("sound_sources", sound_sources(10.0, sound_source()))
-    assert told.at(10.0)["sounds"][0]["active"]
-    told.say("sound_sources", sound_sources(10.3, sound_source(active=False)))
-    (sound,) = told.at(10.4)["sounds"]
+def test_a_sound_falls_silent_and_goes(perception: Perception) -> None:
+    perception.say("sound_sources", sound_sources(10.0, sound_source()))
+    assert perception.at(10.0)["sounds"][0]["active"]
+    perception.say("sound_sources", sound_sources(10.3, sound_source(active=False)))
+    (sound,) = perception.at(10.4)["sounds"]
     assert (sound["active"], sound["last_active"], sound["stamp"]) == (False, 10.0, 10.3)
-    assert told.at(11.9)["sounds"]
-    assert not told.at(12.1)["sounds"]
+    assert perception.at(11.9)["sounds"]
+    assert not perception.at(12.1)["sounds"]
 
 
-def test_a_sound_whose_track_died_or_of_which_nobody_speaks_is_silent(told: Told) -> None:
-    told.say("sound_sources", sound_sources(10.0, sound_source(1), sound_source(2, 1.0)))
-    told.say("sound_sources", sound_sources(10.1, sound_source(2, 1.0)))
-    assert [(sound["track"], sound["active"]) for sound in told.at(10.1)["sounds"]] == [(1, False), (2, True)]
-    assert [sound["active"] for sound in told.at(10.7)["sounds"]] == [False, False]
+def test_a_sound_whose_track_died_or_of_which_nobody_speaks_is_silent(perception: Perception) -> None:
+    perception.say("sound_sources", sound_sources(10.0, sound_source(1), sound_source(2, 1.0)))
+    perception.say("sound_sources", sound_sources(10.1, sound_source(2, 1.0)))
+    assert [(sound["track"], sound["active"]) for sound in perception.at(10.1)["sounds"]] == [(1, False), (2, True)]
+    assert [sound["active"] for sound in perception.at(10.7)["sounds"]] == [False, False]
 
 
-def test_a_sounds_place_and_direction(told: Told) -> None:
-    told.odometry(9.9, Pose2(1.0, 2.0, math.pi / 2))
-    told.odometry(10.1, Pose2(1.0, 2.0, math.pi / 2))
-    told.say("panorama_jpeg", panorama(9.9))
-    told.say("sound_sources", sound_sources(10.0, sound_source(azimuth=0.0, range_m=2.0)))
-    (sound,) = told.at(10.0)["sounds"]
+def test_a_sounds_place_and_direction(perception: Perception) -> None:
+    perception.odometry(9.9, Pose2(1.0, 2.0, math.pi / 2))
+    perception.odometry(10.1, Pose2(1.0, 2.0, math.pi / 2))
+    perception.say("panorama_jpeg", panorama(9.9))
+    perception.say("sound_sources", sound_sources(10.0, sound_source(azimuth=0.0, range_m=2.0)))
+    (sound,) = perception.at(10.0)["sounds"]
     assert (sound["azimuth"], sound["elevation"]) == (0.0, 0.0)
     assert [sound[name] for name in "xyz"] == pytest.approx([1.0, 4.0, P_BA[2]])
     # The camera is 0.7 m above the microphones and 0.1 m ahead of them: from there it is below the horizon.
     assert sound["panorama"] == pytest.approx([0.0, -math.atan2(0.7, 1.9)], abs=1e-3)
 
 
-def test_what_is_not_known_of_a_sound_is_null(told: Told) -> None:
-    told.odometry(10.0, Pose2())
-    told.say("sound_sources", sound_sources(10.0, sound_source(speech=math.nan, range_m=math.inf)))
-    (sound,) = told.at(10.0)["sounds"]
+def test_what_is_not_known_of_a_sound_is_null(perception: Perception) -> None:
+    perception.odometry(10.0, Pose2())
+    perception.say("sound_sources", sound_sources(10.0, sound_source(speech=math.nan, range_m=math.inf)))
+    (sound,) = perception.at(10.0)["sounds"]
     assert [sound[name] for name in ("speech", "range_m", "x", "y", "z", "panorama")] == [None] * 6
 
 
-def test_noises_are_told_for_two_seconds(told: Told) -> None:
+def test_noises_are_told_for_two_seconds(perception: Perception) -> None:
     for number in range(5):
-        told.say("loud_noises", LoudNoise(10.0 + number, 25.123456, -20.0))
-    assert [noise["stamp"] for noise in told.at(14.5)["noises"]] == [13.0, 14.0]
-    assert told.at(14.5)["noises"][0]["ratio"] == 25.12
-    assert told.at(20.0)["noises"] == []
+        perception.say("loud_noises", LoudNoise(10.0 + number, 25.123456, -20.0))
+    assert [noise["stamp"] for noise in perception.at(14.5)["noises"]] == [13.0, 14.0]
+    assert perception.at(14.5)["noises"][0]["ratio"] == 25.12
+    assert perception.at(20.0)["noises"] == []
 
 
-def test_a_jump_in_time_forgets_everything(told: Told) -> None:
-    told.odometry(10.0, Pose2())
-    told.say("faces", faces(10.0))
-    told.say("sound_sources", sound_sources(10.0))
-    told.percepts.forget()
-    assert told.at(9.0) == {"stamp": 9.0, "faces": [], "sounds": [], "noises": [], "codes": []}
+def test_a_jump_in_time_forgets_everything(perception: Perception) -> None:
+    perception.odometry(10.0, Pose2())
+    perception.say("faces", faces(10.0))
+    perception.say("sound_sources", sound_sources(10.0))
+    perception.percepts.forget()
+    assert perception.at(9.0) == {"stamp": 9.0, "faces": [], "sounds": [], "noises": [], "codes": []}
 
 
 said = st.one_of(
@@ -186,17 +186,17 @@ said = st.one_of(
 
 @given(st.lists(st.tuples(st.floats(0.0, 0.5), said), max_size=60))
 def test_all_that_is_told_is_young_and_told_once(story: list[tuple[float, tuple[str, int]]]) -> None:
-    told, now = Told(), 100.0
+    perception, now = Perception(), 100.0
     for pause, (what, track) in story:
         now += pause
         match what:
             case "faces":
-                told.say("faces", faces(now, (1.0, 0.0, 1.2), first=track))
+                perception.say("faces", faces(now, (1.0, 0.0, 1.2), first=track))
             case "sounds":
-                told.say("sound_sources", sound_sources(now, sound_source(track, active=track % 2 == 0)))
+                perception.say("sound_sources", sound_sources(now, sound_source(track, active=track % 2 == 0)))
             case _:
-                told.say("loud_noises", LoudNoise(now, 21.0, -20.0))
-        perceived = told.percepts.at(now)
+                perception.say("loud_noises", LoudNoise(now, 21.0, -20.0))
+        perceived = perception.percepts.at(now)
         assert all(0 <= now - face.stamp <= 4 for face in perceived.faces)
         assert all(0 <= now - sound.last_active <= 2 for sound in perceived.sounds)
         assert all(0 <= now - noise.stamp <= 2 for noise in perceived.noises)
@@ -204,9 +204,9 @@ def test_all_that_is_told_is_young_and_told_once(story: list[tuple[float, tuple[
         assert len({sound.track for sound in perceived.sounds}) == len(perceived.sounds)
 
 
-def test_a_code_is_told_as_it_was_read_until_it_is_gone(told: Told) -> None:
-    told.say("qr_codes", codes(10.0))
-    (code,) = told.at(10.5)["codes"]
+def test_a_code_is_told_as_it_was_read_until_it_is_gone(perception: Perception) -> None:
+    perception.say("qr_codes", codes(10.0))
+    (code,) = perception.at(10.5)["codes"]
     assert code == {
         "text": "stop 1",
         "camera": "imv_optical_frame",
@@ -214,21 +214,21 @@ def test_a_code_is_told_as_it_was_read_until_it_is_gone(told: Told) -> None:
         "corners": [[1, 2], [11, 2], [11, 12], [1, 12]],
         "image": [1024, 768],
     }
-    told.say("qr_codes", no_codes(10.1))
-    assert told.at(11.05)["codes"] == []
+    perception.say("qr_codes", no_codes(10.1))
+    assert perception.at(11.05)["codes"] == []
 
 
-def test_what_is_over_is_forgotten_though_nobody_asks(told: Told) -> None:
+def test_what_is_over_is_forgotten_though_nobody_asks(perception: Perception) -> None:
     """A robot that runs for days meets many people while no page is open."""
     seen = faces(10.0)
     heard = sound_sources(10.0)
     read = codes(10.0)
-    told.say("faces", seen)
-    told.say("sound_sources", heard)
-    told.say("qr_codes", read)
+    perception.say("faces", seen)
+    perception.say("sound_sources", heard)
+    perception.say("qr_codes", read)
     remembered = [sys.getrefcount(seen.faces[0]), sys.getrefcount(heard.sources[0]), sys.getrefcount(read.codes[0])]
-    told.say("faces", faces(20.0, first=2))
-    told.say("sound_sources", sound_sources(20.0, sound_source(2)))
-    told.say("qr_codes", no_codes(20.0))
+    perception.say("faces", faces(20.0, first=2))
+    perception.say("sound_sources", sound_sources(20.0, sound_source(2)))
+    perception.say("qr_codes", no_codes(20.0))
     now = [sys.getrefcount(seen.faces[0]), sys.getrefcount(heard.sources[0]), sys.getrefcount(read.codes[0])]
     assert now == [count - 1 for count in remembered]

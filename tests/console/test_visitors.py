@@ -1,4 +1,4 @@
-"""Who is let in, and who gives way."""
+"""Which connections are let in, and which are closed for them."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ def test_there_are_no_more_connections_than_descriptors_for_them(descriptors: in
     assert connections_within(descriptors) == most
 
 
-def test_too_few_descriptors_are_told_with_how_many_are_needed() -> None:
+def test_too_few_descriptors_are_refused_with_how_many_are_needed() -> None:
     with pytest.raises(ConfigError, match=r"needs 288 file descriptors and may open 287: .*ulimit -n 1024"):
         connections_within(287)
 

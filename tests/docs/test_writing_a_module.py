@@ -209,7 +209,7 @@ def test_a_reader_who_forgets_the_line_of_strategies_is_warned_and_the_robot_sta
         return run.link.true_pose().x - begin, offered.offered > 0
 
     moved, spoke = run_in_world(configuration, body, script, world=make_hall())
-    assert spoke, "it asked to drive, as nobody keeps it from its scans"
+    assert spoke, "it asked to drive, as its scans are not kept from it"
     assert moved == pytest.approx(0.0, abs=1e-3)
 
 

@@ -1,4 +1,4 @@
-"""Recordings whose chunks are small and become gigabytes."""
+"""Recordings whose chunks are small and unpack to gigabytes."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def test_a_chunk_where_none_should_be_is_not_unpacked(log: Path, monkeypatch: py
     as_metadata = bytearray(data)
     struct.pack_into("<Q", as_metadata, data.rindex(FACTS.encode()) - 20, bomb)
     log.write_bytes(bytes(as_metadata))
-    with pytest.raises(LogError, match=f"its index says what does not stand at byte {bomb}"):
+    with pytest.raises(LogError, match=f"its index names a record that is not at byte {bomb}"):
         McapLog(log)
     assert not read("a", log, log.stat()).complete
 

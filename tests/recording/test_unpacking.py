@@ -1,4 +1,4 @@
-"""How much packed data unpacks to, told before it is unpacked."""
+"""How much packed data unpacks to, computed before it is unpacked."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ from app.recording.unpacking import TooMuch, check_unpacked, within
 MB = 1_000_000
 
 
-def zstd(content: bytes, *, told: bool = True, checksum: bool = False) -> bytes:
-    packer = zstandard.ZstdCompressor(write_content_size=told, write_checksum=checksum)
-    if told:
+def zstd(content: bytes, *, sized: bool = True, checksum: bool = False) -> bytes:
+    packer = zstandard.ZstdCompressor(write_content_size=sized, write_checksum=checksum)
+    if sized:
         return packer.compress(content)
     stream = packer.compressobj()
     return stream.compress(content) + stream.flush()
 
 
-def lz4_(content: bytes, *, told: bool = True, checksum: bool = False) -> bytes:
-    return lz4.frame.compress(content, store_size=told, content_checksum=checksum, block_checksum=checksum)
+def lz4_(content: bytes, *, sized: bool = True, checksum: bool = False) -> bytes:
+    return lz4.frame.compress(content, store_size=sized, content_checksum=checksum, block_checksum=checksum)
 
 
 PACKERS = {"zstd": zstd, "lz4": lz4_}
 
 
 @pytest.mark.parametrize("kind", PACKERS)
-@pytest.mark.parametrize("told", [True, False])
+@pytest.mark.parametrize("sized", [True, False])
 @pytest.mark.parametrize("checksum", [True, False])
-def test_gigabytes_of_nothing_are_refused_whatever_the_frame_says(kind: str, told: bool, checksum: bool) -> None:
-    packed = PACKERS[kind](bytes(20 * MB), told=told, checksum=checksum)
+def test_gigabytes_of_nothing_are_refused_whatever_the_frame_says(kind: str, sized: bool, checksum: bool) -> None:
+    packed = PACKERS[kind](bytes(20 * MB), sized=sized, checksum=checksum)
     assert len(packed) < MB
     check_unpacked(within(packed), len(packed), kind, 20 * MB, 22 * MB)
     for data in (packed, packed * 3, b"\x50\x2a\x4d\x18\x03\x00\x00\x00abc" + packed):
@@ -52,10 +52,10 @@ def test_what_is_declared_beside_counts_too(kind: str) -> None:
 
 @given(st.binary(max_size=4000), st.sampled_from(sorted(PACKERS)), st.booleans(), st.booleans(), st.integers(0, 3))
 def test_the_bound_is_never_below_what_comes_out(
-    content: bytes, kind: str, told: bool, checksum: bool, repeats: int
+    content: bytes, kind: str, sized: bool, checksum: bool, repeats: int
 ) -> None:
     content *= 10**repeats
-    packed = PACKERS[kind](content, told=told, checksum=checksum)
+    packed = PACKERS[kind](content, sized=sized, checksum=checksum)
     if content:
         with pytest.raises(TooMuch):
             check_unpacked(within(packed), len(packed), kind, 0, len(content) - 1)

@@ -175,7 +175,7 @@ def test_a_disk_that_stays_too_slow_ends_the_recording_with_a_reason_and_the_fil
     assert counts(tmp_path / "log.mcap")["/odometry"] == 100
 
 
-def test_a_computer_that_stays_too_busy_is_told_apart_from_a_slow_disk(tmp_path: Path) -> None:
+def test_a_computer_that_stays_too_busy_is_distinguished_from_a_slow_disk(tmp_path: Path) -> None:
     class Slow(Encoder):
         """Encodes when it is let."""
 

@@ -394,7 +394,7 @@ async def test_leaving_frees_a_sender_that_already_waits(make: Make) -> None:
     assert not sending.done()
     inbox.leave()
     await sending
-    assert inbox.adopt() == 1, "what nobody took is lost, and counted"
+    assert inbox.adopt() == 1, "what was not taken is lost, and counted"
 
 
 @in_virtual_time

@@ -68,7 +68,7 @@ def test_the_order_in_which_channels_are_named_changes_nothing(order: list[int])
     assert found == {str(n): 2.0 ** (n // 3) for n in range(30)}
 
 
-def test_many_ways_round_a_circle_take_bounded_time_and_tell_no_less_than_one_of_them() -> None:
+def test_many_paths_round_a_circle_take_bounded_time_and_give_no_less_than_one_of_them() -> None:
     everyone = {str(n): [(str(m), 2.0) for m in range(60) if m != n] for n in range(60)}
     found = slowdowns(dict.fromkeys(everyone, 1.0), everyone)
     assert all(divisor >= 2.0 for divisor in found.values())

@@ -29,15 +29,15 @@ def test_an_error_goes_to_who_asked_and_the_next_job_runs() -> None:
 def test_jobs_given_before_the_shutdown_are_still_done_unless_cancelled() -> None:
     for cancel in (False, True):
         worker = ModuleWorker("M")
-        begun, release = threading.Event(), threading.Event()
+        started, release = threading.Event(), threading.Event()
 
-        def first(begun: threading.Event = begun, release: threading.Event = release) -> str:
-            begun.set()
+        def first(started: threading.Event = started, release: threading.Event = release) -> str:
+            started.set()
             release.wait()
             return "first"
 
         at_work, queued = worker.submit(first), worker.submit(str, "second")
-        assert begun.wait(PATIENCE_S)
+        assert started.wait(PATIENCE_S)
         worker.shutdown(cancel_futures=cancel)
         release.set()
         assert at_work.result(5) == "first"
@@ -58,9 +58,9 @@ def test_a_stuck_thread_does_not_hold_up_the_programs_exit() -> None:
 import threading
 from app.runtime.worker import ModuleWorker
 worker = ModuleWorker("M")
-begun = threading.Event()
-worker.submit(lambda: (begun.set(), threading.Event().wait()))
-begun.wait()
+started = threading.Event()
+worker.submit(lambda: (started.set(), threading.Event().wait()))
+started.wait()
 worker.shutdown()
 print("left")
 """

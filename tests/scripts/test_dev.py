@@ -47,7 +47,7 @@ def use(dev: ModuleType, monkeypatch: pytest.MonkeyPatch, programs: Programs) ->
 
 
 class Pip:
-    """Stands where ``installing.install`` stands: notes what it is asked for, and fails with ``failure``."""
+    """Replaces ``installing.install``: notes what it is asked for, and fails with ``failure``."""
 
     def __init__(self, failure: Exception | None = None) -> None:
         self.asked: list[tuple[str, ...]] = []

@@ -65,8 +65,8 @@ def read_image(path: Path) -> NDArray[np.uint8]:
     except TooLarge as failure:
         raise NoImage(f"{path}: {failure}") from None
     if image is None:
-        begun = kind_of(raw)
-        if begun is not None:
-            raise NoImage(f"{path}: is damaged: it begins as a {begun} file and cannot be read to its end")
+        kind = kind_of(raw)
+        if kind is not None:
+            raise NoImage(f"{path}: is damaged: it begins as a {kind} file and cannot be read to its end")
         raise NoImage(f"{path}: is no image that can be read here ({', '.join(BEGINNINGS)}), nor a video ({VIDEOS})")
     return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), np.uint8)

@@ -15,9 +15,10 @@ from app.console.live.messages import FROM_ROBOT
 from app.console.security import COOKIE
 
 _REFERENCE = "#/components/schemas/{}"
-_ABOUT = """One WebSocket carries everything that changes faster than is worth polling, and the operator's hands and
-voice the other way. Text frames are JSON objects that their `type` tells apart; binary frames, by their first byte
-`kind`, are pictures and sound. More types and members may come with the same `protocol`: ignore what you do not know.
+_ABOUT = """One WebSocket carries everything that changes too fast for polling, and in the other direction the
+operator's drive commands and voice. Text frames are JSON objects, distinguished by their `type`; binary frames are
+pictures and sound, distinguished by their first byte, `kind`. More types and members may be added under the same
+`protocol`: ignore unknown ones.
 In words, with rates and what follows from each message: docs/live-stream.md.
 """
 
@@ -32,20 +33,20 @@ def _channel_and_components() -> tuple[dict[str, Any], dict[str, Any], dict[str,
     _, models = models_json_schema(
         [(model, "validation") for model in FROM_ROBOT], ref_template=_REFERENCE.format("{model}")
     )
-    told = {_kind(model): _text(model.__name__, model.__doc__) for model in FROM_ROBOT}
-    told["picture"] = _binary(_PICTURE, protocol.PICTURE_HEADER.format, protocol.PICTURE_FIELDS)
-    told["sound"] = _binary(_SOUND, protocol.SOUND_HEADER.format, protocol.SOUND_FIELDS)
+    from_robot = {_kind(model): _text(model.__name__, model.__doc__) for model in FROM_ROBOT}
+    from_robot["picture"] = _binary(_PICTURE, protocol.PICTURE_HEADER.format, protocol.PICTURE_FIELDS)
+    from_robot["sound"] = _binary(_SOUND, protocol.SOUND_HEADER.format, protocol.SOUND_FIELDS)
 
     structs = get_args(protocol.FromPage)
-    _, asked_schemas = msgspec.json.schema_components(structs, ref_template=_REFERENCE.format("{name}"))
-    asked = {str(struct.__struct_config__.tag): _text(struct.__name__, struct.__doc__) for struct in structs}
-    asked["voice"] = _binary(_VOICE, protocol.SOUND_HEADER.format, protocol.SOUND_FIELDS)
+    _, page_schemas = msgspec.json.schema_components(structs, ref_template=_REFERENCE.format("{name}"))
+    from_page = {str(struct.__struct_config__.tag): _text(struct.__name__, struct.__doc__) for struct in structs}
+    from_page["voice"] = _binary(_VOICE, protocol.SOUND_HEADER.format, protocol.SOUND_FIELDS)
 
-    schemas = {**models["$defs"], **asked_schemas}
+    schemas = {**models["$defs"], **page_schemas}
     with_plain_lists(schemas)
     channel = {
         "address": "/api/v1/live",
-        "messages": {name: {"$ref": f"#/components/messages/{name}"} for name in (*told, *asked)},
+        "messages": {name: {"$ref": f"#/components/messages/{name}"} for name in (*from_robot, *from_page)},
         "bindings": {
             "ws": {
                 "query": {
@@ -54,7 +55,7 @@ def _channel_and_components() -> tuple[dict[str, Any], dict[str, Any], dict[str,
                         "operator": {
                             "type": "string",
                             "maxLength": 40,
-                            "description": "What people call whoever sits there.",
+                            "description": "The name under which other people see this operator.",
                         }
                     },
                 }
@@ -62,11 +63,11 @@ def _channel_and_components() -> tuple[dict[str, Any], dict[str, Any], dict[str,
         },
     }
     operations = {
-        "tell": _operation("send", "The robot to the page.", told),
-        "ask": _operation("receive", "The page to the robot.", asked),
+        "send_to_page": _operation("send", "The robot to the page.", from_robot),
+        "send_to_robot": _operation("receive", "The page to the robot.", from_page),
     }
     components = {
-        "messages": {**told, **asked},
+        "messages": {**from_robot, **from_page},
         "schemas": schemas,
         "securitySchemes": {
             "token": {"type": "http", "scheme": "bearer"},

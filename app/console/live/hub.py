@@ -90,7 +90,7 @@ class Hub:
     # --- Life --------------------------------------------------------------------------------------------------------
 
     def open(self) -> None:
-        """Begin to heed the guard and to remember the lanes."""
+        """Begin to follow the guard's reports and to remember the lanes."""
         self._stack.callback(self._system.link.attach("status", self._on_status))
         self._stack.callback(self._system.revival.observe(self._on_body))
         self._stack.callback(self.percepts.open())
@@ -217,8 +217,8 @@ class Hub:
             viewer.outbox.put(kind, frame)
 
     def broadcast_status(self, status: dict[str, Any]) -> None:
-        """Give everybody ``status``, which differs only in whose wheel and voice it is and in why one's driving waits:
-        encoded once for all others."""
+        """Send ``status`` to every viewer. It differs by viewer only in ``mine`` of driver and speaker and in
+        ``waits``: it is encoded once for all viewers with the same three."""
         lease, speaker = self.driving.lease, self.speech.speaker
         frames: dict[tuple[bool, bool, str], str] = {}
         for session, viewer in self._viewers.items():
@@ -285,7 +285,7 @@ class Hub:
 
     def _on_status(self, status: LinkStatus) -> None:
         self.link_status = status
-        self.driving.heed(status)
+        self.driving.on_guard_status(status)
 
     def _on_event(self, event: TimelineEvent) -> None:
         if not self.moving:

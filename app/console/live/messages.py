@@ -1,7 +1,7 @@
-"""The shapes of what the robot tells over the live stream, for its description; in words they are in
-docs/live-stream.md.
+"""The schemas of the messages that the robot sends over the live stream, for its AsyncAPI description;
+docs/live-stream.md explains them in words.
 
-What REST tells too has REST's shapes. :mod:`app.console.live.protocol` declares what pages say.
+Data that REST serves too has REST's schemas. :mod:`app.console.live.protocol` declares the messages of pages.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class RobotFacts(Answer):
 
     name: str
     simulated: bool
-    replayed: bool = Field(description="Whether it lives a recording again.")
+    replayed: bool = Field(description="Whether it is the body of a replay.")
     limits: LimitsOfBase
     footprint: list[tuple[float, float]] = Field(
         description="Corners of its outline (m, in base_link), counter-clockwise; empty for one that does not move."
@@ -82,9 +82,9 @@ class Hello(Answer):
     scale: dict[str, float]
     classes: list[DesireClassModel]
     channels: Comes
-    drive: bool = Field(description="Whether hands can drive here.")
+    drive: bool = Field(description="Whether an operator can drive here.")
     audio: AudioFacts
-    playback: PlaybackModel | None = Field(description="null: a robot lives.")
+    playback: PlaybackModel | None = Field(description="null: not a recording.")
 
 
 class SpeakerModel(Answer):
@@ -111,7 +111,7 @@ class SourceState(Answer):
 
 
 class Status(Answer):
-    """20 times a second: guard, pose, who drives, how fresh everything is."""
+    """20 times a second: guard, pose, driver, freshness of every source."""
 
     type: Literal["status"]
     seq: Sequence
@@ -253,7 +253,7 @@ class Localization(Place):
 
 
 class Navigation(NavigationModel):
-    """On change: what the behavior that goes somewhere is about."""
+    """On change: the goal and the state of navigation."""
 
     type: Literal["navigation"]
 
@@ -279,13 +279,13 @@ class GridInfo(Answer):
 
 
 class MapInfo(GridInfo):
-    """Right before each picture of kind 3."""
+    """Sent right before each picture of kind 3 (map)."""
 
     type: Literal["map_info"]
 
 
 class CostmapInfo(GridInfo):
-    """Right before each picture of kind 4."""
+    """Sent right before each picture of kind 4 (costmap)."""
 
     type: Literal["costmap_info"]
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 MOST_EVENTS = 1000
 KINDS = get_args(EventKind)
 _KIND = rf"\s*({'|'.join(KINDS)})?\s*"
-#: A list of kinds; what stands between two commas may be empty.
+#: A list of kinds, separated by commas; an item may be empty.
 KINDS_PATTERN = f"^{_KIND}(,{_KIND})*$"
 
 

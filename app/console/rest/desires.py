@@ -60,13 +60,13 @@ def source_of(request: Request) -> Source:
 
 
 def refuse_too_many(system: System) -> None:
-    """Raises Problem while as many desires stand that came over the console as may."""
+    """Raises Problem while there are as many desires from the console as are allowed."""
     asked = sum(desire.source.kind in ("operator", "rest") for desire in system.workspace.desires())
     if asked >= MOST_DESIRES:
         raise Problem(
             409,
             "too-many-desires",
-            f"{asked} desires came over the console and still stand; there may be {MOST_DESIRES}. Remove some, or give "
+            f"there are {asked} desires from the console; at most {MOST_DESIRES} are allowed. Remove some, or give "
             "them a ttl.",
         )
 
@@ -114,8 +114,8 @@ def desires_router(system: System) -> APIRouter:
     ) -> Response:
         """Attention weighs it at once: the intention that follows is on the live stream and in `GET /intention`.
 
-        A desire with a `ttl` expires by itself, so that a client that dies leaves nothing behind. Refused while 1000
-        stand that came over the console.
+        A desire with a `ttl` expires by itself, so that a client that dies leaves nothing behind. Refused while there
+        are 1000 desires from the console.
         """
         body = new.model_dump(by_alias=True)
         if known := store.find(idempotency_key, body):

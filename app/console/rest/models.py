@@ -99,7 +99,7 @@ class DesireChange(Request):
     security: bool | None = Field(None, json_schema_extra=never_null)
     params: dict[str, Any] | None = Field(
         None,
-        description="All parameters anew; those left out take their default.",
+        description="All parameters; they replace the former ones, and those left out take their default.",
         json_schema_extra=never_null,
     )
     ttl: float | None = Field(None, gt=0, le=LONGEST_TTL_S, description="Seconds from now; null: it stays.")

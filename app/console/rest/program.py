@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from app.system import System
 
 
-#: Who releases the emergency stop has looked at the robot within this time (s).
+#: The person who releases the emergency stop has looked at the robot within this time (s).
 SEEN_WITHIN_S = 5.0
 #: The guard reports 20 times a second; a stop it has not confirmed by then is not to be relied on.
 CONFIRM_WITHIN_S = 0.5
@@ -112,8 +112,8 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
             ),
         ] = None,
     ) -> Response:
-        """Releases no stop that nobody has seen: one that was pressed after `seen` stays latched, so that a release
-        that comes late frees nothing. The base stays still until the next fresh command. Answers once the guard
+        """A stop that was pressed after `seen` stays latched, so that a late release does not undo a stop that its
+        sender has not seen. The base stays still until the next fresh command. Answers once the guard
         has confirmed it, or half a second later: a goal that is given next is not refused for a latch that is gone."""
         _refuse_recording(hub)
         if not hub.driving.lease.e_stopped:

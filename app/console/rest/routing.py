@@ -56,8 +56,8 @@ class _Route(APIRoute):
 
 
 class _StrictRequest(Request):
-    """Reads a body that says one thing twice as one that is malformed (which of both was meant, nobody knows), and one
-    with text that no answer could repeat."""
+    """Refuses as malformed a body with a key given twice (either value could be meant), and one with text that no
+    answer could repeat."""
 
     async def json(self) -> Any:
         """The body's value. Raises json.JSONDecodeError, BeyondBounds."""

@@ -46,7 +46,7 @@ class ViewHost:
             live = sockets._live_connections[connection.client_id]
             viewer = self._admitted(live.remote_address[1])
             if viewer is None:
-                # A close waits for the stranger to agree, and viser goes on with what came along with the handshake.
+                # A close would wait for the client's answer, and viser would handle what came with the handshake.
                 del sockets._live_connections[connection.client_id]
                 del sockets._client_state_from_id[connection.client_id]
                 live.transport.abort()

@@ -225,7 +225,7 @@ class View:
             self._feeding = None
 
     def _on_jump(self) -> None:
-        """A recording is at another place, or a new body has begun: nothing is where it was."""
+        """A recording is at another place, or the body was started again: nothing is where it was."""
         self._poses = PoseBuffer(span_s=2.0)
         self._odometry = self._scan = self._placed = self._joints = self._cloud = None
         self._landmarks = reports.latest(self._system.graph, "landmarks")

@@ -14,8 +14,9 @@ command drives; its twist is clamped to the body's speeds, limited by the collis
 body's accelerations, then given to the robot link. When nobody commands, zero is sent a few times, then nothing.
 ``exploitation`` tells attention whose command was let through, and people why it was limited.
 
-On a body with a laser the collision monitor (``collision_monitor.py``) judges every command, whoever drives: without a
-fresh scan nobody drives. The operator alone may override it, at a crawl, while both dead-man and override are held. A
+On a body with a laser the collision monitor (``collision_monitor.py``) judges every command, from a
+person or a behavior: without a fresh scan the base stays still. The operator alone may override it, at a crawl, while
+both dead-man and override are held. A
 program that does not wire the scans of such a body is refused, unless it says ``collision_monitor: off``.
 """
 

@@ -35,8 +35,8 @@ class CarmenClock:
     def next(self, kind: str, times: Times) -> tuple[float, float] | None:
         """Arrival and capture (s) of a line; None for times that cannot be.
 
-        Arrivals never go back: lines stand in the order of their arrival, though some loggers wrote times a little out
-        of order. Nor do the captures of one kind of lines (:class:`Onward`).
+        Arrivals never go back: the lines of a log are in the order of their arrival, though some loggers wrote times a
+        little out of order. Nor do the captures of one kind of lines (:class:`Onward`).
         """
         captured, logged = times.captured, times.logged + self.shift
         never = captured < 0.0 or (0.0 < captured <= _NO_TIME_S)
@@ -99,7 +99,7 @@ class Advance:
     greatest: dict[str, float] = field(default_factory=dict)
 
     def count(self, kind: str, times: Times, timed: bool) -> None:
-        """Take a line whose times could be, or not."""
+        """Count a line; ``timed``: whether its times are possible."""
         self.lines[kind] += 1
         if not timed:
             self.untimed[kind] += 1

@@ -65,7 +65,7 @@ class Odom:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Beams:
-    """One sweep: ``ranges`` (N,) float32 m as they stand, but 0 for what is no distance; ``blank`` says how many are.
+    """One sweep: ``ranges`` (N,) float32 m as the line has them, but 0 for what is no distance; ``blank`` counts those.
 
     ``maximum`` (m) as the line says, None where it does not. ``intensities`` (N,) or None. ``robot`` and ``laser`` are
     the poses of base and laser in ``odom``, None where the line has none; ``twist`` (m/s, rad/s) likewise.

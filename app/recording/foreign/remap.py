@@ -33,8 +33,7 @@ class RemapError(LogError):
 
 
 class Undecided(RemapError):
-    """A bag that does not say which of its topics are meant. ``info`` is what else is known of it: all of its topics
-    are ignored there."""
+    """A bag in which several topics could be one channel. ``info`` is what else is known of it; it has no channels."""
 
     def __init__(self, message: str, info: LogInfo) -> None:
         super().__init__(message)

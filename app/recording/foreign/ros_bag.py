@@ -264,12 +264,12 @@ class RosBag:
             count = sum(counts[topic] for topic in of)
             rate = (count - 1) / self._duration_s if count > 1 and self._duration_s > 0 else None
             channels[name] = LoggedChannel(name, message_type(source), count, rate)
-        return self._told(topics, channels, ignored(topics, self._channels, chosen), tuple(notes))
+        return self._log_info(topics, channels, ignored(topics, self._channels, chosen), tuple(notes))
 
     def _undecided(self, topics: list[Topic]) -> LogInfo:
-        return self._told(topics, {}, {topic.name: described(topic) for topic in topics}, ())
+        return self._log_info(topics, {}, {topic.name: described(topic) for topic in topics}, ())
 
-    def _told(
+    def _log_info(
         self,
         topics: list[Topic],
         channels: dict[str, LoggedChannel],

@@ -27,7 +27,7 @@ def still(rows: list[GuardRow]) -> bool:
 async def until(robot: Robot, holds: Callable[[list[GuardRow]], bool]) -> list[GuardRow]:
     """What the wheels were given, once ``holds`` is true of it."""
     async with asyncio.timeout(PATIENCE_S):
-        while not holds(rows := await asyncio.to_thread(robot.wheels)):  # noqa: ASYNC110  # a file tells no news
+        while not holds(rows := await asyncio.to_thread(robot.wheels)):  # noqa: ASYNC110  # a file gives no notice of changes
             await asyncio.sleep(BEAT_S)
     return rows
 

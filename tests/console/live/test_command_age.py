@@ -94,7 +94,7 @@ def test_one_quick_answer_is_remembered_and_forgotten_in_time() -> None:
         (0.0, 3000.0, "Commands arrive up to many minutes late"),
     ],
 )
-def test_a_slow_link_is_told_in_words(down: float, up: float, words: str) -> None:
+def test_a_slow_link_is_described_in_words(down: float, up: float, words: str) -> None:
     judged = Link().send(1e6, down=down, up=up)
     assert judged.cause == words
 
@@ -107,7 +107,7 @@ def test_who_sees_an_old_robot_does_not_drive_it() -> None:
     assert link.send(1e6 + 2, down=3.0, up=0.1).cause == "What you see is 3.1 s old"
 
 
-def test_what_lasts_is_told_apart_from_a_hitch() -> None:
+def test_what_lasts_is_distinguished_from_a_hitch() -> None:
     link = Link()
     assert not link.send(0.0, down=0.0, up=0.01).lasting
     late = link.send(1.0, down=0.0, up=1.0)
@@ -188,20 +188,20 @@ def test_whatever_the_link_does_no_wheel_turns_on_an_old_command(
             assert not lease.moving
 
 
-def test_a_hitch_stops_and_goes_on_but_what_lasts_must_be_pressed_anew() -> None:
+def test_a_hitch_stops_and_goes_on_but_what_lasts_must_be_pressed_again() -> None:
     lease, _ = control.step(control.Lease(), 0.0, control.Connected("a", "Ann"))
     fresh, late = Judgement(age_s=0.1), Judgement("Commands arrive up to 3.0 s late", 3.0)
     lasting = Judgement(late.cause, 3.0, lasting=True)
     stop = control.Command("Ann", False, 0.0, 0.0)
     go = control.Command("Ann", True, 1.0, 0.0)
-    told = []
+    notices = []
     for seq, (judged, expected) in enumerate(
         [(fresh, [go]), (late, [stop]), (fresh, [go]), (lasting, [stop]), (lasting, []), (fresh, [])]
     ):
         lease, actions = drive(lease, judged, 0.05 * seq, seq)
         assert [a for a in actions if isinstance(a, control.Command)] == expected
-        told += [a for a in actions if isinstance(a, control.Tell)]
-    assert [tell.text for tell in told] == ["Commands arrive up to 3.0 s late: driving waits."]
+        notices += [a for a in actions if isinstance(a, control.Tell)]
+    assert [notice.text for notice in notices] == ["Commands arrive up to 3.0 s late: driving waits."]
     lease, _ = drive(lease, late, 1.0, 10, held=False)
     assert drive(lease, fresh, 1.1, 11)[1] == (go,)
 

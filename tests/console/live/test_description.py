@@ -28,13 +28,13 @@ from tests.replay.playing import prepare
 
 TEXT = (Path(__file__).parents[3] / "docs" / "live-stream.md").read_text("utf-8")
 DOCUMENT = description("127.0.0.1:8080")
-#: What is told of a recording alone.
+#: The messages that come on a recording alone.
 RECORDED = {"playback", "jump"}
 
 
 @pytest.fixture
 def built(tmp_path: Path) -> tuple[System, Body]:
-    """A program with everything that the stream tells of."""
+    """A program with everything that the stream reports."""
     return build(tmp_path, recorder=True)
 
 
@@ -75,10 +75,10 @@ def in_words(heading: str) -> set[str]:
 
 
 def test_it_has_every_message_that_is_there_in_words() -> None:
-    told = in_words("From the robot to the page") | in_words("On a recording")
+    from_robot = in_words("From the robot to the page") | in_words("On a recording")
     assert in_words("On a recording") == RECORDED
-    assert messages("tell") == told | {"picture", "sound"}
-    assert messages("ask") == in_words("From the page to the robot") | {"voice"}
+    assert messages("send_to_page") == from_robot | {"picture", "sound"}
+    assert messages("send_to_robot") == in_words("From the page to the robot") | {"voice"}
 
 
 def test_references_lead_somewhere() -> None:
@@ -93,9 +93,9 @@ def test_references_lead_somewhere() -> None:
     walk(DOCUMENT)
 
 
-async def test_what_the_robot_tells_is_as_described(url: str, system: System, body: Body) -> None:
+async def test_what_the_robot_sends_is_as_described(url: str, system: System, body: Body) -> None:
     say_everything(system, body)
-    wanted = messages("tell") - RECORDED - {"picture", "sound"}
+    wanted = messages("send_to_page") - RECORDED - {"picture", "sound"}
     seen = await heard(url, system, wanted, lambda frame: check(frame["type"], frame))
     assert seen["perceived"]["faces"]
     assert seen["desires"]["desires"]
@@ -103,7 +103,7 @@ async def test_what_the_robot_tells_is_as_described(url: str, system: System, bo
     assert seen["load"]["modules"]
 
 
-async def test_what_a_recording_tells_is_as_described(replay_url: str) -> None:
+async def test_what_a_recording_sends_is_as_described(replay_url: str) -> None:
     async with (
         connected(replay_url) as ann,
         httpx.AsyncClient(base_url=f"{replay_url}/api/v1", timeout=PATIENCE_S) as rest,
@@ -118,7 +118,7 @@ async def test_what_a_recording_tells_is_as_described(replay_url: str) -> None:
                 seen.add(frame["type"])
 
 
-@pytest.mark.parametrize("kind", sorted(messages("tell") - {"picture", "sound"}))
+@pytest.mark.parametrize("kind", sorted(messages("send_to_page") - {"picture", "sound"}))
 def test_a_message_without_its_members_is_not_as_described(kind: str) -> None:
     """So that the checks above can fail."""
     with pytest.raises(jsonschema.ValidationError, match="is a required property"):
@@ -152,7 +152,7 @@ REFUSED: dict[str, list[dict[str, Any]]] = {
 }
 
 
-@pytest.mark.parametrize("kind", sorted(messages("ask") - {"voice"}))
+@pytest.mark.parametrize("kind", sorted(messages("send_to_robot") - {"voice"}))
 def test_what_a_page_says_is_as_described_if_it_is_understood(kind: str) -> None:
     for content in ASKED[kind]:
         message = {"type": kind, **content}
@@ -183,24 +183,24 @@ async def test_headers_of_binary_frames_are_as_described(url: str, body: Body, s
             frame = await ann.receive()
             if isinstance(frame, bytes):
                 picture, sounding = (frame, sounding) if frame[0] < 16 else (picture, frame)
-    told = header("picture", picture)
-    assert (told["kind"], told["width"], told["height"]) == (1, 64, 48)
-    told = header("sound", sounding)
-    assert (told["kind"], told["channels"], told["rate"]) == (16, 1, 48_000)
-    assert len(sounding) == 24 + 2 * told["samples"]
-    told = header("voice", voice(3, samples=160))
-    assert (told["kind"], told["seq"], told["samples"], told["rate"]) == (17, 3, 160, 16_000)
+    fields = header("picture", picture)
+    assert (fields["kind"], fields["width"], fields["height"]) == (1, 64, 48)
+    fields = header("sound", sounding)
+    assert (fields["kind"], fields["channels"], fields["rate"]) == (16, 1, 48_000)
+    assert len(sounding) == 24 + 2 * fields["samples"]
+    fields = header("voice", voice(3, samples=160))
+    assert (fields["kind"], fields["seq"], fields["samples"], fields["rate"]) == (17, 3, 160, 16_000)
 
 
 async def test_it_is_served_with_the_address_it_was_asked_at(
     client: httpx.AsyncClient, system: System, page: Path
 ) -> None:
-    told = (await client.get("/live.json")).json()
-    assert told["asyncapi"] == "3.0.0"
-    assert told["servers"] == {"console": {"host": "127.0.0.1:8080", "protocol": "ws"}}
-    assert told["channels"]["live"]["address"] == "/api/v1/live"
-    document = description("127.0.0.1:8080", cookie="hbba_session_8080")
-    assert told["components"] == json.loads(json.dumps(document["components"]))
+    document = (await client.get("/live.json")).json()
+    assert document["asyncapi"] == "3.0.0"
+    assert document["servers"] == {"console": {"host": "127.0.0.1:8080", "protocol": "ws"}}
+    assert document["channels"]["live"]["address"] == "/api/v1/live"
+    expected = description("127.0.0.1:8080", cookie="hbba_session_8080")
+    assert document["components"] == json.loads(json.dumps(expected["components"]))
     locked: FastAPI = create_app(
         system, static_dir=page, early_view=False, token="a long token", host_names=("robot.local",)
     )

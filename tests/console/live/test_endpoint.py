@@ -321,7 +321,7 @@ async def test_the_emergency_stop_refuses_driving_and_says_so_once(url: str, sys
         assert (await wheel.next()).linear == 0.5
 
 
-async def test_who_does_not_say_when_drives_nothing_and_is_told_what_to_send(url: str, system: System) -> None:
+async def test_a_command_without_its_time_drives_nothing_and_a_notice_says_why(url: str, system: System) -> None:
     wheel = Wheel(system)
     async with page(url) as ann:
         await ann.greeted()
@@ -334,7 +334,7 @@ async def test_who_does_not_say_when_drives_nothing_and_is_told_what_to_send(url
         assert (await wheel.next()).linear == 0.5
 
 
-async def test_a_page_is_told_how_late_it_is_and_programs_too(url: str, system: System) -> None:
+async def test_pages_and_programs_learn_how_late_their_commands_are(url: str, system: System) -> None:
     wheel = Wheel(system)
     async with page(url) as ann, page(url, "Bob") as bob, httpx.AsyncClient(base_url=f"{url}/api/v1") as rest:
         await ann.greeted()

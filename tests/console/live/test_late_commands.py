@@ -56,8 +56,8 @@ async def test_over_a_slow_link_it_never_moves_and_says_so(robot: Robot, up_s: f
             async with held(ann):
                 notice = await ann.until("notice", within_s=PATIENCE_S)
                 status = await ann.until("status", lambda s: s["waits"] != "", within_s=PATIENCE_S)
-            for told in (notice["text"], status["waits"]):
-                assert told.endswith(": driving waits.")
+            for text in (notice["text"], status["waits"]):
+                assert text.endswith(": driving waits.")
             # The release, too, is heard however late.
             await ann.drive(0.0, held=False)
             await all_arrived(ann)

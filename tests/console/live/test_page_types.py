@@ -40,7 +40,7 @@ def kinds() -> list[str]:
 
 @pytest.fixture
 def built(tmp_path: Path) -> tuple[System, Body]:
-    """A program with everything that the stream tells of, on a body with an outline."""
+    """A program with everything that the stream reports, on a body with an outline."""
     system, body = build(tmp_path, recorder=True)
     body.description = replace(body.description, footprint=circle(0.28))
     system.cautions = (Caution("A title", "a sentence", "lab.yaml:1"),)

@@ -1,4 +1,4 @@
-"""A program that has something to tell of every type, and a page that asks for all of it."""
+"""A program that publishes messages of every type, and a page that asks for all of them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tests.console.program import Body
 
 
 def say_everything(system: System, body: Body) -> None:
-    """Publish something on each channel that the stream tells of."""
+    """Publish a message on each channel that the stream reports."""
     now = system.clock.now()
     system.graph.channel("landmarks").publish(Landmarks(now, (Landmark("door", (1.0, 2.0, 0.5), 0.1, 3, 1.0, 2.0),)))
     body.emit_status(now)
@@ -23,8 +23,8 @@ def say_everything(system: System, body: Body) -> None:
     system.graph.channel("qr_codes").publish(codes(now))
     system.graph.channel("sound_sources").publish(sound_sources(now))
     system.graph.channel("loud_noises").publish(LoudNoise(now, 30.0, -12.0))
-    told = {"localization": localization, "zones": zones, "path": path, "navigation": status, "map": grid}
-    for channel, message in {**told, "local_costmap": grid}.items():
+    messages = {"localization": localization, "zones": zones, "path": path, "navigation": status, "map": grid}
+    for channel, message in {**messages, "local_costmap": grid}.items():
         system.graph.channel(channel).publish(message(now))
     system.workspace.add("Telepresence", intensity=2.0, utility=1.0, source=Source("rest", "rest"))
 

@@ -431,7 +431,7 @@ async def test_a_replay_that_fails_says_why(client: httpx.AsyncClient, app: Fast
     assert refused["detail"] == "tour cannot be replayed: it holds no sensors"
 
 
-async def test_the_health_tells_of_a_recording_that_ended_by_itself(
+async def test_the_health_reports_a_recording_that_ended_by_itself(
     client: httpx.AsyncClient, recorder: ScriptedRecorder, system: System
 ) -> None:
     await client.post("/recordings", json={"name": "tour"})

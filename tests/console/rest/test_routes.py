@@ -257,7 +257,7 @@ async def test_a_stop_that_nobody_has_seen_is_not_released(
     assert "?seen=" in problem["detail"]
     for stamp in (before, first - 60, system.clock.now() + 60):
         is_problem(await client.delete("/robot/e-stop", params={"seen": stamp}), 409, "stop-not-seen")
-    # Released by who saw the first stop, but late: another has pressed it again meanwhile.
+    # Released with the stamp of the first stop, but late: it was pressed again meanwhile.
     hub.driving.e_stop("Ann")
     is_problem(await client.delete("/robot/e-stop", params={"seen": first}), 409, "stop-not-seen")
     assert body.e_stopped
@@ -418,7 +418,7 @@ async def test_desires_over_the_console_have_a_bound_and_motivations_none(
     made = [await client.post("/desires", json=NEW, headers={"Idempotency-Key": str(n)}) for n in range(3)]
     assert [answer.status_code for answer in made] == [201] * 3
     refused = is_problem(await client.post("/desires", json=NEW), 409, "too-many-desires")
-    assert "there may be 3" in refused["detail"]
+    assert "at most 3 are allowed" in refused["detail"]
     is_problem(await client.put("/goal", json={"x": 1, "y": 1}), 409, "too-many-desires")
     again = await client.post("/desires", json=NEW, headers={"Idempotency-Key": "0"})
     assert again.headers["idempotency-replayed"] == "true"

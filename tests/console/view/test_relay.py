@@ -247,7 +247,7 @@ async def test_what_a_stranger_sends_with_its_handshake_is_not_handled(url: str,
     with contextlib.suppress(ConnectionError):
         assert b"101 Switching Protocols" in await reader.read()
     writer.close()
-    async with looking(url) as viewer:  # by whose camera viser has come to what was sent before
+    async with looking(url) as viewer:  # once its camera arrives, viser has handled all that was sent before
         await viewer.until(("GridMessage", "/odom/floor"))
         await viewer.connection.send(pack(dataclasses.replace(CAMERA, fov=0.5)))
         assert [await handled.get(), await handled.get()] == [1.0, 0.5]

@@ -93,28 +93,28 @@ def test_of_two_cameras_the_one_with_a_depth_of_its_own_is_the_first_guess(tmp_p
     left = renamed(list(panorama), lambda _: "/left/image_raw")
     with pytest.raises(LogError, match="2 topics") as question:
         opened(other, apart + left)
-    assert "depth:" not in str(question.value), "a depth of neither camera is nobody's"
+    assert "depth:" not in str(question.value), "a depth image of neither camera belongs to no channel"
 
 
 @pytest.mark.parametrize("as_json", [True, False])
-def test_what_is_in_a_bag_is_told_before_it_is_decided_what_it_means(
+def test_the_content_of_a_bag_is_shown_before_its_topics_are_assigned(
     as_json: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     sent = short()
     both = sent + renamed([m for m in sent if m.topic == "/scan"], lambda _: "/scan_rear")
     path = write_ros1(tmp_path / "run.bag", both)
     assert main(["log", "info", str(path), *["--json"] * as_json]) == 0
-    told = capsys.readouterr().out
+    text = capsys.readouterr().out
     if as_json:
-        contents = json.loads(told)
-        told = contents["undecided"]
+        contents = json.loads(text)
+        text = contents["undecided"]
         assert contents["duration_s"] == pytest.approx(look_into(path).duration_s)
         assert contents["ignored"]["/scan_rear"] == "sensor_msgs/msg/LaserScan, in laser, 80 messages"
         assert contents["ignored"]["/camera/rgb/image_raw"].startswith("sensor_msgs/msg/Image, in color, in ")
     else:
-        assert "\n  /scan_rear: sensor_msgs/msg/LaserScan, in laser, 80 messages\n" in told
-        assert "\n2 topics could be the channel 'scan'" in told
-    remap = re.search(r"channels:\n(?:  .*\n)+", told)
+        assert "\n  /scan_rear: sensor_msgs/msg/LaserScan, in laser, 80 messages\n" in text
+        assert "\n2 topics could be the channel 'scan'" in text
+    remap = re.search(r"channels:\n(?:  .*\n)+", text)
     assert remap is not None
     assert main(["log", "info", str(path), "--remap", str(written(tmp_path, remap[0]))]) == 0
 

@@ -157,7 +157,7 @@ async def test_a_computer_without_sound_cards_makes_a_mute_body(
     config = DevicesConfig(kind="devices", name="A desk", model=MODEL, loudspeaker=SpeakerConfig())
     body = DevicesLink(config, DESK, 0.0)
     assert body.description.loudspeaker == (not missing)
-    # Who only looks at the body, as `hbba check` does, has not asked about this computer.
+    # A command that only looks at the body, as `hbba check` does, does not ask about this computer.
     assert caplog.messages == []
     monkeypatch.setattr("app.robots.devices.link.Player.start", lambda _: None)
     await body.start()

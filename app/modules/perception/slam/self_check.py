@@ -1,6 +1,6 @@
 """Whether a map is whole, as far as its own data can say: no truth is needed.
 
-Keyframes stand in the order of their making. Between each two of them the map is cut in thought: what was seen before
+Keyframes are in the order of time. The map is split between each two of them: what was seen before
 is compared with what was seen after (``views``). Where the map broke, at a slip, a hole in the log, a scan that was
 matched in the wrong place, views from both sides contradict each other wherever they meet again; where they do not
 meet at all, nothing but odometry holds the two parts together, and how they lie to each other is not known.

@@ -36,7 +36,7 @@ class SlamSettings:
     #: Less than this: the scan says nothing, odometry is believed.
     lost_below: float = 0.25
     #: Scans that say nothing are not mapped until the robot is so far (m, rad) from the last keyframe: a laser that was
-    #: covered for a moment leaves nothing behind. From there on the map begins anew, on odometry alone.
+    #: covered for a moment leaves nothing behind. From there the map goes on at the pose that odometry gives.
     lost_keyframe_m: float = 1.0
     lost_keyframe_rad: float = 1.0
     #: How far loops are looked for, and how much farther per m driven since the place was last seen; at most.

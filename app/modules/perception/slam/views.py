@@ -1,8 +1,8 @@
 """Whether what was seen from one place is what was seen from another: pairs of keyframes, laid over each other.
 
 Of a point that keyframe ``a`` saw, ``b`` says one of four things: it saw something there, too (they *agree*); it saw
-through it, to what lies behind (they *contradict*); something nearer stood before it, or ``b`` did not look there (it
-says nothing). Two views of one place agree but for who walked by; laid over each other wrongly, they contradict.
+through it, to what lies behind (they *contradict*); something nearer was before it, or ``b`` did not look there (it
+says nothing). Two views of one place agree but for people who walked by; laid over each other wrongly, they contradict.
 """
 
 from __future__ import annotations
