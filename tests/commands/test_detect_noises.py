@@ -95,11 +95,11 @@ def test_bad_files_are_named_and_the_others_listened_to(tmp_path: Path, capsys: 
     (tmp_path / "empty.wav").write_bytes(b"")
     (tmp_path / "text.wav").write_text("no sound")
     assert main(["detect", "noises", str(tmp_path)]) == 2
-    told = capsys.readouterr()
-    assert "claps.wav: 4.0 s, 3 loud noises" in told.out
-    assert "empty.wav: holds no sound" in told.err
-    assert "text.wav: cannot be read as a recording" in told.err
-    assert "slow.wav: has 4000 samples a second; at least 8000 are needed" in told.err
+    printed = capsys.readouterr()
+    assert "claps.wav: 4.0 s, 3 loud noises" in printed.out
+    assert "empty.wav: holds no sound" in printed.err
+    assert "text.wav: cannot be read as a recording" in printed.err
+    assert "slow.wav: has 4000 samples a second; at least 8000 are needed" in printed.err
     assert main(["detect", "noises", str(tmp_path / "claps.wav"), "--microphone", "1"]) == 2
     assert "has 1 channel, so no --microphone 1" in capsys.readouterr().err
 

@@ -130,9 +130,9 @@ def test_a_folder_is_listened_through_with_what_is_below(
     assert [Path(file["file"]).name for file in files] == ["room.flac", "silent.wav"]
     (sounds / "empty.wav").write_bytes(b"")
     assert main(["detect", "voices", str(sounds), "--array", array]) == 2
-    told = capsys.readouterr()
-    assert f"{sounds / 'empty.wav'}: holds no sound: the file is empty" in told.err
-    assert told.out.count(": 0.5 s, ") == 2
+    printed = capsys.readouterr()
+    assert f"{sounds / 'empty.wav'}: holds no sound: the file is empty" in printed.err
+    assert printed.out.count(": 0.5 s, ") == 2
     empty = tmp_path / "empty"
     empty.mkdir()
     assert main(["detect", "voices", str(empty), "--array", array]) == 2
@@ -173,11 +173,11 @@ def test_channels_in_another_order_than_the_array_says_are_noticed(
         write(tmp_path / "swapped.wav", right[:, [0, 2, 1, 3, 4, 5, 6, 7]]),
     )
     assert main(["detect", "voices", good, bad, "--array", array, "--json"]) == 0
-    told = capsys.readouterr()
-    assert f"{bad}: the microphones' positions do not explain what they heard (" in told.err
-    assert f"check the order of the channels, the positions (m) and body_m in {array}" in told.err
-    assert f"{good}: " not in told.err
-    of_good, of_bad = json.loads(told.out)["files"]
-    assert of_bad["warning"] in told.err
+    printed = capsys.readouterr()
+    assert f"{bad}: the microphones' positions do not explain what they heard (" in printed.err
+    assert f"check the order of the channels, the positions (m) and body_m in {array}" in printed.err
+    assert f"{good}: " not in printed.err
+    of_good, of_bad = json.loads(printed.out)["files"]
+    assert of_bad["warning"] in printed.err
     assert "warning" not in of_good
     assert of_bad["array_explains"] < 0.7 < of_good["array_explains"] <= 1

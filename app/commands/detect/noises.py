@@ -164,7 +164,7 @@ def _noises(
     """What begins when, and how long the recording is (s). Raises NoRecording."""
     import numpy as np
 
-    from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudNoiseJudge, begun
+    from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudNoiseJudge, onset_of
 
     rate = recording.samplerate
     ears = [(microphone, BandEnergy(RATE), LoudNoiseJudge(rule)) for microphone in chosen]
@@ -184,7 +184,7 @@ def _noises(
                 energy, threshold = band.frame(frame), judge.threshold
                 if levels is not None:
                     levels.add(time_s, energy, threshold)
-                noise = begun(frame, energy, judge)
+                noise = onset_of(frame, energy, judge)
                 if noise is None:
                     continue
                 row = {

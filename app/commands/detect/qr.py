@@ -84,7 +84,7 @@ class _Codes:
         for code in found:
             outline = np.round(np.array(code["corners"])).astype(np.int32)
             cv2.polylines(picture, [outline], True, (80, 220, 80), thick, cv2.LINE_AA)
-            # The first corner tells which way up the code is printed.
+            # The first corner says which way up the code is printed.
             first = (int(outline[0, 0]), int(outline[0, 1]))
             cv2.circle(picture, first, 2 * thick, (255, 60, 60), cv2.FILLED, cv2.LINE_AA)
 

@@ -57,7 +57,7 @@ def is_video(path: Path) -> bool:
         with open_plain(path) as file:
             return _BEGINNING.match(file.read(12)) is not None
     except OSError:
-        return False  # whoever reads it as an image says so
+        return False  # reading it as an image says why
 
 
 class VideoFile:

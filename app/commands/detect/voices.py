@@ -152,10 +152,10 @@ def _heard(
     finally:
         if writer is not None:
             writer.close()
-    heard = {track: told for track, told in tracks.items() if told.active}
+    heard = {track: sound for track, sound in tracks.items() if sound.active}
     if writer is not None:
-        for track, told in heard.items():
-            told.file = writer.files.get(track)
+        for track, sound in heard.items():
+            sound.file = writer.files.get(track)
     document: dict[str, Any] = {
         "file": str(path),
         "duration_s": round(done / rate, 3),
@@ -163,7 +163,7 @@ def _heard(
         "microphones": len(used),
     }
     document |= _array_report(path, pipeline.array_check, args.array)
-    document["tracks"] = [summary(track, told, args.height is not None) for track, told in heard.items()]
+    document["tracks"] = [summary(track, sound, args.height is not None) for track, sound in heard.items()]
     return document | ({"timeline": timeline} if args.json else {})
 
 

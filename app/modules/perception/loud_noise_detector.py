@@ -21,7 +21,7 @@ import numpy as np
 from pydantic import Field
 
 from app.messages import Audio, LoudNoise
-from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudNoiseJudge, Rule, begun
+from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudNoiseJudge, Rule, onset_of
 from app.modules.perception.overruns import Overruns
 from app.runtime.errors import InboxOverflow, ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
@@ -100,7 +100,7 @@ class LoudNoiseDetector(Module):
             samples, self._rest = samples[:whole], samples[whole:]
         for first in range(0, len(samples), FRAME):
             frame = samples[first : first + FRAME]
-            noise = begun(frame, self._band.frame(frame), self._judge)
+            noise = onset_of(frame, self._band.frame(frame), self._judge)
             if noise is not None:
                 self.noises.publish(LoudNoise(begin + first / audio.rate, noise.ratio, noise.level_db))
 

@@ -162,17 +162,17 @@ class Rule:
 
 
 @dataclass(frozen=True, slots=True)
-class Begun:
+class Onset:
     """A loud noise begins with this frame: so many times the background's energy; its own level (dB of full scale)."""
 
     ratio: float
     level_db: float
 
 
-def begun(frame: NDArray[np.int16], energy: float, judge: LoudNoiseJudge) -> Begun | None:
+def onset_of(frame: NDArray[np.int16], energy: float, judge: LoudNoiseJudge) -> Onset | None:
     """Let ``judge`` hear the next ``frame`` (512,) int16, of which ``energy`` is what :class:`BandEnergy` said."""
     ratio = judge.judge(energy, partial(whole_energy, frame))
-    return None if ratio is None else Begun(ratio, decibels(whole_energy(frame)))
+    return None if ratio is None else Onset(ratio, decibels(whole_energy(frame)))
 
 
 class LoudNoiseJudge:

@@ -177,8 +177,8 @@ class Source:
     def hear(self, onsets: NDArray[np.float64], keep: float) -> None:
         """Take the next ``onsets`` (4,) of it; ``keep`` in [0, 1]: how much of the former counts still."""
         self.onsets = self.onsets * keep + onsets
-        begun, heard, most_begun, most = self.onsets.tolist()
-        self.leads = begun * most / (most_begun * heard) if heard > 0 and most_begun > 0 else 1.0
+        rising, heard, most_rising, most = self.onsets.tolist()
+        self.leads = rising * most / (most_rising * heard) if heard > 0 and most_rising > 0 else 1.0
 
     def restart_trial(self, time_s: float) -> None:
         """Put it on trial as of ``time_s`` (s): whatever it is now has shown nothing yet."""
