@@ -76,7 +76,10 @@ def test_version_is_the_distributions(capsys: pytest.CaptureFixture[str]) -> Non
         ([], "required: COMMAND"),
         (["dance"], "invalid choice: 'dance' (choose from run, replay, log,"),
         (["slove", "x.yaml"], "argument COMMAND: invalid choice: 'slove'; did you mean solve? (choose from run,"),
-        (["detect", "face", "x.jpg"], "invalid choice: 'face'; did you mean faces? (choose from faces, qr, voices)"),
+        (
+            ["detect", "face", "x.jpg"],
+            "invalid choice: 'face'; did you mean faces? (choose from faces, qr, voices, noises)",
+        ),
         (["log", "exprot", "tour", "png"], "invalid choice: 'exprot'; did you mean export?"),
         (["run", "--port", "70000"], "a port is a number from 0 to 65535, not '70000'"),
         (["run", "--port", "http"], "a port is a number from 0 to 65535, not 'http'"),

@@ -119,7 +119,7 @@ def test_a_wrong_name_is_one_sentence_with_those_there_are(named: str, kind: Kin
         (["experiment", "goals", "--config", "jakcal"], 2, "--config: there is no program jakcal"),
         (["experiment", "trial", "--config", "jakcal"], 2, "--config: there is no program jakcal"),
         (["experiment", "overload", "--config", "jakcal"], 2, "--config: there is no program jakcal"),
-        (["detect", "voices", "a.wav", "--array", "irl2"], 2, "--array: there is no array irl2; did you mean 'irl1'?"),
+        (["detect", "voices", __file__, "--array", "irl2"], 2, "--array: there is no array irl2; did you mean 'irl1'?"),
     ],
 )
 def test_every_command_takes_names(
