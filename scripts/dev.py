@@ -54,7 +54,7 @@ def main() -> int:
     """Do what the Makefile's target asks for."""
     parser = argparse.ArgumentParser(prog="scripts/dev.py", description=__doc__)
     parser.add_argument(
-        "task", choices=["setup", "run", "test", "patient-tests", "lint", "bench", "references", "clean"]
+        "task", choices=["setup", "run", "test", "patient-tests", "lint", "soak", "bench", "references", "clean"]
     )
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help="handed on to hbba run, pytest or the benchmarks")
     args = parser.parse_args()
@@ -71,6 +71,10 @@ def main() -> int:
         if args.task == "lint":
             set_up({"test"}, page_wanted=False)
             return lint()
+        if args.task == "soak":
+            set_up({"test"}, page_wanted=False, debian=True)
+            os.environ["HBBA_SOAK_MINUTES"] = args.arguments[0] if args.arguments else "45"
+            return run([PYTHON, "-m", "pytest", "-s", "tests/test_memory.py"])
         if args.task == "references":
             set_up({"test"}, page_wanted=False)
             return run([PYTHON, ROOT / "scripts" / "references.py", *args.arguments])

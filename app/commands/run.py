@@ -77,7 +77,9 @@ def run(args: argparse.Namespace) -> int:
     """Run until a signal comes or the body fails. Raises ConfigError."""
     from app.console.server import listen
     from app.link import LinkFailed
+    from app.runtime.allocator import share_arenas
 
+    share_arenas()
     configuration, body = chosen(args)
     console = configuration.program.console
     host = args.host or console.host

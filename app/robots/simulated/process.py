@@ -21,7 +21,9 @@ def main(arguments: list[str]) -> int:
         return 0
 
     from app.robots.simulated.serve import serve  # only now, so that the lines above hold from the first moment
+    from app.runtime.allocator import share_arenas
 
+    share_arenas()
     return serve(int(arguments[0]), int(arguments[1]))
 
 

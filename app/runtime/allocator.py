@@ -1,0 +1,21 @@
+"""How the C library keeps memory that was given back, so that a program of many threads does not grow over time.
+
+glibc gives each thread that allocates beside another a heap of its own (an arena, up to eight for each core), and each
+keeps the most that its thread ever used. Modules compute in threads of their own, each with its own peaks, so that the
+program would grow in steps until all peaks had been reached.
+"""
+
+from __future__ import annotations
+
+import ctypes
+
+#: glibc's ``M_ARENA_MAX`` (malloc.h).
+_M_ARENA_MAX = -8
+#: One for the event loop, one for all others. Most of what modules allocate they do under the interpreter's lock.
+ARENAS = 2
+
+
+def share_arenas() -> bool:
+    """Have all threads share ``ARENAS`` arenas; call it before there are other threads. False where it is not glibc."""
+    mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
+    return mallopt is not None and bool(mallopt(_M_ARENA_MAX, ARENAS))
