@@ -1,8 +1,8 @@
-"""How the C library keeps memory that was given back, so that a program of many threads does not grow over time.
+"""How much the C library keeps of memory that was given back, in a program of many threads.
 
 glibc gives each thread that allocates beside another a heap of its own (an arena, up to eight for each core), and each
-keeps the most that its thread ever used. Modules compute in threads of their own, each with its own peaks, so that the
-program would grow in steps until all peaks had been reached.
+may keep the most that its thread ever used. Modules compute in threads of their own, each with its own peaks: the
+program can grow in steps until all of them have been reached.
 """
 
 from __future__ import annotations
