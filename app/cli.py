@@ -6,10 +6,10 @@ import os
 import sys
 from collections.abc import Sequence
 
+from app.base.errors import ConfigError
 from app.commands import COMMANDS
 from app.commands.parser import build_parser
 from app.commands.printable import printable
-from app.errors import ConfigError
 
 #: Libraries of linear algebra compute in the calling thread: it would spin while it waits for others of theirs, which
 #: on a busy computer costs four times what is computed; and matrices here are small.

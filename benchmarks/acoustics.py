@@ -13,7 +13,7 @@ import time
 
 import numpy as np
 
-from app.geometry import Pose3
+from app.base.geometry import Pose3
 from app.robots.config import MicrophonesConfig
 from app.robots.simulated.acoustics.diffraction import Microphones
 from app.robots.simulated.acoustics.hearing import Emission, Hearing, OneRoom

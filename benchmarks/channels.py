@@ -25,7 +25,7 @@ from typing import Any
 import anyio
 import numpy as np
 
-from app.geometry import CameraModel, Pose3
+from app.base.geometry import CameraModel, Pose3
 from app.messages import Image, Message, Twist, read_only
 from app.runtime.channel import Channel
 from app.runtime.clock import RealClock

@@ -22,16 +22,16 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
+from app.base.paths import config_dir
 from app.link import BaseLimits
 from app.messages import OccupancyGrid
-from app.modules.behaviors.navigation.footprint import Footprint
-from app.modules.behaviors.navigation.goals import plan
-from app.modules.behaviors.navigation.inflation import CostSettings, cost_field
-from app.modules.behaviors.navigation.motion import Body, Field, Motion
-from app.modules.behaviors.navigation.pilot import CONTROLLERS, controller_named
-from app.modules.behaviors.navigation.way import Track
-from app.paths import config_dir
+from app.modules.behaviors.navigation.controller import Body, Field, Motion
+from app.modules.behaviors.navigation.costmap.footprint import Footprint
+from app.modules.behaviors.navigation.costmap.inflation import CostSettings, cost_field
+from app.modules.behaviors.navigation.planning.goal_planning import plan
+from app.modules.behaviors.navigation.planning.reference_path import Track
+from app.modules.behaviors.navigation.tracking.control_cycle import CONTROLLERS, controller_named
 from app.robots.config import circle
 from benchmarks.report import Row, benchmark_main, row
 

@@ -1,7 +1,7 @@
 """Images of faces at known places, as a Kinect and a panoramic camera would see them: for tests and measurements.
 
 A face is a flat card with a photograph of the simulated people (public domain, sources in
-``app/robots/simulated/faces``), hung where it is wanted and turned as it is wanted, before a grey gradient.
+``app/robots/simulated/scenery/faces``), hung where it is wanted and turned as it is wanted, before a grey gradient.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import CameraModel, FisheyeModel, Pose2, Pose3
+from app.base.geometry import CameraModel, FisheyeModel, Pose2, Pose3
 from app.messages import Image, read_only
-from app.robots.simulated.faces import EYES_PX, FACES, MIDDLE_PX, MOUTH_PX, face_picture
+from app.robots.simulated.scenery.faces import EYES_PX, FACES, MIDDLE_PX, MOUTH_PX, face_picture
 
 #: Kinect: 57 x 43 degrees at 640 x 480 (f = 589 px).
 KINECT = CameraModel(640, 480, 589.0, 589.0, 319.5, 239.5)

@@ -21,9 +21,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.messages import Image
-from app.modules.perception.faces.placing import FaceLooker
+from app.modules.perception.faces.face_position import FaceLooker
 from app.modules.perception.faces.yunet import THRESHOLD, FaceFinder, overlap
 from app.modules.perception.opencv import use_calling_thread
 from benchmarks.face_scenes import NAMES, facing, imv_image, kinect_image

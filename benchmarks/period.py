@@ -20,11 +20,11 @@ import cv2
 import numpy as np
 import psutil
 
-from app import logs, paths
 from app.attention.desires import Source
+from app.base import logging_setup, paths
 from app.experiments.simulated import simulated_program
 from app.messages import Twist
-from app.runtime.punctual import be_punctual
+from app.runtime.realtime import be_punctual
 from benchmarks.report import Row, benchmark_main, row
 
 SETTLE_S = 12.0
@@ -37,7 +37,7 @@ _SOURCE = Source("operator", "the benchmark")
 def measure(quick: bool) -> Sequence[Row]:
     """Both cases, of 20 s or 90 s each."""
     cv2.setNumThreads(1)
-    logs.configure("warning", as_json=False)
+    logging_setup.configure("warning", as_json=False)
     rows: list[Row] = []
     for case, one_core in (("all cores", False), ("one core", True)):
         starts, commands, chosen = asyncio.run(_drive(20.0 if quick else 90.0, one_core=one_core))

@@ -16,13 +16,13 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import CameraModel, Pose2, Pose3
+from app.base.geometry import CameraModel, Pose2, Pose3
 from app.messages import Image, LaserScan, OccupancyGrid
-from app.modules.behaviors.navigation.costmap import CostmapSettings, LocalCostmap
-from app.modules.behaviors.navigation.footprint import Footprint
-from app.modules.behaviors.navigation.goals import check_path, plan
-from app.modules.behaviors.navigation.inflation import CostField, cost_field, with_obstacles
-from app.modules.behaviors.navigation.memory import MemorySettings, ThingsMemory
+from app.modules.behaviors.navigation.costmap.footprint import Footprint
+from app.modules.behaviors.navigation.costmap.inflation import CostField, cost_field, with_obstacles
+from app.modules.behaviors.navigation.costmap.local_costmap import CostmapSettings, LocalCostmap
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import MemorySettings, ThingsMemory
+from app.modules.behaviors.navigation.planning.goal_planning import check_path, plan
 from app.robots.config import circle
 from benchmarks.report import Row, benchmark_main, row
 

@@ -15,7 +15,7 @@ import numpy as np
 import segno
 from numpy.typing import NDArray
 
-from app.geometry import CameraModel, FisheyeModel, Pose3
+from app.base.geometry import CameraModel, FisheyeModel, Pose3
 
 #: Kinect: 57 x 43 degrees at 640 x 480 (f = 589 px).
 KINECT = CameraModel(640, 480, 589.0, 589.0, 319.5, 239.5)

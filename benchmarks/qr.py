@@ -21,7 +21,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose3
+from app.base.geometry import Pose3
 from app.messages import Image
 from app.modules.perception.fisheye_patches import FisheyePatches
 from app.modules.perception.opencv import use_calling_thread

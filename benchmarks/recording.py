@@ -27,15 +27,15 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 from rosbags.typesys import Stores, get_typestore
 
 from app.attention.desires import Source
-from app.config import load_configuration
+from app.logs.library import RecordingLibrary
+from app.logs.manifest import Manifest
+from app.logs.mcap.file_sink import FileSink
+from app.logs.mcap.writer import FLUSH_S
+from app.logs.ros.encoder import Encoder
+from app.logs.stamps import to_ns
 from app.messages import Audio, Image, JointState, LaserScan, Odometry, Twist
-from app.recording.file_sink import FileSink
-from app.recording.library import RecordingLibrary
-from app.recording.manifest import Manifest
-from app.recording.ros.encoder import Encoder
-from app.recording.stamps import to_ns
-from app.recording.writer import FLUSH_S
-from app.system import System
+from app.program.config import load_configuration
+from app.program.system import System
 from benchmarks.report import Row, benchmark_main, row
 
 CONFIG = Path(__file__).resolve().parent.parent / "config" / "lab.yaml"

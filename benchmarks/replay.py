@@ -17,9 +17,9 @@ import cv2
 import numpy as np
 from rosbags.highlevel import AnyReader
 
-from app.recording.open import open_log
-from app.replay.headless import run_headless
-from app.replay.options import ReplayOptions
+from app.logs.open import open_log
+from app.logs.replay.headless import run_headless
+from app.logs.replay.options import ReplayOptions
 from benchmarks.report import Row, benchmark_main, row
 
 LOG = Path(__file__).resolve().parent.parent / "tests" / "references" / "lab.mcap"

@@ -15,7 +15,7 @@ from pathlib import Path
 from statistics import median, quantiles
 from typing import TextIO
 
-from app.paths import processor
+from app.base.paths import processor
 
 
 @dataclass(frozen=True, slots=True)

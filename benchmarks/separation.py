@@ -19,13 +19,13 @@ import soundfile
 from numpy.typing import NDArray
 from scipy.signal import resample_poly
 
-from app.modules.perception.voices.array import MicrophoneArray, load_array
-from app.modules.perception.voices.beams import DelayAndSum
+from app.base.paths import config_dir
+from app.modules.perception.voices.delay_and_sum import DelayAndSum
+from app.modules.perception.voices.microphone_array import MicrophoneArray, load_array
 from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
 from app.modules.perception.voices.resampling import Resampler
 from app.modules.perception.voices.separation import Separator
-from app.modules.perception.voices.speech import CHUNK, SPEECH_RATE, SpeechJudge
-from app.paths import config_dir
+from app.modules.perception.voices.voice_activity import CHUNK, SPEECH_RATE, SpeechJudge
 from benchmarks.bss_eval import Scores, bss_eval
 from benchmarks.report import Row, benchmark_main, row
 from benchmarks.voice_rooms import BOX, HELD_OUT, RATE, Scene, cached, recipes

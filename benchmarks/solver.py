@@ -27,7 +27,7 @@ from app.attention.cached_solver import CachedSolver
 from app.attention.cpsat import solve_cpsat
 from app.attention.desires import Desire, Source
 from app.attention.explaining import EXPLAIN_S
-from app.attention.instance import build_instance
+from app.attention.integer_program import build_instance
 from app.attention.problem import Problem
 from app.attention.reasons import explain
 from app.attention.solver import solve

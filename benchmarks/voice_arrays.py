@@ -23,8 +23,8 @@ for _library in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 import numpy as np
 from numpy.typing import NDArray
 
-from app.modules.perception.voices.array import MicrophoneArray
 from app.modules.perception.voices.array_check import LEAST_MOMENTS
+from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
 from benchmarks.report import Row, benchmark_main, row
 from benchmarks.voice_rooms import BOX, HELD_OUT, TUNING_WIDE, Recipe, Scene, cached, recipes

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.modules.perception.voices.array import MicrophoneArray
 from app.modules.perception.voices.localization import Localizer
-from app.modules.perception.voices.steering import search_grid
+from app.modules.perception.voices.microphone_array import MicrophoneArray
+from app.modules.perception.voices.steering_vectors import search_grid
 from app.modules.perception.voices.tracking import Tracker
 from benchmarks.voice_rooms import INSTANT_S, SPEED_OF_SOUND, Scene, Talker
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose3
+from app.base.geometry import Pose3
 from app.robots.simulated.acoustics.diffraction import Microphones
 from app.robots.simulated.acoustics.offline import Source, render_scene
 from app.robots.simulated.acoustics.room import Shoebox

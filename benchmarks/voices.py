@@ -22,8 +22,8 @@ for _library in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import numpy as np
 
-from app.modules.perception.voices.array import MicrophoneArray, load_array
-from app.paths import config_dir
+from app.base.paths import config_dir
+from app.modules.perception.voices.microphone_array import MicrophoneArray, load_array
 from benchmarks.report import Row, benchmark_main, row
 from benchmarks.voice_rooms import BOX, HELD_OUT, Cast, Recipe, Scene, cached, recipes
 from benchmarks.voice_scoring import Located, Score, in_space, ours, plain, score, to_line

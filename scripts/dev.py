@@ -162,7 +162,7 @@ def compile_kernels() -> None:
     if run(asked) == 0:
         return
     say("compiling the numerical kernels (a minute the first time)")
-    if run([PYTHON, "-m", "app.compiled"]):
+    if run([PYTHON, "-m", "app.base.compiled"]):
         raise SetupFailed("The numerical kernels could not be compiled: what failed stands above.")
 
 
@@ -250,7 +250,7 @@ HURRIED = (
     "tests/console/test_without_driving.py",
     "tests/experiments/overload",
     "tests/modules/recording",
-    "tests/replay/test_playback.py",
+    "tests/logs/replay/test_playback.py",
     "tests/robots/devices",
     "tests/robots/replayed",
     "tests/robots/simulated/acoustics/test_link_sound.py",
@@ -258,9 +258,9 @@ HURRIED = (
     "tests/robots/simulated/test_link.py",
     "tests/runtime/test_clock.py",
     "tests/runtime/test_load.py",
-    "tests/runtime/test_punctual.py",
+    "tests/runtime/test_realtime.py",
     "tests/runtime/test_watchdog.py",
-    "tests/test_system.py",
+    "tests/program/test_system.py",
 )
 
 

@@ -23,18 +23,18 @@ import yaml
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from app import paths
 from app.attention.desires import Source
-from app.config import Configuration, load_configuration
+from app.base import paths
+from app.base.geometry import Pose2
 from app.experiments.lockstep import able
-from app.geometry import Pose2
+from app.logs.library import RecordingLibrary
+from app.logs.replay.references import LOG, VALUES, compare, load_values, measure, write_values
 from app.messages import Odometry, OperatorDrive
-from app.recording.library import RecordingLibrary
-from app.replay.references import LOG, VALUES, compare, load_values, measure, write_values
+from app.program.config import Configuration, load_configuration
+from app.program.system import System
 from app.robots.config import RobotConfig
 from app.robots.factory import create_lockstep, load_body
 from app.runtime.clock import VirtualClock, run_virtual
-from app.system import System
 
 OPERATOR = Source("operator", "ada")
 PROGRAM = Source("rest", "scenario")

@@ -16,8 +16,8 @@ from typing import Any
 import cv2
 from playwright.sync_api import Browser, Locator, Page, TimeoutError, sync_playwright
 
+from app.base.paths import config_dir
 from app.commands.doctor import find_chromium
-from app.paths import config_dir
 from tests.browser.running import CHROMIUM_ARGUMENTS, Robot, running_robot
 
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "images"

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from app import cli, paths
+from app import cli
+from app.base import paths
 from app.commands import COMMANDS
 from app.commands.completion import leaves
 from app.commands.parser import build_parser

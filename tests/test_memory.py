@@ -17,9 +17,9 @@ from pathlib import Path
 
 import pytest
 
-from app import paths
-from app.config import load_configuration
+from app.base import paths
 from app.experiments.lockstep import WorldRun, run_in_world
+from app.program.config import load_configuration
 from app.robots.config import load_robot_config
 from tests.browser.running import running_robot
 

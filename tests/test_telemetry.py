@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 HEAR = """
 import numpy as np
-from app.modules.perception.voices.speech import SpeechJudge
+from app.modules.perception.voices.voice_activity import SpeechJudge
 
 judge = SpeechJudge()
 judge.hear({1: np.zeros(16_000, np.float32)})

@@ -13,7 +13,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from app.yaml_source import load_yaml
+from app.base.yaml_source import load_yaml
 
 #: The resource that calibration measures: thread CPU time, in % of one core.
 RESOURCE = "cpu"

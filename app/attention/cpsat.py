@@ -15,7 +15,7 @@ from typing import Any
 
 from ortools.sat.python import cp_model
 
-from app.attention.instance import Answer, Criterion, Infeasible, Instance
+from app.attention.integer_program import Answer, Criterion, Infeasible, Instance
 
 _BITS = 53
 """Bound of one objective: coefficients and sums stay exact even where the solver looks at them as doubles."""

@@ -13,7 +13,7 @@ from typing import Any, Final, Literal
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from app.yaml_source import dotted, suggestion, validation_message
+from app.base.yaml_source import dotted, suggestion, validation_message
 
 SCALE: Final = 8.0
 """The scale's end for intensity, desired utility and produced utility: t_i = t_u = t_v of the thesis."""

@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from app.attention.desires import GRAIN, SCALE, Desire, Source, strongest_first
 from app.attention.problem import Problem
 from app.attention.strategies import StrategyFile, StrategyTable, build_table
-from app.yaml_source import Document, load_yaml, suggestion
+from app.base.yaml_source import Document, load_yaml, suggestion
 
 _HERE = Source("operator", "hbba solve")
 

@@ -10,10 +10,10 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from app.attention.best import best_utility
 from app.attention.desires import GRAIN, Desire
 from app.attention.problem import Alternative, Problem, Reason, Selection
 from app.attention.strategies import Resource
+from app.attention.utility_bound import best_utility
 from app.attention.variants import Variants
 
 

@@ -22,8 +22,8 @@ from operator import itemgetter
 import numpy as np
 from numpy.typing import NDArray
 
-from app.attention.instance import Answer, Infeasible, Instance
-from app.attention.options import Choice, Option, list_options
+from app.attention.class_options import Choice, Option, list_options
+from app.attention.integer_program import Answer, Infeasible, Instance
 
 _SMALL = 400
 """Below so many combinations of options the multipliers cost more than they save."""

@@ -6,12 +6,12 @@ import math
 from collections.abc import Collection, Mapping
 from typing import Any
 
-from app.attention.chronicle import divisor_json
 from app.attention.desires import Desire, DesireClass
 from app.attention.intention import Intention
 from app.attention.problem import Alternative, Reason, Selection
 from app.attention.strategies import Resource, Strategy, StrategyTable
 from app.attention.timeline import TimelineEvent
+from app.attention.timeline_writer import divisor_json
 
 
 def desire_to_json(desire: Desire) -> dict[str, Any]:

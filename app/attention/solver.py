@@ -15,7 +15,7 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import Final
 
-from app.attention.instance import Answer, Infeasible, Instance, build_instance
+from app.attention.integer_program import Answer, Infeasible, Instance, build_instance
 from app.attention.prepared import InvalidProblem, PreparedTable
 from app.attention.problem import Alternative, Problem, Reason, Selection, Weights, assess
 from app.attention.search import solve_search
@@ -42,7 +42,7 @@ class SolverFailed(Exception):
 
 
 def solve(problem: Problem, *, time_limit_s: float = 1.0, firm: bool = False) -> Selection:
-    """The selection of greatest Ω, ties decided in the order of :mod:`app.attention.instance`.
+    """The selection of greatest Ω, ties decided in the order of :mod:`app.attention.integer_program`.
 
     Security desires that cannot all be met are relaxed, the least intense first, and named in ``relaxed``. When the
     time is over the best selection found so far is returned with ``proven`` False and its bound. A short first search

@@ -29,7 +29,7 @@ from pydantic import (
 from app.attention.calibration import RESOURCE, Calibration
 from app.attention.desires import GRAIN, SCALE
 from app.attention.families import StrategyFamily
-from app.yaml_source import Document, KeyPath, dotted, load_yaml, suggestion, validation_message
+from app.base.yaml_source import Document, KeyPath, dotted, load_yaml, suggestion, validation_message
 
 CLOSED = math.inf
 """φ of a closed filter."""

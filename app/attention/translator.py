@@ -15,18 +15,18 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from app.attention.cached_solver import CachedSolver
-from app.attention.chronicle import note_desires, note_filters, note_intention
 from app.attention.desires import GRAIN
 from app.attention.explaining import EXPLAIN_S, Explainer
 from app.attention.hysteresis import Hold, Hysteresis
 from app.attention.intention import Intention, divisors_of, parameters_of
-from app.attention.ports import Clock, FilterBank, ParameterSink, Solver
+from app.attention.interfaces import Clock, FilterBank, ParameterSink, Solver
 from app.attention.prepared import prepare
 from app.attention.problem import Problem, Selection, Weights, assess
 from app.attention.retry import Retry
 from app.attention.solver import SolverFailed
 from app.attention.strategies import MOST, StrategyTable
 from app.attention.timeline import Timeline
+from app.attention.timeline_writer import note_desires, note_filters, note_intention
 from app.attention.workspace import IntentionWorkspace, WorkspaceChange
 
 _log = logging.getLogger(__name__)

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 
 #: A time on the command line, once the begin of the log (robot's clock, s) is known.
 Moment = Callable[[float], float]
@@ -18,7 +18,7 @@ TIMES = "seconds from the log's begin, M:SS, H:MM:SS, or a date and time as 2026
 
 def find_log(text: str) -> Path:
     """The file people mean: a path, or the bare name of a recording. Raises ConfigError."""
-    from app.recording.library import RecordingLibrary, default_folder
+    from app.logs.library import RecordingLibrary, default_folder
 
     if not text:
         raise ConfigError(
@@ -42,7 +42,7 @@ def find_log(text: str) -> Path:
 
 def recording_name(text: str) -> str:
     """What a new recording shall be called (empty: by date and time), for argparse."""
-    from app.recording.library import name_or_nothing
+    from app.logs.library import name_or_nothing
 
     try:
         return name_or_nothing(text)

@@ -8,9 +8,9 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from app import paths
+from app.base import paths
+from app.base.errors import ConfigError
 from app.commands.output import add_json
-from app.errors import ConfigError
 
 
 def add_parser(subparsers: Any) -> None:
@@ -37,6 +37,6 @@ def run(args: argparse.Namespace) -> int:
     for option in ("out", "markdown"):
         if getattr(args, option):
             options += [f"--{option}", str(Path(getattr(args, option)).absolute())]
-    # As ever, not by app.children: the benchmarks are in the folder they run in, and are not installed.
+    # As ever, not by app.base.child_processes: the benchmarks are in the folder they run in, and are not installed.
     command = [sys.executable, "-m", "benchmarks", *args.names, *options]
     return subprocess.run(command, cwd=checkout, check=False).returncode

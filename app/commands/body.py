@@ -7,11 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app import paths
+from app.base import paths
 from app.commands.packaged import config_file, program_named
 
 if TYPE_CHECKING:
-    from app.config import Configuration
+    from app.program.config import Configuration
     from app.robots.devices.config import CameraConfig, SoundConfig
     from app.robots.factory import Body
 
@@ -35,11 +35,11 @@ def chosen(args: argparse.Namespace) -> tuple[Configuration, Body]:
     """
     from pydantic import ValidationError
 
-    from app.config import load_configuration
-    from app.errors import ConfigError
+    from app.base.errors import ConfigError
+    from app.base.yaml_source import validation_message
+    from app.program.config import load_configuration
     from app.robots.devices.config import DevicesConfig
     from app.robots.factory import load_body
-    from app.yaml_source import validation_message
 
     robot = None if args.robot is None else config_file(args.robot, "robot", "--robot")
     body = None if robot is None else load_body(robot)
@@ -87,7 +87,7 @@ def chosen(args: argparse.Namespace) -> tuple[Configuration, Body]:
 
 def _try_file(device: CameraConfig | SoundConfig, where: str) -> None:
     """A device is waited for, a file that cannot be read will not mend. Raises ConfigError."""
-    from app.errors import ConfigError
+    from app.base.errors import ConfigError
     from app.robots.devices.config import CameraConfig
     from app.robots.devices.pictures import Unavailable, open_pictures
     from app.robots.devices.sound import SOUNDS, open_sound

@@ -9,18 +9,18 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app import paths
+from app.base import paths
+from app.base.errors import ConfigError
 from app.commands.arguments import find_log, names, number, whole
 from app.commands.output import add_json, print_json
 from app.commands.packaged import program_named
-from app.errors import ConfigError
 
 if TYPE_CHECKING:
     from app.attention.calibration import Calibration
     from app.attention.strategies import StrategyTable
-    from app.config import Configuration
-    from app.recording.log import Log, LogInfo
-    from app.replay.calibration import Measurement, Progress, Run
+    from app.logs.log import Log, LogInfo
+    from app.logs.replay.calibration import Measurement, Progress, Run
+    from app.program.config import Configuration
 
 #: A recording shorter than this says little.
 LEAST_S = 5.0
@@ -69,10 +69,10 @@ def run(args: argparse.Namespace) -> int:
     """Measure, write, plot. Raises ConfigError."""
     import cv2
 
-    from app.config import load_configuration
     from app.link import LinkFailed
-    from app.recording.log import LogError
-    from app.recording.open import open_log
+    from app.logs.log import LogError
+    from app.logs.open import open_log
+    from app.program.config import load_configuration
 
     cv2.setNumThreads(1)
     configuration = load_configuration(program_named(args.config) or paths.config_dir() / "lab.yaml")
@@ -90,7 +90,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log) -> int:
     from app.commands.calibrate_report import relations_table, strategies_document, strategies_table
-    from app.replay.calibration import Progress, plan
+    from app.logs.replay.calibration import Progress, plan
 
     info = log.info
     if args.seconds < LEAST_S:
@@ -168,9 +168,9 @@ def _measure(
     log: Log, configuration: Configuration, runs: list[Run], progress: Progress, begin: float, seconds: float
 ) -> dict[Run, Measurement]:
     from app.commands.progress import shown
-    from app.replay.calibration import measure_all
-    from app.replay.measure import Bench
-    from app.replay.side_by_side import batches
+    from app.logs.replay.batch_replay import batches
+    from app.logs.replay.calibration import measure_all
+    from app.logs.replay.measure import Bench
 
     bench = Bench(log, configuration, begin, begin + seconds, _table(configuration).filters)
     # A run takes as long as its module looks at messages.
@@ -200,8 +200,8 @@ def _spans(batch: Sequence[Run]) -> str:
 
 def _newest() -> Path:
     """The newest finished recording. Raises ConfigError."""
-    from app.recording.catalog import Catalog
-    from app.recording.library import RecordingLibrary, default_folder
+    from app.logs.catalog import Catalog
+    from app.logs.library import RecordingLibrary, default_folder
 
     library = RecordingLibrary(default_folder())
     try:
@@ -243,14 +243,14 @@ def _inputs(configuration: Configuration, log: Log, only: Sequence[str] | None) 
 def _before(output: Path) -> Calibration | None:
     """What was measured before and is not measured now: it is kept. Raises ConfigError for a file that is none."""
     from app.attention.calibration import Calibration
-    from app.yaml_source import load_yaml
+    from app.base.yaml_source import load_yaml
 
     return load_yaml(output).validate(Calibration) if output.is_file() else None
 
 
 def _calibration(results: dict[Run, Measurement], version: str, log: str, before: Calibration | None) -> Calibration:
     from app.attention.calibration import Calibration
-    from app.replay.calibration import relations
+    from app.logs.replay.calibration import relations
 
     return Calibration(
         host=paths.host_name(),
@@ -277,7 +277,7 @@ def _check_writable(output: Path) -> None:
 def _write(calibration: Calibration, output: Path) -> None:
     import yaml
 
-    from app.replay.calibration_plot import plot
+    from app.logs.replay.calibration_plot import plot
 
     head = "# What modules cost on this computer, as `hbba calibrate` measured it; `calibrated_or` costs rest on it.\n"
     content = yaml.safe_dump(calibration.model_dump(mode="json"), sort_keys=False, allow_unicode=True)

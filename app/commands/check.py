@@ -8,9 +8,9 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from app.base.errors import ConfigError
 from app.commands.output import add_json, print_json
 from app.commands.packaged import config_file
-from app.errors import ConfigError
 
 #: Raises ConfigError for a mistake; returns what is allowed but should be known, if there can be any.
 _Check = Callable[[Path], "tuple[str, ...] | None"]
@@ -59,7 +59,7 @@ def _counted(cautions: Sequence[str]) -> str:
 def check_file(path: Path) -> tuple[str, Sequence[str]]:
     """Validate one file, and everything it names; return what kind of configuration it is, and what is allowed but
     should be known, in sentences. Raises ConfigError."""
-    from app.yaml_source import load_yaml
+    from app.base.yaml_source import load_yaml
 
     if path.suffix == ".urdf":
         return _robot_model(path), ()
@@ -85,8 +85,8 @@ def _kind_of(data: Mapping[Any, Any]) -> tuple[str, _Check | None]:
 
 def _program(path: Path) -> tuple[str, ...]:
     """Read the whole program and wire it, without starting anything; return its cautions."""
-    from app.config import load_configuration
-    from app.system import System
+    from app.program.config import load_configuration
+    from app.program.system import System
 
     configuration = load_configuration(path)
     _robot(configuration.path(configuration.program.robot))
@@ -113,27 +113,27 @@ def _robot_model(path: Path) -> str:
 
 
 def _world(path: Path) -> None:
+    from app.base.yaml_source import parse
     from app.robots.simulated.world_config import WorldConfig
-    from app.yaml_source import parse
 
     parse(path, WorldConfig)
 
 
 def _scenario(path: Path) -> None:
-    from app.robots.simulated.scenario_config import load_scenario
+    from app.robots.simulated.scenery.scenario_config import load_scenario
 
     load_scenario(path)
 
 
 def _array(path: Path) -> None:
-    from app.modules.perception.voices.array import load_array
+    from app.modules.perception.voices.microphone_array import load_array
 
     load_array(path)
 
 
 def _problem(path: Path) -> None:
     from app.attention.problem_file import read_problem
-    from app.yaml_source import load_yaml
+    from app.base.yaml_source import load_yaml
 
     read_problem(load_yaml(path), path.resolve().parent)
 
@@ -148,15 +148,15 @@ def _strategies(path: Path) -> tuple[str, ...]:
 
 
 def _remap(path: Path) -> None:
-    from app.recording.foreign.remap import load_remap
+    from app.logs.importers.remap import load_remap
 
     load_remap(path)
 
 
 def _channels(path: Path) -> tuple[str, ...]:
     """Check a table by itself, then every program beside it that uses it."""
-    from app.config import ChannelTable
-    from app.yaml_source import load_yaml
+    from app.base.yaml_source import load_yaml
+    from app.program.config import ChannelTable
 
     document = load_yaml(path)
     for name, spec in document.validate(ChannelTable).root.items():
@@ -173,7 +173,7 @@ def _programs(path: Path) -> tuple[str, ...]:
 
 def _programs_naming(path: Path) -> list[Path]:
     """The programs, beside ``path`` or in the folder above, that name this file."""
-    from app.yaml_source import load_yaml
+    from app.base.yaml_source import load_yaml
 
     wanted = path.resolve()
     found = []
@@ -193,7 +193,7 @@ def _programs_naming(path: Path) -> list[Path]:
 
 def _calibration(path: Path) -> None:
     from app.attention.calibration import Calibration
-    from app.yaml_source import parse
+    from app.base.yaml_source import parse
 
     parse(path, Calibration)
 

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from app import paths
+from app.base import paths
 
 SHELLS = ("bash", "zsh", "fish")
 
@@ -16,7 +16,7 @@ _TAKE_LOGS = ("hbba calibrate", "hbba log ", "hbba replay", "hbba slam")
 _LOGS = {"bash": "_hbba_logs", "zsh": "_hbba_logs", "fish": "(_hbba_logs)"}
 _SCENARIOS = {"bash": "_hbba_scenarios", "zsh": "_hbba_scenarios", "fish": "(_hbba_scenarios)"}
 
-# The functions that these name. The folder of recordings is that of app.recording.library, which is not asked: Python
+# The functions that these name. The folder of recordings is that of app.logs.library, which is not asked: Python
 # would take a quarter of a second for each key.
 _FUNCTIONS = {
     "bash": """

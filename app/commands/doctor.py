@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from app import children, paths
+from app.base import child_processes, paths
 from app.commands.output import add_json, print_json
 
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
@@ -110,8 +110,8 @@ def python() -> Finding:
 
 def configuration() -> Finding:
     """The configuration that ``hbba run`` uses when nothing else is said."""
+    from app.base.errors import ConfigError
     from app.commands.check import check_file
-    from app.errors import ConfigError
 
     path = paths.config_dir() / "lab.yaml"
     try:
@@ -129,7 +129,7 @@ def graphics() -> Finding:
         found, _, remedy = problem.partition(": ")
         return Finding("EGL", False, True, found, remedy)
     remedy = "install or update Mesa's drivers: as root, apt-get install libegl1 libgl1-mesa-dri"
-    command = children.python("-c", "import mujoco; mujoco.GLContext(64, 64).make_current()")
+    command = child_processes.python("-c", "import mujoco; mujoco.GLContext(64, 64).make_current()")
     environment = {**os.environ, **gl_environment()}
     try:
         done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=60, check=False)
@@ -208,7 +208,7 @@ def page() -> Finding:
 
 def kernels() -> Finding:
     """What the program computes with, compiled for this computer."""
-    from app import compiled
+    from app.base import compiled
 
     ready = compiled.is_ready()
     remedy = "`hbba run` compiles them before the robot starts, once: a minute or two"
@@ -230,7 +230,7 @@ def face_model() -> Finding:
 
 def voice_network() -> Finding:
     """The network that tells voices from other sounds, run by ONNX Runtime."""
-    from app.modules.perception.voices.speech import MODEL
+    from app.modules.perception.voices.voice_activity import MODEL
 
     remedy = "pip install 'onnxruntime>=1.20,<1.33'; without it the robot runs, and locates no voices"
     try:

@@ -7,11 +7,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from app.base.errors import ConfigError
 from app.commands import experiment_barn, experiment_goals
 from app.commands.arguments import number, recording_name
 from app.commands.output import add_json, print_json
 from app.commands.packaged import program_named
-from app.errors import ConfigError
 
 
 def add_parser(subparsers: Any) -> None:
@@ -82,14 +82,14 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _trial(args: argparse.Namespace) -> int:
-    from app import logs
+    from app.base import logging_setup
     from app.commands.progress import shown
     from app.experiments.observation import document
     from app.experiments.simulated import simulated_program
     from app.experiments.trial import run as run_trial
 
     program = simulated_program(program_named(args.config), _scenario(args.scenario))
-    logs.configure("warning", as_json=False)
+    logging_setup.configure("warning", as_json=False)
     with shown("driving") as progress:
         outcome, events = run_trial(
             program, args.record, lambda leg, of, label: progress(leg, of, label), virtual=args.virtual
@@ -114,7 +114,7 @@ def _trial(args: argparse.Namespace) -> int:
 
 
 def _overload(args: argparse.Namespace) -> int:
-    from app import logs
+    from app.base import logging_setup
     from app.commands.progress import shown
     from app.experiments.observation import document
     from app.experiments.overload.experiment import plan
@@ -122,7 +122,7 @@ def _overload(args: argparse.Namespace) -> int:
     from app.experiments.overload.report import doubts, plot, table
 
     what = plan(program_named(args.config), _scenario(args.scenario), args.seconds, args.budget)
-    logs.configure("warning", as_json=False)
+    logging_setup.configure("warning", as_json=False)
     with shown("running") as progress:
         without, kept = run_both(what, lambda condition, part: progress(round(1000 * part), 1000, condition))
     if args.json:
@@ -156,8 +156,8 @@ def _budget(text: str) -> float:
 
 def _scenario(named: str | None) -> Path | None:
     """The scenario's file, None for the experiment's own. Raises ConfigError."""
+    from app.base.errors import ConfigError
     from app.commands.body import scenario_file
-    from app.errors import ConfigError
 
     if named is None:
         return None

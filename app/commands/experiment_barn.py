@@ -8,15 +8,15 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from app.base.errors import ConfigError
 from app.commands.arguments import whole
 from app.commands.output import add_json, print_json
 from app.commands.packaged import program_named
-from app.errors import ConfigError
 
 if TYPE_CHECKING:
     from app.experiments.barn.experiment import BarnPlan
     from app.experiments.barn.result import WorldResult
-    from app.experiments.kept import KeptResults
+    from app.experiments.results_store import KeptResults
 
 
 def add_parser(experiments: Any) -> None:
@@ -49,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
     """Run it. Raises ConfigError."""
     from app.experiments.barn.experiment import done, plan
     from app.experiments.barn.experiment import run as run_worlds
-    from app.experiments.kept import KeptResults, default_folder
+    from app.experiments.results_store import KeptResults, default_folder
 
     what = plan(
         args.worlds or _default_worlds(),
@@ -74,10 +74,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _run_shown(what: BarnPlan, kept: KeptResults, before: tuple[WorldResult, ...], run_worlds: Any) -> Any:
-    from app import logs
+    from app.base import logging_setup
     from app.commands.progress import shown
 
-    logs.configure("warning", as_json=False)
+    logging_setup.configure("warning", as_json=False)
     counts: dict[str, int] = {}
     for result in before:
         counts[result.outcome] = counts.get(result.outcome, 0) + 1
@@ -92,10 +92,10 @@ def _run_shown(what: BarnPlan, kept: KeptResults, before: tuple[WorldResult, ...
 
 
 def _tell(args: argparse.Namespace, what: BarnPlan, kept: KeptResults, results: tuple[WorldResult, ...]) -> None:
+    from app.base.yaml_source import load_yaml
     from app.experiments.barn.report import failures, plot, table
     from app.experiments.barn.result import Summary
     from app.robots.factory import load_body
-    from app.yaml_source import load_yaml
 
     if args.json:
         print_json(
@@ -121,8 +121,8 @@ def _tell(args: argparse.Namespace, what: BarnPlan, kept: KeptResults, results: 
 
 def _controller(named: str | None) -> dict[str, dict[str, object]]:
     """What ``--controller`` sets. Raises ConfigError."""
-    from app.modules.behaviors.navigation.pilot import CONTROLLERS
-    from app.yaml_source import suggestion
+    from app.base.yaml_source import suggestion
+    from app.modules.behaviors.navigation.tracking.control_cycle import CONTROLLERS
 
     if named is None:
         return {}
@@ -132,7 +132,7 @@ def _controller(named: str | None) -> dict[str, dict[str, object]]:
 
 
 def _default_worlds() -> Path:
-    from app import paths
+    from app.base import paths
 
     named = os.environ.get("HBBA_REFERENCE_DATA")
     checkout = paths.checkout_dir()

@@ -8,10 +8,10 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from app.base.errors import ConfigError
 from app.commands.arguments import whole
 from app.commands.output import add_json, print_json
 from app.commands.packaged import program_named
-from app.errors import ConfigError
 
 if TYPE_CHECKING:
     from app.experiments.goals.result import GoalResult
@@ -43,14 +43,14 @@ def add_parser(experiments: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Run it. Raises ConfigError."""
-    from app import logs
+    from app.base import logging_setup
     from app.commands.body import scenario_file
     from app.commands.progress import shown
     from app.experiments.goals.experiment import done, plan
     from app.experiments.goals.experiment import run as run_goals
     from app.experiments.goals.report import failures, table
     from app.experiments.goals.result import Summary
-    from app.experiments.kept import KeptResults, default_folder
+    from app.experiments.results_store import KeptResults, default_folder
 
     scenario = None if args.scenario is None else scenario_file(args.scenario)
     if args.scenario is not None and scenario is None:
@@ -69,7 +69,7 @@ def run(args: argparse.Namespace) -> int:
     before = done(what, kept)
     if before:
         print(f"hbba experiment goals: {len(before)} of {args.count} goals are done already", file=sys.stderr)
-    logs.configure("warning", as_json=False)
+    logging_setup.configure("warning", as_json=False)
     reached = sum(result.outcome == "reached" for result in before)
     with_contact = sum(bool(result.touched) for result in before)
     with shown("goals") as progress:

@@ -9,7 +9,7 @@ import os
 import signal
 from collections.abc import Sequence
 
-from app.children import python
+from app.base.child_processes import python
 
 log = logging.getLogger("hbba.kernels")
 
@@ -20,14 +20,14 @@ async def kernels_ready(command: Sequence[str] = ()) -> None:
     ``command`` compiles them and prints a line for each; replaced in tests. A kernel that cannot be compiled is logged
     here, and its module fails later, with the reason.
     """
-    from app import compiled  # imports what shares work among processes: not needed for --help
+    from app.base import compiled
 
     if await asyncio.to_thread(compiled.is_ready):
         return
     print("HBBA compiles its numerical kernels, once on this computer: a minute or two.", flush=True)
     log.info("compiling the numerical kernels; the robot starts after it")
     process = await asyncio.create_subprocess_exec(
-        *(command or python("-m", "app.compiled")),
+        *(command or python("-m", "app.base.compiled")),
         stdin=asyncio.subprocess.DEVNULL,
         stdout=asyncio.subprocess.PIPE,
         start_new_session=True,

@@ -9,9 +9,9 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from app.base.errors import ConfigError
 from app.commands.arguments import TIMES, find_log, moment, names, whole
 from app.commands.output import add_json, print_json
-from app.errors import ConfigError
 
 
 def add_parser(subparsers: Any) -> None:
@@ -36,8 +36,8 @@ def add_parser(subparsers: Any) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Do it. Exit code 2 for a person's mistake or a log that cannot be read, 1 where the disk does not take it."""
-    from app.recording.log import LogError
-    from app.recording.output import DiskTrouble
+    from app.logs.log import LogError
+    from app.logs.output import DiskTrouble
 
     doing = {"info": _info, "cut": _cut, "repair": _repair, "export": _export, None: _list, "list": _list}[args.action]
     try:
@@ -52,8 +52,8 @@ def run(args: argparse.Namespace) -> int:
 
 def _list(args: argparse.Namespace) -> int:
     from app.commands.log_report import print_recordings, recordings_document
-    from app.recording.catalog import Catalog
-    from app.recording.library import RecordingLibrary, default_folder
+    from app.logs.catalog import Catalog
+    from app.logs.library import RecordingLibrary, default_folder
 
     library = RecordingLibrary(default_folder())
     try:
@@ -109,7 +109,7 @@ def _add_cut(actions: Any) -> None:
 def _cut(args: argparse.Namespace) -> int:
     from app.commands.log_report import clock, size
     from app.commands.progress import shown
-    from app.recording.cut import cut, span
+    from app.log_tools.cut import cut, span
 
     path = _find_mcap(args.file)
     out = args.out or path.with_name(f"{path.stem}-cut.mcap")
@@ -144,7 +144,7 @@ def _add_repair(actions: Any) -> None:
 def _repair(args: argparse.Namespace) -> int:
     from app.commands.log_report import repair_lines
     from app.commands.progress import shown
-    from app.recording.repair import repair
+    from app.log_tools.repair import repair
 
     if args.in_place and args.out:
         raise ConfigError("--in-place replaces FILE, so there is nothing for -o to name: give one of them")
@@ -163,7 +163,7 @@ def _repair(args: argparse.Namespace) -> int:
 
 
 def _add_export(actions: Any) -> None:
-    from app.recording.export.kinds import KINDS
+    from app.log_tools.export.kinds import KINDS
 
     parser = actions.add_parser(
         "export",
@@ -184,8 +184,8 @@ def _add_export(actions: Any) -> None:
 
 def _export(args: argparse.Namespace) -> int:
     from app.commands.progress import shown
-    from app.recording.export.run import Wish, export
-    from app.recording.open import open_log
+    from app.log_tools.export.run import Wish, export
+    from app.logs.open import open_log
 
     path = find_log(args.file)
     log = open_log(path, _remap(args.remap))
@@ -212,7 +212,7 @@ def _find_mcap(text: str) -> Path:
     """As :func:`find_log`, but a single file. Raises ConfigError."""
     path = find_log(text)
     if path.is_dir():
-        from app.recording.open import some
+        from app.logs.open import some
 
         inside = some(sorted(str(each) for each in path.glob("*.mcap"))) or "there is none in it"
         raise ConfigError(f"{path} is a folder; name an MCAP file: {inside}")
@@ -258,6 +258,6 @@ def _date(seconds: float) -> str:
 
 
 def _remap(path: Path | None) -> Any:
-    from app.recording.foreign.remap import load_remap
+    from app.logs.importers.remap import load_remap
 
     return None if path is None else load_remap(path)

@@ -9,15 +9,15 @@ from pathlib import Path
 from typing import Any, Literal
 
 from app.commands.output import print_json
-from app.recording.catalog import Recording
-from app.recording.foreign.remap import Remap, Undecided
-from app.recording.log import LogError
-from app.recording.mcap_file import is_being_written
-from app.recording.mcap_reading import is_mcap
-from app.recording.open import open_log
-from app.recording.output import Progress, unwatched
-from app.recording.repair import NOTHING, RepairReport, examine
-from app.recording.sizes import channel_bytes
+from app.log_tools.repair import NOTHING, RepairReport, examine
+from app.logs.catalog import Recording
+from app.logs.importers.remap import Remap, Undecided
+from app.logs.log import LogError
+from app.logs.mcap.channel_sizes import channel_bytes
+from app.logs.mcap.open_file import is_being_written
+from app.logs.mcap.structure import is_mcap
+from app.logs.open import open_log
+from app.logs.output import Progress, unwatched
 
 State = Literal["complete", "recording", "unfinished", "damaged"]
 

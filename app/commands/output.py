@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 
 
 def add_json(parser: argparse.ArgumentParser, text: str = "print one JSON document instead", **options: Any) -> None:

@@ -7,8 +7,8 @@ import re
 from pathlib import Path
 from typing import Literal
 
-from app import paths
-from app.errors import ConfigError
+from app.base import paths
+from app.base.errors import ConfigError
 
 #: Kinds of configuration; "configuration" is any of them, a program before the others.
 Kind = Literal["program", "robot", "scenario", "array", "configuration"]

@@ -13,20 +13,20 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app import logs
+from app.base import logging_setup
+from app.base.errors import ConfigError
 from app.commands.arguments import TIMES, find_log, moment, names, number, recording_name, whole
 from app.commands.kernels import kernels_ready
 from app.commands.output import add_json, check_writable, json_text, print_json, write_text
 from app.commands.packaged import program_named
 from app.commands.run import Stopping, add_console_options, announcer, token_for, until_stopped
-from app.errors import ConfigError
 
 if TYPE_CHECKING:
     from fastapi import FastAPI
 
-    from app.recording.log import Log
-    from app.replay.options import ReplayOptions
-    from app.replay.replay import Replay
+    from app.logs.log import Log
+    from app.logs.replay.options import ReplayOptions
+    from app.logs.replay.replay import Replay
 
 #: How often it is looked whether anybody still watches (s).
 LOOK_S = 1.0
@@ -79,9 +79,9 @@ def add_parser(subparsers: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Replay until the end, or with the console until a signal comes. Raises ConfigError."""
     from app.link import LinkFailed
-    from app.recording.foreign.remap import load_remap
-    from app.recording.log import LogError
-    from app.recording.open import open_log
+    from app.logs.importers.remap import load_remap
+    from app.logs.log import LogError
+    from app.logs.open import open_log
 
     if not args.headless and (args.json or args.out is not None):
         option = "--json" if args.json else "--out"
@@ -107,7 +107,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _options(args: argparse.Namespace, log: Log) -> ReplayOptions:
-    from app.replay.options import ReplayOptions
+    from app.logs.replay.options import ReplayOptions
 
     info = log.info
     begin = None if args.begin is None else max(args.begin(info.begin), info.begin)
@@ -133,10 +133,10 @@ def _headless(args: argparse.Namespace, log: Log, options: ReplayOptions) -> int
 
     from app.commands.progress import shown
     from app.commands.replay_report import print_report
-    from app.replay.headless import Watch, run_headless
+    from app.logs.replay.headless import Watch, run_headless
 
     cv2.setNumThreads(1)
-    logs.configure("warning" if args.log_level == "info" else args.log_level, as_json=args.log_json)
+    logging_setup.configure("warning" if args.log_level == "info" else args.log_level, as_json=args.log_json)
     # In hours that pass in seconds, the recording's pauses are no news.
     logging.getLogger("hbba.freshness").setLevel(logging.ERROR)
     begin = log.info.begin if options.begin is None else options.begin
@@ -157,8 +157,8 @@ def _with_console(
     args: argparse.Namespace, log: Log, options: ReplayOptions, opened: Callable[[], Log], stack: ExitStack
 ) -> int:
     from app.console.server import listen
-    from app.replay.playback_state import FASTEST
-    from app.replay.replay import Replay
+    from app.logs.replay.playback_state import FASTEST
+    from app.logs.replay.replay import Replay
     from app.runtime.replay_clock import ReplayClock
 
     if args.speed is not None and FASTEST < args.speed < math.inf:
@@ -172,7 +172,7 @@ def _with_console(
     console = replay.program.configuration.program.console
     host = args.host or console.host
     token = token_for(args, host)
-    logs.configure(args.log_level, as_json=args.log_json)
+    logging_setup.configure(args.log_level, as_json=args.log_json)
     for note in replay.notes():
         print(note)
     listener = stack.enter_context(listen(host, console.port if args.port is None else args.port))
@@ -195,7 +195,7 @@ async def _live(
 
     from app.console.app import create_app
     from app.console.server import address_of, serve
-    from app.replay.playback import Playback
+    from app.logs.replay.playback import Playback
 
     cv2.setNumThreads(1)
     await kernels_ready()

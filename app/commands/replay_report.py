@@ -7,7 +7,7 @@ import math
 from rich.console import Console
 from rich.table import Table
 
-from app.replay.report import ReplayReport
+from app.logs.replay.report import ReplayReport
 
 
 def print_report(report: ReplayReport, console: Console | None = None) -> None:

@@ -19,16 +19,16 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
-from app import logs
+from app.base import logging_setup
 from app.commands.arguments import file_named
 from app.commands.body import add_body_options, chosen
 from app.commands.kernels import kernels_ready
-from app.runtime.punctual import be_punctual
+from app.runtime.realtime import be_punctual
 
 if TYPE_CHECKING:
-    from app.config import Configuration
+    from app.program.config import Configuration
+    from app.program.system import System
     from app.robots.factory import Body
-    from app.system import System
 
 #: Everything has stopped by then, or is made to.
 STOP_WITHIN_S = 2.0
@@ -69,7 +69,7 @@ def add_console_options(parser: argparse.ArgumentParser) -> None:
         help="a name others reach this computer by, beside its own; may be repeated",
     )
     parser.add_argument("--open", action="store_true", help="open the console in a browser")
-    parser.add_argument("--log-level", choices=logs.LEVELS, default="info", help="least severe events to log")
+    parser.add_argument("--log-level", choices=logging_setup.LEVELS, default="info", help="least severe events to log")
     parser.add_argument("--log-json", action="store_true", help="log one JSON object a line")
 
 
@@ -86,7 +86,7 @@ def run(args: argparse.Namespace) -> int:
     token = token_for(args, host)
     try:
         with listen(host, console.port if args.port is None else args.port) as listener:
-            logs.configure(args.log_level, as_json=args.log_json)
+            logging_setup.configure(args.log_level, as_json=args.log_json)
             names = (*console.host_names, *args.host_name)
             live = _live(configuration, body, listener, token, names, open_browser=args.open)
             return asyncio.run(until_stopped(live, Stopping()))
@@ -97,8 +97,8 @@ def run(args: argparse.Namespace) -> int:
 
 def token_for(args: argparse.Namespace, host: str) -> str | None:
     """The token that a console on ``host`` asks for; None: none. Raises ConfigError."""
-    from app.console.security import is_loopback
-    from app.console.token import given_token, new_token
+    from app.console.access.auth import is_loopback
+    from app.console.access.token import given_token, new_token
 
     return given_token(args.token_file) or (None if is_loopback(host) else new_token())
 
@@ -133,9 +133,9 @@ async def _live(
 
     from app.console.app import create_app
     from app.console.server import address_of, serve
+    from app.program.system import System
     from app.robots.factory import create_link
     from app.runtime.clock import RealClock
-    from app.system import System
 
     cv2.setNumThreads(1)  # modules have their own threads; OpenCV's pool would only fight them for the cores
 
@@ -247,7 +247,7 @@ def _port(text: str) -> int:
 
 
 def _host_name(text: str) -> str:
-    from app.console.security import host_name
+    from app.console.access.auth import host_name
 
     if (name := host_name(text)) == "" or ":" in text:
         raise argparse.ArgumentTypeError(f"a host name is one as robot.example, without a port, not {text!r}")

@@ -9,16 +9,16 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from app.base.errors import ConfigError
 from app.commands.arguments import number
 from app.commands.output import add_json, print_json
 from app.commands.printable import printable
 from app.commands.time_limit import TimeIsUp, until
-from app.errors import ConfigError
 
 if TYPE_CHECKING:
     from app.attention.problem import Selection
     from app.attention.problem_file import StatedProblem
-    from app.yaml_source import Document
+    from app.base.yaml_source import Document
 
 LONGEST_S: Final = 86_400
 MORE_TIME: Final = "try a greater --time-limit"
@@ -47,7 +47,7 @@ def add_parser(subparsers: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Solve one problem and print the answer. Raises ConfigError for a mistake in the file."""
     from app.attention.problem_file import problem_schema
-    from app.yaml_source import MOST_BYTES
+    from app.base.yaml_source import MOST_BYTES
 
     if args.schema:
         print_json(problem_schema())
@@ -94,7 +94,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _read(file: str, text: str | None) -> tuple[Document, StatedProblem]:
     from app.attention.problem_file import read_problem
-    from app.yaml_source import load_text, load_yaml
+    from app.base.yaml_source import load_text, load_yaml
 
     if text is not None:
         document, folder = load_text(text, "<standard input>"), Path.cwd()

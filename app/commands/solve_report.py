@@ -9,8 +9,8 @@ from typing import Any
 from app.attention.problem import Selection
 from app.attention.problem_file import StatedProblem
 from app.attention.strategies import CLOSED
+from app.base.yaml_source import likeliest
 from app.commands.printable import one_line
-from app.yaml_source import likeliest
 
 _BAR = 24
 _MOST_NAMED = 8

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 from fastapi import APIRouter, FastAPI, WebSocket
 from starlette.types import ASGIApp
 
-from app import paths
+from app.base import paths
+from app.console.access.auth import Door, Guarded
 from app.console.description import describe, operation_id
 from app.console.live.endpoint import live
 from app.console.live.hub import Hub
@@ -29,13 +30,12 @@ from app.console.rest.program import program_router, robot_router
 from app.console.rest.recordings import recordings_router
 from app.console.rest.session import session_router
 from app.console.rest.viewers import viewers_router
-from app.console.security import Door, Guarded
 from app.console.view.relay import view_router
 from app.console.view.view import View
 
 if TYPE_CHECKING:
-    from app.replay.playback import Playback
-    from app.system import System
+    from app.logs.replay.playback import Playback
+    from app.program.system import System
 
 API = "/api/v1"
 
@@ -54,7 +54,7 @@ def create_app(
 
     ``playback`` is what plays the recording that ``system`` lives again; None: what it lives is now.
     ``static_dir`` holds the built page (default: where the build puts it). ``token`` None: whoever is on this computer
-    may use it, under a name of this computer; see :mod:`app.console.security`. ``host_names`` are names that it is
+    may use it, under a name of this computer; see :mod:`app.console.access.auth`. ``host_names`` are names that it is
     reached by beside this computer's own, where a token is needed. ``host`` is where replays that are started from here
     listen. ``early_view``: start the 3D view with the program rather than with its first viewer.
     """

@@ -14,8 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from app.base.geometry import FloatArray, Pose3
+from app.base.pose_buffer import PoseBuffer
 from app.console.perceived import Direction, HeardSound, Perceived, Point, SeenCode, SeenFace
-from app.geometry import FloatArray, Pose3
 from app.messages import (
     EncodedImage,
     Face,
@@ -27,7 +28,6 @@ from app.messages import (
     SoundSource,
     SoundSources,
 )
-from app.pose_buffer import PoseBuffer
 from app.runtime.graph import Graph
 
 #: A face or a code is told until it was not seen for this long (s), or for so many images of its camera, and never

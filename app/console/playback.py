@@ -8,7 +8,7 @@ from app.runtime.clock import Clock
 from app.runtime.replay_clock import ReplayClock
 
 if TYPE_CHECKING:
-    from app.replay.playback import Playback
+    from app.logs.replay.playback import Playback
 
 #: While it plays, where it is is told so often (s, real).
 PERIOD_S = 0.1

@@ -15,8 +15,8 @@ from starlette.routing import compile_path
 
 from app.attention.desires import InvalidDesire, UnknownDesireClass
 from app.attention.workspace import UnknownDesire
+from app.base.yaml_source import validation_message
 from app.console.wire import encode
-from app.yaml_source import validation_message
 
 MEDIA_TYPE = "application/problem+json"
 _MISTAKE = "The console made a mistake, which its log describes; the request may or may not have been done."

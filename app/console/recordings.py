@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from app.attention.desires import Desire, Source
+from app.logs.control import RECORD
 from app.messages import RecorderStatus
-from app.recording.control import RECORD
 from app.runtime.channel import Channel
 
 if TYPE_CHECKING:
-    from app.system import System
+    from app.program.system import System
 
 INTENSITY = 8.0
 UTILITY = 1.0

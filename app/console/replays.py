@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
-from app.children import python
-from app.console.token import VARIABLE
+from app.base.child_processes import python
+from app.console.access.token import VARIABLE
 
 #: A long recording is indexed before its console is up.
 START_WITHIN_S = 60.0

@@ -6,16 +6,16 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from app.attention.chronicle import divisor_json
 from app.attention.desires import SCALE
 from app.attention.serialize import desire_class_to_json
+from app.attention.timeline_writer import divisor_json
 from app.messages import Exploitation, Landmarks, LinkStatus, Odometry
 from app.runtime.channel import SubscriptionStatistics
 from app.runtime.freshness import Freshness, sources
 from app.runtime.graph import Graph, ModuleSlot
 
 if TYPE_CHECKING:
-    from app.system import System
+    from app.program.system import System
 
 #: A report of who drives older than this says nothing about now.
 EXPLOITATION_FRESH_S = 0.5

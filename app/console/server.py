@@ -13,10 +13,10 @@ from functools import partial
 import uvicorn
 from starlette.types import ASGIApp
 
-from app.console.bodies import LARGEST_HEADER_BYTES
-from app.console.connections import BoundedHttp, BoundedWebSocket
-from app.console.visitors import Visitors, most_connections
-from app.errors import ConfigError
+from app.base.errors import ConfigError
+from app.console.access.connection_limits import Visitors, most_connections
+from app.console.access.protocols import BoundedHttp, BoundedWebSocket
+from app.console.access.request_limits import LARGEST_HEADER_BYTES
 
 #: Connections still open this long after the end was asked for are cut.
 GRACE_S = 0.3

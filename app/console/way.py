@@ -11,15 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.attention.desires import Desire
+from app.base.geometry import Pose2
 from app.console import reports
-from app.console.goals import GO_TO
+from app.console.drive.goals import GO_TO
 from app.console.playback import rate
-from app.geometry import Pose2
 from app.messages import Localization, NavigationStatus, OccupancyGrid, PlannedPath, Zone, Zones
 
 if TYPE_CHECKING:
     from app.attention.timeline import TimelineEvent
-    from app.system import System
+    from app.program.system import System
 
 #: Where those who go somewhere say what they are about. The path is the first one's.
 STATUSES = ("navigation", "going_toward")

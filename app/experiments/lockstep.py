@@ -12,17 +12,17 @@ from collections.abc import Awaitable, Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
-from app.config import Configuration
+from app.base.yaml_source import suggestion
 from app.maps.library import MapLibrary
 from app.modules.recording.recorder import Recorder
+from app.program.config import Configuration
+from app.program.system import System
 from app.robots.config import RobotConfig
 from app.robots.factory import create_lockstep
 from app.robots.simulated.lockstep import LockstepLink
 from app.robots.simulated.world_config import WorldConfig
 from app.runtime.clock import VirtualClock, run_virtual
 from app.runtime.graph import Pin, load_class
-from app.system import System
-from app.yaml_source import suggestion
 
 T = TypeVar("T")
 

@@ -14,7 +14,7 @@ import numpy as np
 import psutil
 
 from app.messages import Exploitation, Faces, Landmarks, LinkStatus, LoudNoise, SceneTruth, SoundSources
-from app.system import System
+from app.program.system import System
 
 #: What perceptions and behaviors make, each message with the stamp of what it was made of.
 RESULTS = (

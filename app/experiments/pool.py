@@ -17,7 +17,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.context import SpawnProcess
 from typing import Generic, TypeVar
 
-from app.children import end_with_parent, safe_path
+from app.base.child_processes import end_with_parent, safe_path
 from app.robots.simulated.gl import gl_environment
 
 T = TypeVar("T")

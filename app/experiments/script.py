@@ -16,14 +16,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from app import paths
-from app.errors import ConfigError
-from app.geometry import Pose2, wrap_angle
+from app.base import paths
+from app.base.errors import ConfigError
+from app.base.geometry import Pose2, wrap_angle
 from app.messages import GroundTruth, LaserScan, Odometry, OperatorDrive
+from app.program.system import System
 from app.robots.simulated.link import SimulatedLink
 from app.robots.simulated.lockstep import LockstepLink
-from app.robots.simulated.scenario_config import WaypointConfig, load_scenario
-from app.system import System
+from app.robots.simulated.scenery.scenario_config import WaypointConfig, load_scenario
 
 Waypoint = WaypointConfig
 

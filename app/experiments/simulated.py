@@ -5,16 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from app import paths
-from app.config import Configuration, load_configuration
-from app.errors import ConfigError
+from app.base import paths
+from app.base.errors import ConfigError
 from app.experiments.lockstep import able
+from app.program.config import Configuration, load_configuration
+from app.program.system import System
 from app.robots.config import RobotConfig
 from app.robots.factory import create_link, create_lockstep, load_body
 from app.robots.simulated.link import SimulatedLink
 from app.robots.simulated.lockstep import LockstepLink
 from app.runtime.clock import RealClock, VirtualClock
-from app.system import System
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,16 +9,16 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 
 from app.attention.desires import Source
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 from app.experiments.lockstep import PATIENCE_S
 from app.experiments.observation import Observer, Outcome
 from app.experiments.script import Waypoint, drive_script, load_script
 from app.experiments.simulated import SimulatedProgram
+from app.logs.control import RECORD
+from app.logs.replay.headless import wait_for_disk
 from app.modules.recording.recorder import Recorder
-from app.recording.control import RECORD
-from app.replay.headless import wait_for_disk
+from app.program.system import System
 from app.runtime.clock import run_virtual
-from app.system import System
 
 _OPERATOR = Source("operator", "the experiment")
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Protocol
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.messages import Zone
 
 #: File names, and what writes each.

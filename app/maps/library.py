@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 from app.maps.control import MapUnavailable
 from app.maps.map_server import MOST_CELLS, pgm_bytes, read_map, yaml_text
 from app.maps.picture import shown_png

@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
+from app.base.image_source import TooLarge, decoded, kind_of
+from app.base.plain_file import read_plain
+from app.base.yaml_source import load_yaml
 from app.messages import OccupancyGrid, read_only
-from app.pictures import TooLarge, decoded, kind_of
-from app.plain_file import read_plain
-from app.yaml_source import load_yaml
 
 #: Grey of cells in a trinary picture.
 _OCCUPIED, _UNKNOWN, _FREE = 0, 205, 254

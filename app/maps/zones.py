@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
+from app.base.yaml_source import load_yaml
 from app.messages import Zone, read_only
-from app.yaml_source import load_yaml
 
 #: Nothing on a map is further from its origin (m).
 FURTHEST_M = 1000.0

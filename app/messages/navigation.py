@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2, Pose3
+from app.base.geometry import Pose2, Pose3
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,10 +8,10 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
+from app.base.yaml_source import load_yaml
 from app.link import BaseLimits
 from app.robots.guard import GuardLimits
-from app.yaml_source import load_yaml
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]

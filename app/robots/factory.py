@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
+from app.base.yaml_source import load_yaml, parse
 from app.link import RobotLink, StreamDescription
 from app.messages import JointState, LinkStatus, Odometry
 from app.robots.config import RobotConfig, StartPose, load_robot_config
@@ -12,10 +13,9 @@ from app.robots.devices.config import JOINTS_HZ, ODOMETRY_HZ, STATUS_HZ, Devices
 from app.robots.model import load_model
 from app.robots.simulated.link import SimulatedLink
 from app.robots.simulated.lockstep import LockstepLink
-from app.robots.simulated.scenario_config import ScenarioConfig, load_scenario
+from app.robots.simulated.scenery.scenario_config import ScenarioConfig, load_scenario
 from app.robots.simulated.world_config import WorldConfig
 from app.runtime.clock import Clock
-from app.yaml_source import load_yaml, parse
 
 Body = RobotConfig | DevicesConfig
 

@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from app.errors import ConfigError
-from app.geometry import Pose3
-from app.plain_file import open_plain
+from app.base.errors import ConfigError
+from app.base.geometry import Pose3
+from app.base.plain_file import open_plain
 
 MOVING_TYPES = ("revolute", "continuous", "prismatic")
 

@@ -16,11 +16,11 @@ from typing import Any, ClassVar, TypeVar
 from pydantic import BaseModel, ConfigDict
 
 from app.messages import Message
-from app.runtime.activity import Activity
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import Clock
 from app.runtime.errors import InboxOverflow, ModuleFailed
 from app.runtime.load import CpuMeter, MeteredCoroutine
+from app.runtime.pending_work import Activity
 from app.runtime.ports import Input, Output
 from app.runtime.worker import ModuleWorker
 

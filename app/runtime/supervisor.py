@@ -21,8 +21,8 @@ from app.runtime.clock import Clock
 from app.runtime.errors import ModuleFailed
 from app.runtime.graph import ModuleSlot
 from app.runtime.half_imports import forget_half_imports
+from app.runtime.hang_detector import GivenTime, ProgressWatch
 from app.runtime.load import MeteredCoroutine
-from app.runtime.progress import GivenTime, ProgressWatch
 from app.runtime.worker import ModuleWorker
 
 log = logging.getLogger("hbba.supervisor")

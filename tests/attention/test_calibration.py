@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from app.attention.calibration import Calibration, Fit, Point, Relation, load_calibration
 from app.attention.strategies import StrategyTable, load_strategies
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 
 FILE = """\
 host: brain

@@ -8,7 +8,7 @@ import pytest
 
 from app.attention.calibration import Calibration, Fit, Point, Relation
 from app.attention.strategies import Strategy, StrategyTable, load_strategies
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 
 FAMILY = """\
 resources:

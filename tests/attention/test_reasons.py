@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 
-from app.attention.best import best_utility
 from app.attention.prepared import prepare
 from app.attention.problem import Problem, Selection, produced
 from app.attention.reasons import explain
 from app.attention.solver import solve
 from app.attention.strategies import Resource, Strategy, exclusive
+from app.attention.utility_bound import best_utility
 from tests.attention.test_solver import problems
 from tests.attention.thesis import CPU, TABLE_4_4, desire, problem
 

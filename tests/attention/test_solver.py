@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from app.attention.cpsat import solve_cpsat
 from app.attention.desires import Desire
-from app.attention.instance import Infeasible, build_instance
+from app.attention.integer_program import Infeasible, build_instance
 from app.attention.problem import Problem, assess
 from app.attention.search import solve_search
 from app.attention.solver import solve

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from app.attention.cpsat import solve_cpsat
-from app.attention.instance import Infeasible, Instance, build_instance
+from app.attention.integer_program import Infeasible, Instance, build_instance
 from app.attention.prepared import prepare
 from app.attention.problem import Problem
 from app.attention.search import solve_search

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.attention.strategies import Resource, Strategy, StrategyTable, exclusive, load_strategies, trimmed
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 
 CLASSES = ("FindQRCodes", "GoTo", "SLAM")
 PORTS = {"QRCodeDetector": ("images", "codes"), "PlanAndFollowPath": ("scans", "twist"), "SLAM2D": ("scans",)}

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 from rosbags.highlevel import AnyReader
 
+from app.logs.mcap.reader import McapLog
 from app.messages import JointState
-from app.recording.mcap_log import McapLog
 from benchmarks.recording import Arrived, at_full_rates, ours, rosbags, thinned
-from tests.recording.disks import BEGIN, image, odometry
+from tests.logs.mcap.disks import BEGIN, image, odometry
 
 
 @pytest.fixture

@@ -21,12 +21,12 @@ from typing import Any
 
 import yaml
 
-from app.geometry import Pose2
-from app.paths import config_dir
+from app.base.geometry import Pose2
+from app.base.paths import config_dir
+from app.base.yaml_source import parse
 from app.robots.config import load_robot_config
 from app.robots.simulated.guard_log import GuardRow, read_guard_log
 from app.robots.simulated.world_config import WorldConfig
-from app.yaml_source import parse
 from tests.patience import PATIENCE_S
 
 CHROMIUM_ARGUMENTS = [

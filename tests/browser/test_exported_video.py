@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser
 
-from app.recording.export import mp4
-from app.recording.export.run import Wish, export
-from tests.recording.export.test_pictures import WRITERS, log_of
+from app.log_tools.export import mp4
+from app.log_tools.export.run import Wish, export
+from tests.log_tools.export.test_pictures import WRITERS, log_of
 
 SHOW = """async ([data, moments]) => {
   const video = document.createElement('video');

@@ -19,12 +19,12 @@ import yaml
 from playwright.sync_api import Page, expect
 
 from app.attention.desires import Source
-from app.config import load_configuration
+from app.base.geometry import Pose2
+from app.base.paths import config_dir
 from app.experiments.lockstep import WorldRun, run_in_world
 from app.experiments.script import Waypoint, drive_script
-from app.geometry import Pose2
 from app.maps.library import MapLibrary
-from app.paths import config_dir
+from app.program.config import load_configuration
 from app.robots.config import load_robot_config
 from tests.browser.hands import hold, hold_until
 from tests.browser.running import LOOPS_DEBUG, Robot, running_program

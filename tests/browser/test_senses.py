@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page, Playwright
 
+from app.base.geometry import FloatArray
+from app.base.paths import config_dir
 from app.commands.doctor import find_chromium
-from app.geometry import FloatArray
-from app.paths import config_dir
 from app.robots.model import load_model
-from app.robots.simulated.scenario_config import load_scenario
-from app.robots.simulated.stage import Stage
+from app.robots.simulated.scenery.scenario_config import load_scenario
+from app.robots.simulated.scenery.scenario_state import Stage
 from tests.browser.running import CHROMIUM_ARGUMENTS, Robot, running_robot
 
 #: Chromium's own tone in place of a microphone, granted without a question.

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pydantic import Field
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.messages import GroundTruth
 from app.modules.body import attach, robot_link
 from app.runtime.module import Module, ModuleContext, Settings

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from app import cli, paths
+from app import cli
+from app.base import paths
 
 
 def test_a_name_that_is_none_lists_those_there_are(capfd: pytest.CaptureFixture[str]) -> None:

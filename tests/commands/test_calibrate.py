@@ -9,12 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from app import cli, paths
+from app import cli
 from app.attention.calibration import load_calibration
+from app.base import paths
 from app.commands.calibrate import _newest
-from app.recording import open as opening
-from app.recording.manifest import Manifest
-from tests.replay.logs import MemoryLog, lab_log, numbered, write_log
+from app.logs import open as opening
+from app.logs.manifest import Manifest
+from tests.logs.replay.logs import MemoryLog, lab_log, numbered, write_log
 
 pytestmark = [pytest.mark.slow, pytest.mark.blocking(reason="the virtual loop waits for threads by design")]
 

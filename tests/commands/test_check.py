@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from app import cli, paths
+from app import cli
+from app.base import paths
 from tests.patience import PATIENCE_S
 
 CONFIG = paths.config_dir()

@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 import pytest
 
+from app.base.geometry import Pose2
 from app.cli import main
-from app.geometry import Pose2
 from benchmarks.face_scenes import facing, kinect_image
 
 

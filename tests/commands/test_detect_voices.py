@@ -11,8 +11,7 @@ import soundfile
 from numpy.typing import NDArray
 
 from app.cli import main
-
-from ..modules.perception.voices.sounds import ARRAY, RATE, as_int16, babble, heard, toward
+from tests.modules.perception.voices.sounds import ARRAY, RATE, as_int16, babble, heard, toward
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from app import cli, paths
+from app import cli
+from app.base import paths
 from app.commands import doctor
 from app.commands.doctor import Finding
 
@@ -92,11 +93,11 @@ def test_the_networks_that_see_faces_and_judge_voices_are_found_or_missed(monkey
 
 
 def test_kernels_that_are_not_compiled_yet_are_no_obstacle(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("app.compiled.is_ready", lambda: False)
+    monkeypatch.setattr("app.base.compiled.is_ready", lambda: False)
     finding = doctor.kernels()
     assert (finding.ok, finding.required) == (False, False)
     assert "hbba run" in finding.remedy
-    monkeypatch.setattr("app.compiled.is_ready", lambda: True)
+    monkeypatch.setattr("app.base.compiled.is_ready", lambda: True)
     assert doctor.kernels().ok
 
 

@@ -10,7 +10,7 @@ import pytest
 from app import cli
 from app.experiments.barn.experiment import plan
 from app.experiments.barn.result import WorldResult
-from app.experiments.kept import KeptResults
+from app.experiments.results_store import KeptResults
 
 
 @pytest.mark.parametrize("which", ["trial", "overload"])

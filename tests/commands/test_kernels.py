@@ -11,7 +11,7 @@ from types import ModuleType
 import psutil
 import pytest
 
-from app import compiled
+from app.base import compiled
 from app.commands import kernels, replay, run
 from app.commands.kernels import kernels_ready
 

@@ -27,13 +27,13 @@ from app import cli
 from app.commands import progress as progressing
 from app.commands.arguments import moment
 from app.commands.log_report import clock, size
-from app.recording import output
-from app.recording.manifest import YAML, AttachedFile, Manifest
-from app.recording.mcap_file import create
-from app.recording.mcap_log import McapLog
-from app.recording.output import Progress
+from app.logs import output
+from app.logs.manifest import YAML, AttachedFile, Manifest
+from app.logs.mcap.open_file import create
+from app.logs.mcap.reader import McapLog
+from app.logs.output import Progress
+from tests.logs.mcap.mcap_files import BEGIN, drive, write_log
 from tests.patience import PATIENCE_S
-from tests.recording.mcap_files import BEGIN, drive, write_log
 
 MANIFEST = Manifest(
     (AttachedFile("lab.yaml", YAML, b"robot: robot.yaml\n"),),

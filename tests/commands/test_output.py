@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from app.base.errors import ConfigError
 from app.commands.output import check_writable, json_text, print_json, write_text
-from app.errors import ConfigError
 from tests.patience import PATIENCE_S
 
 

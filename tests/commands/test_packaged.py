@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from app import cli, paths
+from app import cli
+from app.base import paths
+from app.base.errors import ConfigError
 from app.commands import doctor
 from app.commands.packaged import Kind, config_file, config_names
-from app.errors import ConfigError
 
 CONFIG = paths.config_dir()
 

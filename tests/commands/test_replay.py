@@ -15,17 +15,17 @@ from pathlib import Path
 
 import pytest
 
-from app import paths
+from app.base import paths
+from app.base.errors import ConfigError
 from app.cli import main
 from app.commands.arguments import find_log, moment, names, number, whole
 from app.commands.replay import _phi, _speed
-from app.config import load_configuration
-from app.errors import ConfigError
-from app.recording.damage import place
-from app.recording.mcap_file import McapFile
-from app.recording.ros.encoder import Encoder
+from app.logs.mcap.damage import place
+from app.logs.mcap.open_file import McapFile
+from app.logs.ros.encoder import Encoder
+from app.program.config import load_configuration
+from tests.logs.replay.logs import BEGIN, damage, lab_manifest, lab_messages, write_log
 from tests.patience import PATIENCE_S
-from tests.replay.logs import BEGIN, damage, lab_manifest, lab_messages, write_log
 
 pytestmark = [pytest.mark.slow, pytest.mark.blocking(reason="the virtual loop waits for threads by design")]
 

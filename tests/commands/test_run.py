@@ -25,8 +25,8 @@ import pytest
 from app import cli
 from app.commands.run import Stopping, login_url, serve_once_started
 from app.link import LinkFailed
+from app.program.system import System
 from app.robots.simulated.gl import check_gl
-from app.system import System
 from tests.patience import PATIENCE_S
 
 HBBA = Path(sys.executable).with_name("hbba")

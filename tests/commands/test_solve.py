@@ -12,12 +12,12 @@ from typing import Any
 
 import pytest
 
-from app import paths
 from app.attention.problem import Problem
 from app.attention.variants import Variants
+from app.base import paths
+from app.base.errors import ConfigError
 from app.commands import solve
 from app.console.rest.goal import INTENSITY, UTILITY
-from app.errors import ConfigError
 
 DOCS = Path(__file__).parents[2] / "docs"
 EXAMPLES = DOCS / "examples"
@@ -214,7 +214,7 @@ def test_a_file_that_takes_longer_to_read_than_there_is_time_is_given_up(
         while True:
             pass
 
-    monkeypatch.setattr("app.yaml_source.load_yaml", read)
+    monkeypatch.setattr("app.base.yaml_source.load_yaml", read)
     assert hbba_solve("endless.yaml", "--time-limit", "0.05") == 1
     assert capsys.readouterr().err == (
         "hbba solve: the time was over before endless.yaml was read; try a greater --time-limit\n"
@@ -275,7 +275,7 @@ def test_arguments() -> None:
 def test_schema(capsys: pytest.CaptureFixture[str]) -> None:
     """The schema accepts the examples and refuses what the reader refuses."""
     jsonschema = pytest.importorskip("jsonschema")
-    from app.yaml_source import load_text, load_yaml
+    from app.base.yaml_source import load_text, load_yaml
 
     assert hbba_solve("--schema") == 0
     schema = json.loads(capsys.readouterr().out)

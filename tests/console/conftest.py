@@ -13,10 +13,10 @@ from fastapi import FastAPI
 
 from app.console.app import create_app
 from app.console.live.hub import Hub
-from app.system import System
+from app.program.system import System
 from tests.console.program import Body, build, served, write_page
 from tests.console.scripted_recorder import ScriptedRecorder
-from tests.replay.playing import Played, played
+from tests.logs.replay.playing import Played, played
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from app.geometry import Pose3
+from app.base.geometry import Pose3
 from app.messages import EncodedImage, Face, Faces, QRCode, QRCodes, SoundSource, SoundSources
 
 IMV = "imv_optical_frame"

@@ -6,7 +6,7 @@ import asyncio
 
 import numpy as np
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.maps.control import Files, MapUnavailable
 from app.maps.library import MapLibrary
 from app.messages import (

@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 from fastapi import FastAPI
 
-from app import paths
-from app.config import load_configuration
+from app.base import paths
 from app.console.server import listen, serve, url_of
 from app.link import BaseLimits, LinkFailed, RobotDescription, StreamDescription
+from app.logs.library import RecordingLibrary
 from app.maps.library import MapLibrary
 from app.messages import Audio, Image, JointState, LaserScan, LinkStatus, Odometry, Twist
-from app.recording.library import RecordingLibrary
+from app.program.config import load_configuration
+from app.program.system import System
 from app.runtime.clock import Clock
-from app.system import System
 
 MODEL = paths.config_dir() / "robots" / "irl1_tr.urdf"
 STREAMS = {
@@ -249,7 +249,7 @@ def write_page(folder: Path) -> Path:
 
 def image(stamp: float, *, width: int = 64, height: int = 48) -> Image:
     """A camera image with depth: a wall 2 m ahead."""
-    from app.geometry import CameraModel, Pose3
+    from app.base.geometry import CameraModel, Pose3
 
     color = np.full((height, width, 3), 120, np.uint8)
     depth = np.full((height, width), 2000, np.uint16)

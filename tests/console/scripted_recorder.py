@@ -9,14 +9,14 @@ from typing import Any
 
 from mcap.writer import Writer
 
+from app.logs.control import RecorderControl, RecorderUnavailable
+from app.logs.layout import FACTS
+from app.logs.library import RecordingLibrary
+from app.logs.log import LogError
+from app.logs.stamps import to_ns
 from app.messages import Image, RecorderStatus
-from app.recording.control import RecorderControl, RecorderUnavailable
-from app.recording.library import RecordingLibrary
-from app.recording.log import LogError
-from app.recording.mcap_layout import FACTS
-from app.recording.stamps import to_ns
+from app.program.system import System
 from app.runtime.module import Module, ModuleContext
-from app.system import System
 
 LENGTH_S = 3.0
 

@@ -18,7 +18,7 @@ from app.console.app import create_app
 from app.console.description import describe
 from app.console.problems import MEDIA_TYPE
 from app.console.rest.attention import KINDS_PATTERN
-from app.system import System
+from app.program.system import System
 
 #: What client generators call their functions. A name that is changed here breaks the programs of others.
 NAMES = """\

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from app.base.geometry import Pose2, Pose3
 from app.console.perceived import perceived_json
 from app.console.percepts import Percepts
-from app.geometry import Pose2, Pose3
 from app.messages import LoudNoise, Odometry
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import VirtualClock

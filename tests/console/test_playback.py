@@ -13,14 +13,14 @@ import httpx
 import pytest
 
 from app.console.app import create_app
+from app.logs.mcap.reader import McapLog
 from app.messages import LaserScan, Odometry
-from app.recording.mcap_log import McapLog
-from app.system import System
+from app.program.system import System
 from tests.console.live_client import Page, page
 from tests.console.program import build, served, write_page
+from tests.logs.replay.logs import BEGIN, MemoryLog, damage, lab_log, lab_manifest, lab_messages, write_log
+from tests.logs.replay.playing import Played, played, prepare
 from tests.patience import PATIENCE_S
-from tests.replay.logs import BEGIN, MemoryLog, damage, lab_log, lab_manifest, lab_messages, write_log
-from tests.replay.playing import Played, played, prepare
 
 pytestmark = pytest.mark.slow
 

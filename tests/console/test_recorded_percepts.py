@@ -8,17 +8,17 @@ from typing import Any
 
 import pytest
 
-from app import paths
-from app.config import load_configuration
+from app.base import paths
+from app.logs.log import Logged
+from app.logs.manifest import Manifest
 from app.messages import LoudNoise, Message
-from app.recording.log import Logged
-from app.recording.manifest import Manifest
-from app.system import System
+from app.program.config import load_configuration
+from app.program.system import System
 from tests.console.live_client import page, voice
 from tests.console.percepts import faces, sound_source, sound_sources
 from tests.console.program import sound, write_program
-from tests.replay.logs import BEGIN, MemoryLog, lab_messages
-from tests.replay.playing import Played, prepare
+from tests.logs.replay.logs import BEGIN, MemoryLog, lab_messages
+from tests.logs.replay.playing import Played, prepare
 
 
 def manifest(folder: Path) -> Manifest:

@@ -8,16 +8,16 @@ from typing import Any
 import httpx
 import pytest
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
+from app.logs.log import Logged
 from app.messages import Message
-from app.recording.log import Logged
 from tests.console.live.test_way import pictured
 from tests.console.live_client import page
 from tests.console.places import grid, localization, path, status, zone, zones
 from tests.console.rest.test_routes import is_problem
 from tests.console.test_recorded_percepts import manifest
-from tests.replay.logs import BEGIN, MemoryLog, lab_messages
-from tests.replay.playing import Played, prepare
+from tests.logs.replay.logs import BEGIN, MemoryLog, lab_messages
+from tests.logs.replay.playing import Played, prepare
 
 SECOND = Pose2(5.0, 0.0, 0.0)
 

@@ -11,14 +11,14 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
-from app import paths
-from app.config import load_configuration
+from app.base import paths
+from app.base.geometry import Pose2
 from app.console.app import create_app
-from app.geometry import Pose2
+from app.logs.library import RecordingLibrary
+from app.logs.mcap.reader import McapLog
 from app.messages import Odometry
-from app.recording.library import RecordingLibrary
-from app.recording.mcap_log import McapLog
-from app.system import System
+from app.program.config import load_configuration
+from app.program.system import System
 from tests.console.program import Body, image
 from tests.patience import PATIENCE_S
 

@@ -13,8 +13,8 @@ from pathlib import Path
 import psutil
 import pytest
 
+from app.console.access.token import VARIABLE
 from app.console.replays import ReplayFailed, ReplayReplaced, Replays, reached_by
-from app.console.token import VARIABLE
 from tests.patience import PATIENCE_S
 
 #: Says where it is, who it is and what it was told, and stays.

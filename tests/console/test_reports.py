@@ -11,10 +11,10 @@ from app.attention.timeline import TimelineEvent
 from app.console import reports
 from app.console.playback import rate
 from app.messages import Exploitation, LinkStatus, Twist
+from app.program.system import System
 from app.runtime.clock import RealClock
 from app.runtime.freshness import Freshness
 from app.runtime.replay_clock import ReplayClock
-from app.system import System
 from tests.console.program import Body, image
 from tests.patience import PATIENCE_S
 

@@ -9,12 +9,12 @@ from typing import Literal
 
 import pytest
 
-from app.config import load_configuration
-from app.console import control
 from app.console.app import create_app
-from app.console.driving import Driving
+from app.console.drive import drive_lease
+from app.console.drive.drive_controller import Driving
 from app.console.live.hub import Hub
-from app.system import System
+from app.program.config import load_configuration
+from app.program.system import System
 from tests.console.program import Body
 
 FILES = {
@@ -91,10 +91,10 @@ async def test_who_would_drive_is_told_once_and_gets_no_wheel(system: System) ->
         told.append(text)
 
     driving = Driving(system.clock, system.link, None, notify, lambda: None)
-    driving.handle(control.Connected("page", "operator"))
+    driving.handle(drive_lease.Connected("page", "operator"))
     for sequence in range(3):
-        driving.handle(control.Drive("page", sequence, True, 1.0, 0.0))
-    driving.handle(control.TakeControl("page"))
+        driving.handle(drive_lease.Drive("page", sequence, True, 1.0, 0.0))
+    driving.handle(drive_lease.TakeControl("page"))
     assert driving.lease.driver is None
     assert told == ["This program drives nothing: no module takes operator_drive."]
-    driving.handle(control.Gone("page"))
+    driving.handle(drive_lease.Gone("page"))

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from app.logs.ros import typestore
+from app.logs.ros.camera import FisheyeImageInfo
+from app.logs.ros.converters import CONVERTERS, Options, converter
+from app.logs.ros.generated import generated
+from app.logs.ros.record import MAIN, Converter
 from app.messages import Image, QRCodes
-from app.recording.ros import typestore
-from app.recording.ros.camera import FisheyeImageInfo
-from app.recording.ros.converters import CONVERTERS, Options, converter
-from app.recording.ros.generated import generated
-from app.recording.ros.record import MAIN, Converter
-from tests.recording.mcap_files import drive, write_log
+from tests.logs.mcap.mcap_files import drive, write_log
 
 PAGE = (Path(__file__).parents[2] / "docs" / "recording-format.md").read_text("utf-8")
 

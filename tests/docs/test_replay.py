@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.replay.logs import lab_manifest, lab_messages, write_log
+from tests.logs.replay.logs import lab_manifest, lab_messages, write_log
 
 PAGE = Path(__file__).parents[2] / "docs" / "replay.md"
 

@@ -15,16 +15,17 @@ import pytest
 import yaml
 
 import app.modules.behaviors
-from app import cli, paths
+from app import cli
 from app.attention.desires import DesireClass, Source
-from app.config import Configuration, load_configuration
-from app.errors import ConfigError
+from app.base import paths
+from app.base.errors import ConfigError
 from app.experiments.lockstep import WorldRun, run_in_world
 from app.messages import Exploitation
 from app.modules import desire_classes as real_classes
+from app.program.config import Configuration, load_configuration
+from app.program.system import System
 from app.robots.config import RobotConfig
 from app.robots.factory import load_body
-from app.system import System
 from tests.robots.conftest import make_hall
 
 ROOT = Path(__file__).parents[2]
@@ -63,7 +64,7 @@ def checkout(tmp_path: Path, blocks: dict[str, str], monkeypatch: pytest.MonkeyP
     )
     classes = with_the_class(blocks[CLASSES])
     monkeypatch.setattr(real_classes, "desire_classes", classes)
-    monkeypatch.setattr("app.system.desire_classes", classes)
+    monkeypatch.setattr("app.program.system.desire_classes", classes)
     yield tmp_path
     sys.modules.pop(IMPORTED, None)
     vars(app.modules.behaviors).pop("approach", None)

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import pytest
 
-from app import paths
 from app.attention.desires import Source
-from app.config import Configuration, load_configuration
-from app.errors import ConfigError
+from app.base import paths
+from app.base.errors import ConfigError
 from app.experiments.lockstep import WorldRun, able, run_in_world, with_settings
 from app.link import LinkFailed
 from app.messages import LaserScan, OperatorDrive
+from app.program.config import Configuration, load_configuration
 from app.robots.config import RobotConfig
 from app.robots.factory import create_lockstep, load_body
 from app.robots.simulated.world_config import WorldConfig

@@ -14,7 +14,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
+from app.base.geometry import Pose2, Pose3, wrap_angle
 from app.experiments.script import (
     PATIENCE_S,
     ScriptBlocked,
@@ -25,10 +26,9 @@ from app.experiments.script import (
     load_script,
     steer,
 )
-from app.geometry import Pose2, Pose3, wrap_angle
 from app.messages import GroundTruth, LaserScan, OperatorDrive
+from app.program.system import System
 from app.runtime.clock import VirtualClock, run_virtual
-from app.system import System
 
 LIMIT_MPS, LIMIT_RADPS = 0.4, 1.0
 

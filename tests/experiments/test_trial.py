@@ -10,7 +10,7 @@ import yaml
 
 from app.experiments.simulated import simulated_program
 from app.experiments.trial import run
-from app.recording.open import open_log
+from app.logs.open import open_log
 
 # The loop is virtual, and its drawing and hearing are meant to hold it up.
 pytestmark = pytest.mark.blocking(reason="the virtual loop waits for threads by design")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.maps.control import Files, MapControl, MapUnavailable
 from app.messages import Zone
 

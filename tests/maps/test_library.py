@@ -12,11 +12,10 @@ import cv2
 import numpy as np
 import pytest
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 from app.maps.library import GRAPH, MAP, PICTURE, ZONES, MapLibrary, MapNameTaken, UnknownMap, default_folder
 from app.messages import Zone
-
-from .grids import room
+from tests.maps.grids import room
 
 STAIRS = Zone("stairs", "keep_out", np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), 1.0)
 

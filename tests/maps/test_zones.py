@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 from app.maps.zones import checked, crossing, read_zones, zones_text
 from app.messages import Zone
 

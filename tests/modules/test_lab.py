@@ -12,15 +12,14 @@ from app.attention.problem import Problem
 from app.attention.solver import solve
 from app.attention.strategies import Strategy, StrategyTable, load_strategies
 from app.attention.workspace import IntentionWorkspace
+from app.base.yaml_source import load_yaml
 from app.link import RobotLink
 from app.modules.desire_classes import desire_classes
 from app.modules.motivations.scenario_coordinator import USUAL
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import VirtualClock, run_virtual
 from app.runtime.graph import Graph, ModuleSpec
-from app.yaml_source import load_yaml
-
-from .fakes import FakeLink
+from tests.modules.fakes import FakeLink
 
 CONFIG = Path(__file__).parents[2] / "config"
 

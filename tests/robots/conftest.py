@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
+from app.base.yaml_source import parse
 from app.robots.config import RobotConfig, load_robot_config
 from app.robots.simulated.gl import check_gl
 from app.robots.simulated.world_config import WorldConfig
-from app.yaml_source import parse
 
 CONFIG = Path(__file__).parents[2] / "config"
 needs_gl = pytest.mark.skipif(check_gl() is not None, reason=check_gl() or "")

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 from app.messages import GroundTruth, Image, LaserScan
 from app.robots.config import RobotConfig, StartPose, check_footprint, circle, load_robot_config
 from app.robots.factory import create_link

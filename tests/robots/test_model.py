@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 from app.robots.model import load_model
 
 URDF = Path(__file__).parents[2] / "config" / "robots" / "irl1_tr.urdf"

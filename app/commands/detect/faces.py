@@ -82,7 +82,7 @@ class _Faces:
         return [_face(face) for face in self._finder.find_all_sizes(picture)]
 
     def begin(self) -> None:
-        from app.modules.perception.faces.tracks import FaceTracks
+        from app.modules.perception.faces.face_tracks import FaceTracks
 
         self._following = FaceTracks()
         self._tracks: dict[int, Found] = {}

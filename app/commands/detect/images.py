@@ -6,9 +6,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from app.base.errors import ConfigError
+from app.base.plain_file import read_plain
 from app.commands.detect.videos import VIDEO_SUFFIXES, VIDEOS
-from app.errors import ConfigError
-from app.plain_file import read_plain
 
 if TYPE_CHECKING:
     import numpy as np
@@ -55,7 +55,7 @@ def read_image(path: Path) -> NDArray[np.uint8]:
     import cv2
     import numpy as np
 
-    from app.pictures import BEGINNINGS, MOST_BYTES, TooLarge, decoded, kind_of
+    from app.base.image_source import BEGINNINGS, MOST_BYTES, TooLarge, decoded, kind_of
 
     try:
         raw = read_plain(path, MOST_BYTES)

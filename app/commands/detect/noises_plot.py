@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 from app.modules.perception.loud_noises import decibels
 
 #: More points than this are more than a plot shows: neighbours are then one, the one nearest to being loud.

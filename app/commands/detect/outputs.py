@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 
 
 def make_folder(folder: Path, option: str) -> None:

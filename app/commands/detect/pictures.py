@@ -7,13 +7,13 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+from app.base.errors import ConfigError
 from app.commands.arguments import file_named
 from app.commands.detect.images import NoImage, find_images, read_image
 from app.commands.detect.outputs import make_folder, unused
 from app.commands.detect.videos import Copy, NoVideo, VideoFile, add_pace, is_video
 from app.commands.output import add_json
 from app.commands.progress import Progress, part, shown
-from app.errors import ConfigError
 
 if TYPE_CHECKING:
     import numpy as np

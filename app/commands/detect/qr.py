@@ -91,7 +91,7 @@ class _Codes:
     def _read_fisheye(self, picture: NDArray[np.uint8]) -> list[Code]:
         import math
 
-        from app.geometry import FisheyeModel, Pose3
+        from app.base.geometry import FisheyeModel, Pose3
         from app.messages import Image
         from app.modules.perception.fisheye_patches import FisheyePatches
         from app.modules.perception.qr_codes import detect_panorama

@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from app.base.errors import ConfigError
+from app.base.plain_file import check_plain
 from app.commands.progress import Progress, part, shown
-from app.errors import ConfigError
-from app.plain_file import check_plain
 
 if TYPE_CHECKING:
     import numpy as np

@@ -10,16 +10,16 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from app.base.errors import ConfigError
+from app.base.plain_file import check_plain, open_plain
 from app.commands.arguments import number, whole
-from app.errors import ConfigError
-from app.plain_file import check_plain, open_plain
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     from app.commands.progress import Progress
-    from app.recording.export.mp4 import Video
+    from app.log_tools.export.mp4 import Video
 
 #: Endings under which videos are looked for in folders; a file that is named is known by how it begins, too.
 VIDEO_SUFFIXES = frozenset({".mp4", ".m4v", ".mov", ".webm", ".mkv", ".avi"})
@@ -66,7 +66,7 @@ class VideoFile:
     def __init__(self, path: Path) -> None:
         import cv2
 
-        from app.pictures import MOST_PIXELS
+        from app.base.image_source import MOST_PIXELS
 
         # FFmpeg's own words about a file say nothing to people.
         os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
@@ -154,7 +154,7 @@ class Copy:
             import cv2
             import numpy as np
 
-            from app.recording.export.mp4 import even_sided, open_video
+            from app.log_tools.export.mp4 import even_sided, open_video
 
             picture = even_sided(picture)
             if self._video is None:
@@ -180,7 +180,7 @@ class _Written:
     def __enter__(self) -> None: ...
 
     def __exit__(self, kind: type[BaseException] | None, failure: BaseException | None, trace: Any) -> None:
-        from app.recording.log import LogError
+        from app.logs.log import LogError
 
         if isinstance(failure, OSError):
             reason = failure.strerror or str(failure)

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from app.base.errors import ConfigError
 from app.commands.arguments import file_named, number, whole
 from app.commands.detect.outputs import make_folder, unused
 from app.commands.detect.sounds import (
@@ -22,15 +23,14 @@ from app.commands.detect.voices_report import Heard, Writer, percept, print_tabl
 from app.commands.output import add_json, print_json
 from app.commands.packaged import config_file
 from app.commands.progress import Progress
-from app.errors import ConfigError
 
 if TYPE_CHECKING:
     import numpy as np
     import soundfile
     from numpy.typing import NDArray
 
-    from app.modules.perception.voices.array import MicrophoneArray
     from app.modules.perception.voices.array_check import ArrayCheck
+    from app.modules.perception.voices.microphone_array import MicrophoneArray
 
 COMMAND = "hbba detect voices"
 #: Slower sound has no room for what tells voices apart.
@@ -73,7 +73,7 @@ def add_parser(kinds: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Listen to the files. Raises ConfigError."""
     paths = find_sounds(args.files)
-    from app.modules.perception.voices.array import load_array
+    from app.modules.perception.voices.microphone_array import load_array
 
     args.array = config_file(args.array, "array", "--array")
     array = load_array(args.array)
@@ -128,7 +128,7 @@ def _heard(
     # Half a second of imports, which a file that cannot be used shall not wait for.
     import numpy as np
 
-    from app.modules.perception.voices.array import MicrophoneArray
+    from app.modules.perception.voices.microphone_array import MicrophoneArray
     from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
 
     rate = recording.samplerate

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 
 if TYPE_CHECKING:
     from app.messages import SeparatedSound, SoundSource, SoundSources

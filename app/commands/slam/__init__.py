@@ -7,9 +7,9 @@ import math
 from pathlib import Path
 from typing import Any
 
+from app.base.errors import ConfigError
 from app.commands.arguments import number, whole
 from app.commands.output import add_json, print_json
-from app.errors import ConfigError
 
 
 def add_parser(subparsers: Any) -> None:

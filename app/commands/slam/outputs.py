@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 
 if TYPE_CHECKING:
     from app.messages import OccupancyGrid
@@ -42,7 +42,7 @@ def write(folder: Path, log: MappedLog, check: Checked) -> list[str]:
 def drawn(log: MappedLog) -> OccupancyGrid:
     """The occupancy grid of all keyframes, no larger than what is known."""
     from app.messages import OccupancyGrid, read_only
-    from app.modules.perception.slam.drawing import MapDrawing
+    from app.modules.perception.slam.map_rendering import MapDrawing
     from app.modules.perception.slam.occupancy import cropped
 
     drawing = MapDrawing()

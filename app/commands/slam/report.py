@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -14,19 +14,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from app.base.errors import ConfigError
+from app.base.geometry import Pose2
+from app.base.npz_source import read_arrays
+from app.base.pose_buffer import PoseBuffer
 from app.commands.arguments import find_log
-from app.errors import ConfigError
-from app.geometry import Pose2
+from app.logs.stamps import JITTER_S, Onward
 from app.messages import LaserScan, Odometry
-from app.npz_source import read_arrays
-from app.pose_buffer import PoseBuffer
-from app.recording.stamps import JITTER_S, Onward
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from app.logs.log import Log
     from app.modules.perception.slam.offline import Sweep
-    from app.recording.log import Log
 
 _RANGE_MIN_M = 0.05
 _RANGE_MAX_M = 80.0
@@ -64,9 +64,9 @@ def open_sweeps(args: argparse.Namespace) -> SweepSource:
     for option in ("angle_min", "angle_step", "range_max", "laser_x"):
         if getattr(args, option) is not None:
             raise ConfigError(f"--{option.replace('_', '-')} is for .npz; {path} says it itself")
-    from app.recording.foreign.remap import load_remap
-    from app.recording.log import LogError
-    from app.recording.open import ACCEPTED, open_log
+    from app.logs.importers.remap import load_remap
+    from app.logs.log import LogError
+    from app.logs.open import ACCEPTED, open_log
 
     try:
         log = open_log(path, None if args.remap is None else load_remap(args.remap))
@@ -110,9 +110,9 @@ def _channel(
 
 def _of_log(source: SweepSource, log: Log, scans: str, odometry: str) -> Iterator[Sweep]:
     """Raises ConfigError where the log is damaged."""
+    from app.logs.log import LogError
     from app.modules.perception.slam.beams import BeamsOf
     from app.modules.perception.slam.offline import Sweep
-    from app.recording.log import LogError
 
     poses = PoseBuffer(span_s=10.0)
     twist = (0.0, 0.0)
@@ -190,11 +190,11 @@ class _Readings:
 
 def _arrays(path: Path, args: argparse.Namespace) -> SweepSource:
     ranges, poses, stamps = _loaded(path)
+    from app.logs.importers.carmen_clock import ASSUMED_PERIOD_S
+    from app.logs.importers.carmen_lines import lms_angles
+    from app.logs.importers.range_limit import FarEnd
     from app.modules.perception.slam.offline import Sweep
     from app.modules.perception.slam.scans import Beams
-    from app.recording.foreign.carmen_clock import ASSUMED_PERIOD_S
-    from app.recording.foreign.carmen_lines import lms_angles
-    from app.recording.foreign.far_end import FarEnd
 
     first, step = lms_angles(ranges.shape[1])
     if args.angle_min is not None:

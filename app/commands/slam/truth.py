@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from app.base.errors import ConfigError
+from app.base.plain_file import read_plain
 from app.commands.slam.sweeps import sweep_key
-from app.errors import ConfigError
 from app.messages import LaserScan, Odometry
-from app.plain_file import read_plain
 
 #: A list of relations is no longer.
 _MOST_BYTES = 100_000_000
@@ -68,8 +68,8 @@ def read_relations(path: Path) -> Relations:
 
 def read_reference(path: Path) -> Reference:
     """The corrected poses of ``path``: that of each scan's line. Raises ConfigError."""
-    from app.recording.log import LogError
-    from app.recording.open import open_log
+    from app.logs.log import LogError
+    from app.logs.open import open_log
 
     stamps: list[float] = []
     keys: list[bytes] = []

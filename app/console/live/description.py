@@ -9,10 +9,10 @@ import msgspec
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
+from app.console.access.auth import COOKIE
 from app.console.json_schema import with_plain_lists
 from app.console.live import protocol
 from app.console.live.messages import FROM_ROBOT
-from app.console.security import COOKIE
 
 _REFERENCE = "#/components/schemas/{}"
 _ABOUT = """One WebSocket carries everything that changes too fast for polling, and in the other direction the

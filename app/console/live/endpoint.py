@@ -8,11 +8,11 @@ import msgspec
 from fastapi import WebSocket
 from starlette.websockets import WebSocketDisconnect
 
-from app.console import control
+from app.console.access.operators import operator_name
+from app.console.drive import drive_lease
 from app.console.live import protocol
 from app.console.live.hub import Hub
 from app.console.live.viewer import Viewer
-from app.console.operators import operator_name
 from app.console.wire import encode_text
 from app.runtime.clock import Clock
 
@@ -61,13 +61,13 @@ def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
     try:
         message = protocol.decode(text)
     except msgspec.DecodeError:
-        driving.handle(control.Garbled(session))
+        driving.handle(drive_lease.Garbled(session))
         return
     match message:
         case protocol.DriveMessage():
             judged = viewer.age.judge(now, protocol.times(message))
             driving.handle(
-                control.Drive(
+                drive_lease.Drive(
                     session,
                     message.seq,
                     message.held,
@@ -81,7 +81,7 @@ def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
         case protocol.PingMessage():
             viewer.rtt_ms = message.rtt_ms
             viewer.age.judge(now, protocol.times(message))
-            driving.handle(control.Heard(session))
+            driving.handle(drive_lease.Heard(session))
             viewer.outbox.put("pong", encode_text({"type": "pong", "t": message.t, "stamp": now}))
         case protocol.AckMessage():
             viewer.outbox.picture_drawn(message.kind)
@@ -99,4 +99,4 @@ def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
         case protocol.TakeControlMessage():
             driving.take_control(session, viewer.age.judge(now, protocol.times(message)))
         case protocol.ReleaseControlMessage():
-            driving.handle(control.ReleaseControl(session))
+            driving.handle(drive_lease.ReleaseControl(session))

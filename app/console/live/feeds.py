@@ -8,17 +8,17 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from app.console import reports
+from app.console.drive.telepresence_desire import Presence, Spectators
 from app.console.live.grid_feed import GridFeed
 from app.console.live.protocol import CAMERA, COSTMAP, MAP, PANORAMA, picture_frame, sound_frame
 from app.console.live.viewer import Viewer
-from app.console.presence import Presence, Spectators
 from app.console.taps import Tap
 from app.console.way import COSTMAP as COSTMAP_CHANNEL
 from app.console.way import MAP as MAP_CHANNEL
 from app.messages import Audio, EncodedImage
 
 if TYPE_CHECKING:
-    from app.replay.playback import Playback
+    from app.logs.replay.playback import Playback
     from app.runtime.clock import Clock
     from app.runtime.graph import Graph
 

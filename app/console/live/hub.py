@@ -14,10 +14,12 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 from app.attention.serialize import desire_to_json, event_to_json, intention_to_json
-from app.console import control, reports
-from app.console.driving import Driving, hands
-from app.console.goals import withdraw_all
-from app.console.live.command_age import CommandAge
+from app.console import reports
+from app.console.drive import drive_lease
+from app.console.drive.command_age import CommandAge
+from app.console.drive.drive_controller import Driving, hands
+from app.console.drive.goals import withdraw_all
+from app.console.drive.telepresence_desire import LISTEN, WATCH, Presence, Spectators
 from app.console.live.feeds import GRIDS, PICTURES, SOUND_CHANNEL, Feeds, comes
 from app.console.live.protocol import CAMERA, COSTMAP, MAP, PANORAMA, PROTOCOL
 from app.console.live.sampler import Sampler
@@ -25,7 +27,6 @@ from app.console.live.speech import Speech
 from app.console.live.viewer import Viewer
 from app.console.percepts import Percepts
 from app.console.playback import PERIOD_S, playback_json
-from app.console.presence import LISTEN, WATCH, Presence, Spectators
 from app.console.recordings import RecorderReport
 from app.console.taps import Tap
 from app.console.way import WayReport
@@ -34,8 +35,8 @@ from app.messages import LinkStatus
 
 if TYPE_CHECKING:
     from app.attention.timeline import TimelineEvent
-    from app.replay.playback import Playback
-    from app.system import System
+    from app.logs.replay.playback import Playback
+    from app.program.system import System
 
 Level = Literal["info", "warning", "error"]
 
@@ -155,7 +156,7 @@ class Hub:
         viewer = Viewer(secrets.token_hex(6), operator, CommandAge(validity_s))
         first = not self._viewers
         self._viewers[viewer.session] = viewer
-        self.driving.handle(control.Connected(viewer.session, operator))
+        self.driving.handle(drive_lease.Connected(viewer.session, operator))
         if first:
             self._start_watching()
         viewer.outbox.put_urgent(self._hello(viewer))
@@ -167,7 +168,7 @@ class Hub:
 
     def leave(self, viewer: Viewer) -> None:
         """Its connection ended: the robot stops at once if it drove, and is silent if it spoke."""
-        self.driving.handle(control.Gone(viewer.session))
+        self.driving.handle(drive_lease.Gone(viewer.session))
         self.speech.gone(viewer.session)
         self._viewers.pop(viewer.session, None)
         self._feeds.update()

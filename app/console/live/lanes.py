@@ -7,8 +7,8 @@ from collections import deque
 from collections.abc import Iterable, Mapping
 from typing import Any, Protocol
 
-from app.attention.chronicle import divisor_json
 from app.attention.strategies import CLOSED, Strategy
+from app.attention.timeline_writer import divisor_json
 from app.runtime.graph import Graph
 
 #: Relative rates are measured over this long.

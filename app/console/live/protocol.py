@@ -11,7 +11,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from app.console.live.command_age import Times
+from app.console.drive.command_age import Times
 from app.messages import Audio, EncodedImage, read_only
 
 PROTOCOL = 1

@@ -18,7 +18,7 @@ from app.console.wire import encode_text
 from app.messages import Exploitation, Landmarks, LinkStatus, Odometry
 
 if TYPE_CHECKING:
-    from app.system import System
+    from app.program.system import System
 
 PERIOD_S = 0.05
 #: What is told at up to 10 Hz is looked at every so many periods.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from app.console.live.command_age import CommandAge
+from app.console.drive.command_age import CommandAge
 from app.console.live.outbox import Outbox
 from app.console.live.protocol import CAMERA
 

@@ -23,7 +23,7 @@ from app.console.rest.models import (
 from app.console.rest.routing import router as api_router
 
 if TYPE_CHECKING:
-    from app.system import System
+    from app.program.system import System
 
 MOST_EVENTS = 1000
 KINDS = get_args(EventKind)

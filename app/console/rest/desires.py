@@ -11,7 +11,7 @@ from app.attention.desires import Source
 from app.attention.serialize import desire_to_json
 from app.attention.workspace import KEEP
 from app.console import reports
-from app.console.operators import operator_name
+from app.console.access.operators import operator_name
 from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
 from app.console.rest.idempotency import KEY_LIMITS, IdempotencyStore
@@ -26,7 +26,7 @@ from app.console.rest.models import (
 from app.console.rest.routing import router as api_router
 
 if TYPE_CHECKING:
-    from app.system import System
+    from app.program.system import System
 
 DesireId = Annotated[str, Path(min_length=1, description="Id of the desire.", examples=["d-3f0c81a2b4"])]
 

@@ -8,7 +8,8 @@ from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
 from app.attention.serialize import desire_to_json
-from app.console.goals import GO_TO, asked_here, withdraw
+from app.base.geometry import wrap_angle
+from app.console.drive.goals import GO_TO, asked_here, withdraw
 from app.console.live.hub import Hub
 from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
@@ -16,10 +17,9 @@ from app.console.rest.desires import IN_SOMEBODYS_NAME, refuse_too_many, source_
 from app.console.rest.map_models import GoalModel, GoalRequest
 from app.console.rest.models import DesireModel
 from app.console.rest.routing import router as api_router
-from app.geometry import wrap_angle
 
 if TYPE_CHECKING:
-    from app.system import System
+    from app.program.system import System
 
 #: As much as anything can be desired, since whoever points somewhere wants it now; of equals the newest is heard.
 INTENSITY = 8.0

@@ -12,7 +12,10 @@ from fastapi import APIRouter, Path
 from fastapi.responses import Response
 from pydantic import ValidationError
 
-from app.console.goals import withdraw_all
+from app.base.errors import ConfigError
+from app.base.geometry import Pose2
+from app.base.yaml_source import validation_message
+from app.console.drive.goals import withdraw_all
 from app.console.problems import Problem
 from app.console.rest.answers import BYTES, Json, problems
 from app.console.rest.map_models import (
@@ -27,16 +30,13 @@ from app.console.rest.map_models import (
 )
 from app.console.rest.routing import router as api_router
 from app.console.way import WayReport, zones_json
-from app.errors import ConfigError
-from app.geometry import Pose2
 from app.maps.control import MapKeeper, MapUnavailable
 from app.maps.library import MapFacts, MapNameTaken, UnknownMap
 from app.maps.zones import ZoneEntry, checked
 from app.messages import Zone, read_only
-from app.yaml_source import validation_message
 
 if TYPE_CHECKING:
-    from app.system import System
+    from app.program.system import System
 
 T = TypeVar("T")
 Name = Annotated[

@@ -13,10 +13,10 @@ from app.console.problems import Problem
 from app.console.rest.answers import Json, problems
 from app.console.rest.playback_models import PlaybackChange, PlaybackModel
 from app.console.rest.routing import router as api_router
-from app.recording.log import LogError
+from app.logs.log import LogError
 
 if TYPE_CHECKING:
-    from app.replay.playback import Playback
+    from app.logs.replay.playback import Playback
 
 
 def playback_router(playback: Playback | None) -> APIRouter:

@@ -7,7 +7,7 @@ from typing import Literal
 from pydantic import Field
 
 from app.console.rest.models import Answer, Request, Stamp
-from app.replay.playback_state import FASTEST, SLOWEST
+from app.logs.replay.playback_state import FASTEST, SLOWEST
 
 _SPEED = "Seconds of the recording in a real second; null: as fast as possible, nothing dropped."
 

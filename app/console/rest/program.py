@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 from fastapi import APIRouter, Path, Query, Request
 from fastapi.responses import Response
 
-from app.attention.chronicle import source_words
+from app.attention.timeline_writer import source_words
 from app.console import reports
-from app.console.driving import PRESSED_AGAIN, RECORDING
+from app.console.drive.drive_controller import PRESSED_AGAIN, RECORDING
 from app.console.live.hub import Hub
 from app.console.playback import rate
 from app.console.problems import Problem
@@ -30,9 +30,9 @@ from app.console.rest.routing import router as api_router
 
 if TYPE_CHECKING:
     from app.messages import LinkStatus
+    from app.program.system import System
     from app.runtime.freshness import Freshness
     from app.runtime.graph import Graph
-    from app.system import System
 
 
 #: The person who releases the emergency stop has looked at the robot within this time (s).

@@ -8,7 +8,7 @@ from pydantic import AfterValidator, Field
 
 from app.console.recordings import INTENSITY, UTILITY
 from app.console.rest.models import Answer, DesireModel, Request, Stamp
-from app.recording.library import NAME_PATTERN, name_or_nothing
+from app.logs.library import NAME_PATTERN, name_or_nothing
 
 #: Empty: a name made of the time.
 Name = Annotated[str, AfterValidator(name_or_nothing), Field(json_schema_extra={"pattern": NAME_PATTERN})]

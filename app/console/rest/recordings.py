@@ -28,13 +28,13 @@ from app.console.rest.recording_models import (
     Withdrawn,
 )
 from app.console.rest.routing import router as api_router
-from app.recording.catalog import Catalog, Recording
-from app.recording.control import RecorderUnavailable
-from app.recording.library import NAME
-from app.recording.log import LogError
+from app.logs.catalog import Catalog, Recording
+from app.logs.control import RecorderUnavailable
+from app.logs.library import NAME
+from app.logs.log import LogError
 
 if TYPE_CHECKING:
-    from app.system import System
+    from app.program.system import System
 
 T = TypeVar("T")
 Name = Annotated[

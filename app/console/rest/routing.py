@@ -14,9 +14,9 @@ from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import Response
 
+from app.base.json_source import BeyondBounds, load_json
+from app.base.yaml_source import suggestion
 from app.console.problems import Problem
-from app.json_source import BeyondBounds, load_json
-from app.yaml_source import suggestion
 
 #: Pairs of these make one character; one alone is none, though JSON can say it.
 _ESCAPED_SURROGATE = re.compile(r"\\u[dD][89a-fA-F][0-9a-fA-F]{2}")

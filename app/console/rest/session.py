@@ -5,10 +5,10 @@ from __future__ import annotations
 from fastapi import APIRouter, Request
 from fastapi.responses import Response
 
+from app.console.access.auth import Door, cookie_fields, cookie_name
 from app.console.rest.answers import Json, problems
 from app.console.rest.program_models import LoginRequest, SessionModel
 from app.console.rest.routing import router as api_router
-from app.console.security import Door, cookie_fields, cookie_name
 
 
 def session_router(door: Door) -> APIRouter:

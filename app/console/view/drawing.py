@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.messages import LaserScan
 
 #: Laser points go from red at the robot to blue this far ahead of it (m).

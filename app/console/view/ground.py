@@ -15,13 +15,13 @@ import trimesh
 import viser
 from numpy.typing import NDArray
 
+from app.base.geometry import Pose2
 from app.console.view.drawing import moved, pose_arrays, thinned
 from app.console.view.floor import KEEP_OUT, SLOW, Layer, cost_points, floor_layer, rails, ribbon
 from app.console.view.map_pose import MapPose
-from app.console.view.pace import Pace
-from app.console.view.people import arrow_mesh
-from app.console.view.world import World
-from app.geometry import Pose2
+from app.console.view.person_nodes import arrow_mesh
+from app.console.view.scene_state import World
+from app.console.view.viewer_rate import Pace
 from app.messages import OccupancyGrid, PlannedPath, Zones
 
 #: A map is drawn anew no more often than this (s), the costmap than that; more seldom where drawing takes long.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.messages import Localization
 
 #: A change of X_MO by more than this is no drift that is being corrected, but a loop that was closed.

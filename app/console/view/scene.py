@@ -16,13 +16,13 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from app.base.geometry import Pose2
 from app.console.view.body import Body
 from app.console.view.drawing import colors_along_x, moved, point_size, pose_arrays, scan_points, thinned
 from app.console.view.ground import FloorLayers, Ground
-from app.console.view.pace import AT_LEAST, Pace
-from app.console.view.people import People
-from app.console.view.world import World
-from app.geometry import Pose2
+from app.console.view.person_nodes import People
+from app.console.view.scene_state import World
+from app.console.view.viewer_rate import AT_LEAST, Pace
 from app.messages import Landmark
 
 WORLD = "/odom"

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from app.geometry import Pose3
+from app.base.geometry import Pose3
 
 Color = tuple[int, int, int]
 

@@ -10,23 +10,23 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from app.base.geometry import Pose2
+from app.base.pose_buffer import PoseBuffer
 from app.console import reports
 from app.console.perceived import Perceived
 from app.console.percepts import Percepts
 from app.console.taps import Tap
 from app.console.view.budget import PointBudget, measured, silent
-from app.console.view.pace import Pace
-from app.console.view.painter import Painter
-from app.console.view.world import World
+from app.console.view.scene_state import World
+from app.console.view.scene_thread import Painter
+from app.console.view.viewer_rate import Pace
 from app.console.way import COSTMAP, LOCALIZATION, MAP, ZONES, WayReport
-from app.geometry import Pose2
 from app.messages import JointState, Landmarks, LaserScan, OccupancyGrid, Odometry, PointCloud
-from app.pose_buffer import PoseBuffer
 from app.runtime.half_imports import forget_half_imports
 
 if TYPE_CHECKING:
-    from app.replay.playback import Playback
-    from app.system import System
+    from app.logs.replay.playback import Playback
+    from app.program.system import System
 
 log = logging.getLogger("hbba.view")
 

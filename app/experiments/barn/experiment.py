@@ -7,13 +7,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from app import compiled, paths
-from app.errors import ConfigError
+from app.base import compiled, paths
+from app.base.errors import ConfigError
 from app.experiments.barn.result import WorldResult
 from app.experiments.barn.trial import Drive, Trial, cross, desire_goal
 from app.experiments.barn.worlds import BarnWorld, Worlds, chosen, load_worlds
-from app.experiments.kept import KeptResults, program_digest
 from app.experiments.pool import Trials
+from app.experiments.results_store import KeptResults, program_digest
 
 Told = Callable[[WorldResult, int, int], None]
 """Told each result as it comes, how many there are, and of how many."""

@@ -12,7 +12,7 @@ from matplotlib.collections import PatchCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 from app.experiments.barn.result import OUTCOMES, Summary, WorldResult
 from app.experiments.barn.worlds import BarnWorld
 

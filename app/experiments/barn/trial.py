@@ -12,14 +12,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from app.attention.desires import Source
-from app.config import load_configuration
-from app.errors import ConfigError
+from app.base.errors import ConfigError
+from app.base.geometry import Pose2
 from app.experiments.barn.result import Outcome, WorldResult
 from app.experiments.barn.worlds import BarnWorld
 from app.experiments.lockstep import WorldRun, run_in_world, with_settings
-from app.geometry import Pose2
 from app.maps.library import MapLibrary
 from app.messages import NavigationStatus
+from app.program.config import load_configuration
 from app.robots.config import RobotConfig
 from app.robots.factory import load_body
 

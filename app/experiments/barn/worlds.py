@@ -18,13 +18,13 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator, model_validator
 
-from app.errors import ConfigError
-from app.geometry import Pose2
-from app.json_source import BeyondBounds, load_json
-from app.plain_file import read_plain
+from app.base.errors import ConfigError
+from app.base.geometry import Pose2
+from app.base.json_source import BeyondBounds, load_json
+from app.base.plain_file import read_plain
+from app.base.yaml_source import validation_message
 from app.robots.config import StartPose
 from app.robots.simulated.world_config import CylindersConfig, LightConfig, MaterialConfig, WorldConfig
-from app.yaml_source import validation_message
 
 #: How high the cylinders are (m): above any laser on such a robot.
 HEIGHT_M = 1.0

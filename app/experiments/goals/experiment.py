@@ -9,16 +9,16 @@ from pathlib import Path
 
 import numpy as np
 
-from app import compiled, paths
-from app.config import load_configuration
-from app.errors import ConfigError
-from app.experiments.goals.ground import survey
+from app.base import compiled, paths
+from app.base.errors import ConfigError
+from app.base.geometry import Pose2
+from app.experiments.goals.goal_run import MAP, Shift, seeing, simulated_body, work
+from app.experiments.goals.reachable_floor import survey
 from app.experiments.goals.result import GoalResult
-from app.experiments.goals.shift import MAP, Shift, seeing, simulated_body, work
 from app.experiments.goals.tour import Tour, drive
-from app.experiments.kept import KeptResults, program_digest
 from app.experiments.pool import TrialSeries
-from app.geometry import Pose2
+from app.experiments.results_store import KeptResults, program_digest
+from app.program.config import load_configuration
 from app.robots.factory import simulated_parts
 
 #: A shift's goals are given one after another in one life of the program; shifts run beside each other. One that was

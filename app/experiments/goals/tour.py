@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.attention.desires import Source
-from app.config import load_configuration
-from app.experiments.goals.shift import MAP, UNCONCERNED, seeing, simulated_body
+from app.base.geometry import Pose2
+from app.experiments.goals.goal_run import MAP, UNCONCERNED, seeing, simulated_body
 from app.experiments.lockstep import WorldRun, run_in_world
 from app.experiments.script import Waypoint, drive_script, load_script
-from app.geometry import Pose2
 from app.maps.library import MapLibrary
+from app.program.config import load_configuration
 from app.robots.config import RobotConfig
 from app.runtime.graph import Pin
 

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 
 import psutil
 
-from app.children import python
-from app.errors import ConfigError
+from app.base.child_processes import python
+from app.base.errors import ConfigError
 
 #: CPU shares differ by this factor from one step of niceness to the next (Linux, sched(7)).
 NICE_STEP = 1.25

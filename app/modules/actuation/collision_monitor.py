@@ -23,7 +23,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.link import BaseLimits
 from app.messages import LaserScan
 from app.modules.actuation.swept_footprint import Floats, Points, Polygon, contact_times, may_decide

@@ -33,8 +33,8 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from app.link import BaseLimits, RobotDescription, RobotLink
 from app.messages import Exploitation, LaserScan, LinkStatus, Message, Odometry, OperatorDrive, Twist
 from app.modules.actuation.arbitration import Contender, approach, arbitrate, clamped
+from app.modules.actuation.collision_context import Lookout
 from app.modules.actuation.collision_monitor import CollisionMonitor, Rules
-from app.modules.actuation.lookout import Lookout
 from app.modules.body import attach, robot_link
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Caution, Input, Module, ModuleContext, Settings

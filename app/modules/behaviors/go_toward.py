@@ -24,21 +24,21 @@ from typing import Any
 import numpy as np
 from pydantic import Field as Setting
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.messages import LaserScan, Localization, NavigationStatus, Odometry, Twist, Zones
-from app.modules.behaviors.navigation.desired import goal_of
-from app.modules.behaviors.navigation.dynamic_window import DynamicWindow, DynamicWindowSettings
-from app.modules.behaviors.navigation.follower import Follower, Goal, Step
-from app.modules.behaviors.navigation.goals import Plan
-from app.modules.behaviors.navigation.health import unfit
+from app.modules.behaviors.navigation.controller import Body, Motion
+from app.modules.behaviors.navigation.costmap.scan_costmap import points_of, scan_field
+from app.modules.behaviors.navigation.costmap.zone_layer import speed_share
 from app.modules.behaviors.navigation.kernels import load_kernels
-from app.modules.behaviors.navigation.motion import Body, Motion
-from app.modules.behaviors.navigation.pose_watch import PoseWatch
-from app.modules.behaviors.navigation.recovery import RecoverySettings
-from app.modules.behaviors.navigation.scan_field import points_of, scan_field
-from app.modules.behaviors.navigation.telling import Teller
-from app.modules.behaviors.navigation.way import SpeedAt
-from app.modules.behaviors.navigation.zones import speed_share
+from app.modules.behaviors.navigation.planning.goal_planning import Plan
+from app.modules.behaviors.navigation.planning.reference_path import SpeedAt
+from app.modules.behaviors.navigation.recovery.recovery_behaviors import RecoverySettings
+from app.modules.behaviors.navigation.tracking.desired_goal import goal_of
+from app.modules.behaviors.navigation.tracking.dynamic_window import DynamicWindow, DynamicWindowSettings
+from app.modules.behaviors.navigation.tracking.localization_monitor import PoseWatch
+from app.modules.behaviors.navigation.tracking.path_tracker import Follower, Goal, Step
+from app.modules.behaviors.navigation.tracking.sensor_health import unfit
+from app.modules.behaviors.navigation.tracking.status_publisher import Teller
 from app.modules.body import robot_link
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings

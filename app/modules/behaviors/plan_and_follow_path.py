@@ -35,7 +35,7 @@ from typing import Any
 import numpy as np
 from pydantic import Field
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.maps.control import MapControl
 from app.maps.library import MapLibrary
 from app.messages import (
@@ -51,24 +51,24 @@ from app.messages import (
     Zones,
     read_only,
 )
-from app.modules.behaviors.navigation.costmap import CostmapSettings
-from app.modules.behaviors.navigation.desired import goal_of
-from app.modules.behaviors.navigation.follower import FollowerSettings, Goal
-from app.modules.behaviors.navigation.goals import Plan
-from app.modules.behaviors.navigation.inflation import CostSettings
+from app.modules.behaviors.navigation.costmap.inflation import CostSettings
+from app.modules.behaviors.navigation.costmap.local_costmap import CostmapSettings
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import ThingsMemory
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_store import ThingsKept
 from app.modules.behaviors.navigation.kernels import load_kernels
-from app.modules.behaviors.navigation.memory import ThingsMemory
-from app.modules.behaviors.navigation.periods import Periods
-from app.modules.behaviors.navigation.pilot import CONTROLLERS, Pilot, PilotSettings, Senses, Told
-from app.modules.behaviors.navigation.pose_watch import PoseWatch
-from app.modules.behaviors.navigation.recovery import RecoverySettings
-from app.modules.behaviors.navigation.telling import Teller
-from app.modules.behaviors.navigation.things_kept import ThingsKept
-from app.modules.behaviors.navigation.wayfinder import Answer, Request, Wayfinder
+from app.modules.behaviors.navigation.planning.global_planner import Answer, Request, Wayfinder
+from app.modules.behaviors.navigation.planning.goal_planning import Plan
+from app.modules.behaviors.navigation.recovery.recovery_behaviors import RecoverySettings
+from app.modules.behaviors.navigation.tracking.command_jitter import Periods
+from app.modules.behaviors.navigation.tracking.control_cycle import CONTROLLERS, Pilot, PilotSettings, Senses, Told
+from app.modules.behaviors.navigation.tracking.desired_goal import goal_of
+from app.modules.behaviors.navigation.tracking.localization_monitor import PoseWatch
+from app.modules.behaviors.navigation.tracking.path_tracker import FollowerSettings, Goal
+from app.modules.behaviors.navigation.tracking.status_publisher import Teller
 from app.modules.body import robot_link
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
-from app.runtime.punctual import go_first
+from app.runtime.realtime import go_first
 
 #: Between two costmaps published, s.
 _COSTMAP_S = 0.2

@@ -16,7 +16,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from app.geometry import Pose2, wrap_angle
+from app.base.geometry import Pose2, wrap_angle
 from app.messages import NavigationStatus
 
 #: What a behavior is about while it has a goal that it has not reached.

@@ -26,7 +26,7 @@ from pydantic import Field, model_validator
 from app.attention.desires import SCALE, Desire, Source
 from app.attention.timeline import Timeline
 from app.attention.workspace import IntentionWorkspace, UnknownDesire
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.messages import Exploitation, NavigationStatus
 from app.modules.motivations.distress import (
     Act,

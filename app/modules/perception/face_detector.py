@@ -24,12 +24,12 @@ from typing import Any
 import numpy as np
 from pydantic import Field
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.messages import Face, Faces, Image, Odometry, read_only
-from app.modules.perception.faces.placing import FaceLooker, Sighting
-from app.modules.perception.faces.tracks import FaceTracks, Placed, TrackModel, prepare
+from app.modules.perception.faces.face_position import FaceLooker, Sighting
+from app.modules.perception.faces.face_tracks import FaceTracks, Placed, TrackModel, prepare
 from app.modules.perception.faces.yunet import THRESHOLD
-from app.modules.perception.height import People
+from app.modules.perception.height_prior import People
 from app.modules.perception.opencv import use_calling_thread
 from app.modules.perception.pose_at import PoseAt
 from app.runtime.module import Module, ModuleContext, Settings

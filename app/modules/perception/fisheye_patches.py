@@ -18,7 +18,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import FisheyeModel
+from app.base.geometry import FisheyeModel
 
 #: (azimuth, elevation) of a patch's middle in steps of the grid, right and up.
 Cell = tuple[int, int]

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.messages import LaserScan
 
 #: Points so far (m) from the crossing say how the wall runs there, or where they are sparse a few on each side; fewer

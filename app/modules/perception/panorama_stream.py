@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from app.geometry import CameraModel, FisheyeModel, Pose3
+from app.base.geometry import CameraModel, FisheyeModel, Pose3
 from app.messages import Image
 from app.modules.perception.camera_stream import CameraStream, CameraStreamSettings, encode_jpeg
 from app.runtime.module import ModuleContext

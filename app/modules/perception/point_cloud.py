@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import CameraModel, FisheyeModel, Pose3
+from app.base.geometry import CameraModel, FisheyeModel, Pose3
 from app.messages import Image
 
 

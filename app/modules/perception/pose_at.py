@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import asyncio
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
+from app.base.pose_buffer import PoseBuffer
 from app.messages import Odometry
-from app.pose_buffer import PoseBuffer
 from app.runtime.clock import Clock
 
 

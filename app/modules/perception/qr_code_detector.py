@@ -34,7 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from app.geometry import FisheyeModel, Pose2
+from app.base.geometry import FisheyeModel, Pose2
 from app.messages import Image, Landmarks, LaserScan, Odometry, QRCode, QRCodes
 from app.modules.perception.fisheye_patches import FisheyePatches
 from app.modules.perception.landmark_map import LandmarkMap, Point, SightingModel

@@ -12,7 +12,7 @@ import numpy as np
 import zxingcpp
 from numpy.typing import NDArray
 
-from app.geometry import CameraModel, FisheyeModel
+from app.base.geometry import CameraModel, FisheyeModel
 from app.messages import Image, QRCode, read_only
 from app.modules.perception.fisheye_patches import FisheyePatches
 

@@ -32,24 +32,24 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from pydantic import Field
 
-from app import compiled
-from app.geometry import Pose2
+from app.base import compiled
+from app.base.geometry import Pose2
 from app.maps.control import MapControl
 from app.maps.library import MapLibrary
 from app.messages import LaserScan, Localization, Message, OccupancyGrid, Odometry, Zone, Zones, read_only
 from app.modules.perception.pose_at import PoseAt
-from app.modules.perception.slam.beginning import Legacy, Shown, first_map
-from app.modules.perception.slam.keeper import Keeper
+from app.modules.perception.slam.initial_map import Legacy, Shown, first_map
+from app.modules.perception.slam.localization_quality import FITS_NOT, FitWatch, empty_grid, spread_of
+from app.modules.perception.slam.map_server import Keeper
 from app.modules.perception.slam.optimizer import OptimizerProcess
-from app.modules.perception.slam.place import FITS_NOT, FitWatch, empty_grid, spread_of
 from app.runtime.module import Module, ModuleContext, Settings
 from app.runtime.ports import Output
 
 if TYPE_CHECKING:  # compiled, or loaded, when they are imported: that is left to the module's thread
-    from app.modules.perception.slam.drawing import Glance
+    from app.modules.perception.slam.map_rendering import Glance
     from app.modules.perception.slam.relocalization import Place, PlaceSearch
     from app.modules.perception.slam.session import Followed, KeptMap, MapSession
-    from app.modules.perception.slam.values import Match
+    from app.modules.perception.slam.types import Match
 
 M = TypeVar("M", bound=Message)
 

@@ -31,9 +31,9 @@ from pydantic import Field
 from app.messages import Audio, Odometry, SeparatedSound, SoundSources
 from app.modules.perception.overruns import Overruns
 from app.modules.perception.pose_at import PoseAt
-from app.modules.perception.voices.array import MicrophoneArray
+from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
-from app.modules.perception.voices.speech import SpeechJudge
+from app.modules.perception.voices.voice_activity import SpeechJudge
 from app.runtime.errors import InboxOverflow, ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
 

@@ -21,18 +21,18 @@ from typing import Any, ClassVar
 from pydantic import BaseModel, ConfigDict, Field
 
 from app.attention.timeline import EventKind
+from app.logs.control import RecorderControl, RecorderUnavailable
+from app.logs.library import RecordingLibrary, default_name
+from app.logs.log import LogError
+from app.logs.manifest import Manifest
+from app.logs.mcap.disk_time import DiskTime
+from app.logs.mcap.file_sink import FileSink
+from app.logs.mcap.open_file import OpenFile, create
+from app.logs.mcap.ring import SEGMENT_S, Ring
+from app.logs.mcap.writer import MEGABYTE, Limits, RecordingWriter, Sink, check_room
+from app.logs.ros.encoder import Encoder
 from app.messages import EventRecord, Image, Message, ModuleRecord, PointCloud, RecorderStatus
 from app.modules.recording.ring_saver import NO_RING, RingSaver
-from app.recording.control import RecorderControl, RecorderUnavailable
-from app.recording.disk_time import DiskTime
-from app.recording.file_sink import FileSink
-from app.recording.library import RecordingLibrary, default_name
-from app.recording.log import LogError
-from app.recording.manifest import Manifest
-from app.recording.mcap_file import OpenFile, create
-from app.recording.ring import SEGMENT_S, Ring
-from app.recording.ros.encoder import Encoder
-from app.recording.writer import MEGABYTE, Limits, RecordingWriter, Sink, check_room
 from app.runtime.channel_table import ChannelSpec, ChannelTable
 from app.runtime.errors import InboxOverflow
 from app.runtime.module import Module, ModuleContext, Settings

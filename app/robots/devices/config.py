@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
+from app.base.yaml_source import load_yaml
 from app.robots.config import LimitsConfig
-from app.yaml_source import load_yaml
 
 Positive = Annotated[float, Field(gt=0)]
 

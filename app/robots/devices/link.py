@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.link import LinkFailed, RobotDescription, StreamDescription
 from app.messages import Audio, Image, JointState, LinkStatus, Odometry, Twist
 from app.robots.devices.config import JOINTS_HZ, ODOMETRY_HZ, STATUS_HZ, DevicesConfig

@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.pictures import MOST_BYTES, MOST_PIXELS, TooLarge, decoded
-from app.plain_file import read_plain
+from app.base.image_source import MOST_BYTES, MOST_PIXELS, TooLarge, decoded
+from app.base.plain_file import read_plain
 from app.robots.devices.config import CameraConfig
 
 Picture = NDArray[np.uint8]

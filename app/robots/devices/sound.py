@@ -11,7 +11,7 @@ import numpy as np
 import soundfile
 from numpy.typing import NDArray
 
-from app.plain_file import check_plain
+from app.base.plain_file import check_plain
 from app.robots.devices.config import SoundConfig, SpeakerConfig
 from app.robots.devices.pictures import Unavailable
 

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import CameraModel, Pose3
+from app.base.geometry import CameraModel, Pose3
 from app.messages import Audio, Image, read_only
 from app.robots.devices.config import CameraConfig, SoundConfig
 from app.robots.devices.pictures import Pace, Picture, Pictures, Unavailable, open_pictures

@@ -17,9 +17,9 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
 from app.link import LinkFailed, RobotDescription
+from app.logs.log import Log, LogError, Logged
+from app.logs.mcap.damage import LogDamaged
 from app.messages import Audio, Twist
-from app.recording.damage import LogDamaged
-from app.recording.log import Log, LogError, Logged
 from app.robots.replayed.source import LogSource, Place
 from app.runtime.clock import Clock
 

@@ -6,9 +6,9 @@ import math
 from collections.abc import Collection, Generator, Mapping
 from dataclasses import dataclass, field
 
-from app.recording.damage import LogDamaged
-from app.recording.log import Log, LogError, Logged
-from app.recording.writer import weight
+from app.logs.log import Log, LogError, Logged
+from app.logs.mcap.damage import LogDamaged
+from app.logs.mcap.writer import weight
 
 #: One piece spans no more than this (s of the log), nor more messages or memory: two are all that is held of a log.
 PIECE_S = 0.25

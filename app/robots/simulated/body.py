@@ -14,15 +14,15 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from app.errors import ConfigError
-from app.geometry import Pose2
+from app.base.errors import ConfigError
+from app.base.geometry import Pose2
 from app.robots.config import RobotConfig
 from app.robots.guard import Velocity
 from app.robots.model import load_model
-from app.robots.simulated.actor import Actor
 from app.robots.simulated.kinect import camera_model
 from app.robots.simulated.odometry import TrueBase
-from app.robots.simulated.people import add_people
+from app.robots.simulated.scenery.actor import Actor
+from app.robots.simulated.scenery.people import add_people
 from app.robots.simulated.world import ROBOT_CONTACT, TIMESTEP_S, WORLD_CONTACT, build_world
 from app.robots.simulated.world_config import WorldConfig
 

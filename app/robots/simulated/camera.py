@@ -22,9 +22,9 @@ import mujoco
 from numpy.random import Generator
 
 from app.robots.config import StreamsConfig
-from app.robots.simulated.eyes import Eye, open_eyes
+from app.robots.simulated.camera_rendering import Eye, open_eyes
 from app.robots.simulated.image_ring import SLOTS, ImageRing
-from app.robots.simulated.painter import Painter, Snapshot
+from app.robots.simulated.renderer import Painter, Snapshot
 from app.robots.simulated.wire import ImageNotice
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 
 if TYPE_CHECKING:  # MuJoCo looks for its OpenGL library when it is imported
     from app.robots.simulated.body import Simulation

@@ -14,8 +14,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import FisheyeModel
-from app.robots.simulated.painter import Place, View
+from app.base.geometry import FisheyeModel
+from app.robots.simulated.renderer import Place, View
 
 _MARGIN_PX = 2.0
 """Drawn beyond what is shown, so that interpolation at a view's edge finds the same on both sides."""

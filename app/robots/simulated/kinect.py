@@ -17,7 +17,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from app.geometry import CameraModel
+from app.base.geometry import CameraModel
 from app.robots.config import KinectConfig
 from app.robots.simulated.color_noise import SPARE, ColorNoise
 

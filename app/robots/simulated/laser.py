@@ -16,11 +16,11 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from app.geometry import Pose3
+from app.base.geometry import Pose3
 from app.messages import LaserScan
 from app.robots.config import HokuyoConfig
 from app.robots.simulated.body import PREFIX, Simulation
-from app.robots.simulated.people import LASER_GROUP
+from app.robots.simulated.scenery.people import LASER_GROUP
 from app.robots.simulated.world import OUT_OF_REACH_GROUP, WORLD_GROUP
 
 FAN_S = 0.0035

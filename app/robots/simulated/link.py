@@ -12,8 +12,8 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any
 
-from app.children import python
-from app.geometry import Pose2
+from app.base.child_processes import python
+from app.base.geometry import Pose2
 from app.link import LinkFailed, RobotDescription, StreamDescription
 from app.messages import (
     Audio,
@@ -30,10 +30,10 @@ from app.messages import (
 from app.robots.config import RobotConfig
 from app.robots.receivers import Receivers
 from app.robots.simulated import wire
+from app.robots.simulated.camera_models import lenses, picture_formats
 from app.robots.simulated.gl import check_gl, gl_environment
 from app.robots.simulated.image_ring import ImageRings, create_memory, memory_bytes
-from app.robots.simulated.lenses import lenses, picture_formats
-from app.robots.simulated.scenario_config import ScenarioConfig
+from app.robots.simulated.scenery.scenario_config import ScenarioConfig
 from app.robots.simulated.world_config import WorldConfig
 
 START_TIMEOUT_S = 20.0

@@ -27,18 +27,18 @@ import os
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from app.errors import ConfigError
-from app.geometry import Pose2
+from app.base.errors import ConfigError
+from app.base.geometry import Pose2
 from app.link import LinkFailed, RobotDescription
 from app.messages import Audio, Image, LaserScan, PersonTruth, Twist, read_only
 from app.robots.config import RobotConfig
 from app.robots.receivers import Receivers
 from app.robots.simulated import wire
+from app.robots.simulated.camera_models import picture_formats
 from app.robots.simulated.contacts import Contact
 from app.robots.simulated.gl import GlUnavailable, check_gl, gl_environment
-from app.robots.simulated.lenses import picture_formats
 from app.robots.simulated.link import describe
-from app.robots.simulated.scenario_config import ScenarioConfig
+from app.robots.simulated.scenery.scenario_config import ScenarioConfig
 from app.robots.simulated.world_config import WorldConfig
 from app.runtime.clock import Clock
 

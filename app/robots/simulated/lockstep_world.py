@@ -8,15 +8,15 @@ import numpy as np
 
 from app.messages import Image
 from app.robots.config import RobotConfig
-from app.robots.simulated.acoustics.ear import Ear
+from app.robots.simulated.acoustics.microphone_array import Ear
 from app.robots.simulated.acoustics.soundscape import SCENES_HZ, Soundscape
 from app.robots.simulated.body import TIMESTEP_S
+from app.robots.simulated.camera_models import lenses, picture_formats
+from app.robots.simulated.camera_rendering import Eye, open_eyes
 from app.robots.simulated.contacts import ContactWatch
-from app.robots.simulated.eyes import Eye, open_eyes
-from app.robots.simulated.lenses import lenses, picture_formats
-from app.robots.simulated.living_world import STEPS_PER_TURN, LivingWorld, Schedule
-from app.robots.simulated.painter import Painter
-from app.robots.simulated.scenario_config import ScenarioConfig
+from app.robots.simulated.renderer import Painter
+from app.robots.simulated.scenery.scenario_config import ScenarioConfig
+from app.robots.simulated.simulation import STEPS_PER_TURN, LivingWorld, Schedule
 from app.robots.simulated.world_config import WorldConfig
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from numpy.random import Generator
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.robots.config import BaseConfig
 
 SLIP_LENGTH_M = 0.5

@@ -9,7 +9,7 @@ import os
 import signal
 import sys
 
-from app.children import end_with_parent
+from app.base.child_processes import end_with_parent
 
 
 def main(arguments: list[str]) -> int:

@@ -8,11 +8,11 @@ import socket
 import sys
 import time
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
+from app.robots.simulated.camera_models import picture_formats
 from app.robots.simulated.gl import GlUnavailable, check_gl
-from app.robots.simulated.lenses import picture_formats
 from app.robots.simulated.wire import Ready, Socket, Start
-from app.runtime.punctual import be_punctual
+from app.runtime.realtime import be_punctual
 
 
 def serve(link_descriptor: int, memory_descriptor: int) -> int:
@@ -28,7 +28,7 @@ def serve(link_descriptor: int, memory_descriptor: int) -> int:
     if picture_formats(start.robot) and (problem := check_gl()):
         return _refuse(problem)
 
-    from app.robots.simulated.world_loop import WorldLoop  # MuJoCo looks for its OpenGL library when it is imported
+    from app.robots.simulated.realtime_loop import WorldLoop  # MuJoCo looks for its OpenGL library when it is imported
 
     try:
         loop = WorldLoop(start, sock, memory_descriptor)

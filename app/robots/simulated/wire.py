@@ -14,10 +14,10 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Any
 
-from app.geometry import Pose3
+from app.base.geometry import Pose3
 from app.messages import Audio
 from app.robots.config import RobotConfig
-from app.robots.simulated.scenario_config import ScenarioConfig
+from app.robots.simulated.scenery.scenario_config import ScenarioConfig
 from app.robots.simulated.world_config import WorldConfig
 
 _LENGTH = struct.Struct("<I")

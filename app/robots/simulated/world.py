@@ -14,9 +14,9 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose3
-from app.robots.simulated.furniture import Part, Vector, furnish
-from app.robots.simulated.textures import Texture, poster_page, texture
+from app.base.geometry import Pose3
+from app.robots.simulated.scenery.furniture import Part, Vector, furnish
+from app.robots.simulated.scenery.textures import Texture, poster_page, texture
 from app.robots.simulated.world_config import (
     CODE_RISE_M,
     LETTER_HEIGHT_M,

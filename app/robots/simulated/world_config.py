@@ -10,8 +10,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
-from app.robots.simulated.furniture import KINDS
-from app.yaml_source import suggestion
+from app.base.yaml_source import suggestion
+from app.robots.simulated.scenery.furniture import KINDS
 
 LETTER_WIDTH_M, LETTER_HEIGHT_M = 0.2159, 0.2794
 """US Letter in portrait."""

@@ -7,11 +7,11 @@ import cv2
 import numpy as np
 import pytest
 
-from app import paths
+from app.base import paths
+from app.base.errors import ConfigError
 from app.cli import main
 from app.commands.detect.images import NoImage, find_images, read_image
-from app.errors import ConfigError
-from tests.test_pictures import BOMBS
+from tests.base.test_image_source import BOMBS
 
 
 @pytest.mark.parametrize("suffix", [".jpg", ".png", ".webp", ".bmp", ".tiff"])

@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 import pytest
 
+from app.base.geometry import Pose2
 from app.cli import main
 from app.commands.detect.videos import NoVideo, VideoFile, is_video
-from app.geometry import Pose2
 from benchmarks.face_scenes import facing, kinect_image
 from benchmarks.posters import KINECT, TEXT, facing_camera, picture
 

@@ -17,14 +17,14 @@ from fastapi import FastAPI
 from app.console.app import create_app
 from app.console.live import protocol
 from app.console.live.description import description
-from app.system import System
+from app.program.system import System
 from tests.console.live.whole_stream import heard, say_everything
 from tests.console.live_client import page as connected
 from tests.console.live_client import voice
 from tests.console.program import Body, build, image, sound
+from tests.logs.replay.logs import BEGIN, lab_log
+from tests.logs.replay.playing import prepare
 from tests.patience import PATIENCE_S
-from tests.replay.logs import BEGIN, lab_log
-from tests.replay.playing import prepare
 
 TEXT = (Path(__file__).parents[3] / "docs" / "live-stream.md").read_text("utf-8")
 DOCUMENT = description("127.0.0.1:8080")

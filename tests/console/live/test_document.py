@@ -12,9 +12,9 @@ import pytest
 
 from app.attention.timeline import EventKind
 from app.console.live import protocol
+from app.program.system import System
 from app.runtime.freshness import FreshnessState
 from app.runtime.supervisor import Status
-from app.system import System
 from tests.console.live.whole_stream import heard, say_everything
 from tests.console.program import Body, build
 

@@ -10,11 +10,11 @@ from typing import Any
 import httpx
 
 from app.attention.desires import Source
+from app.base.geometry import Pose2
 from app.console.live.hub import Hub
 from app.console.live.outbox import MOST_EVENTS
-from app.geometry import Pose2
 from app.messages import Exploitation, Landmark, Landmarks, Odometry, OperatorDrive, Twist
-from app.system import System
+from app.program.system import System
 from tests.console.live_client import page
 from tests.console.program import Body, image
 from tests.patience import PATIENCE_S

@@ -14,9 +14,9 @@ from typing import Any
 
 import pytest
 
+from app.program.system import System
 from app.robots.config import circle
 from app.runtime.module import Caution
-from app.system import System
 from tests.console.live.whole_stream import heard, say_everything
 from tests.console.page_types import PageTypes
 from tests.console.program import Body, build

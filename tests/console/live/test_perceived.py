@@ -8,12 +8,12 @@ import struct
 import httpx
 import pytest
 
+from app.base.geometry import Pose2
 from app.console.live.feeds import SOUND_CHANNEL
 from app.console.live.hub import Hub
 from app.console.live.outbox import MOST_SOUND
-from app.geometry import Pose2
 from app.messages import LoudNoise, Odometry
-from app.system import System
+from app.program.system import System
 from tests.console.live_client import page, voice
 from tests.console.percepts import faces, panorama, sound_source, sound_sources
 from tests.console.program import Body, sound

@@ -13,8 +13,8 @@ from app.attention.desires import Source
 from app.console.live.lanes import LaneSampler
 from app.console.live.recorded_lanes import recorded_lanes
 from app.messages import DesireRecord, DesiresRecord, Divisors, IntentionRecord, ReasonRecord
-from app.self_report import desire_record, intention_record
-from app.system import System
+from app.program.self_report import desire_record, intention_record
+from app.program.system import System
 from tests.console.program import Body, build
 
 INF = math.inf

@@ -9,7 +9,7 @@ import httpx
 import pytest
 
 from app.console.recordings import RecorderReport
-from app.system import System
+from app.program.system import System
 from tests.console.live_client import page
 from tests.console.program import Body, build
 from tests.console.scripted_recorder import ScriptedRecorder, heard

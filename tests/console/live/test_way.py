@@ -21,7 +21,7 @@ from app.console.live import grid_feed
 from app.console.live.hub import Hub
 from app.console.way import ARRIVED_S, MOST_POINTS, at_work, thinned_path
 from app.messages import Exploitation, NavigationStatus, OccupancyGrid, OperatorDrive, Twist
-from app.system import System
+from app.program.system import System
 from tests.console.live_client import Page, page
 from tests.console.places import grid, localization, path, status, zone, zones
 from tests.patience import PATIENCE_S

@@ -7,7 +7,7 @@ from typing import Any
 
 from app.attention.desires import Source
 from app.messages import Landmark, Landmarks, LoudNoise
-from app.system import System
+from app.program.system import System
 from tests.console.live_client import page, voice
 from tests.console.percepts import codes, faces, sound_sources
 from tests.console.places import grid, localization, path, status, zones

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from fastapi import FastAPI
 
-from app.system import System
+from app.program.system import System
 from tests.console.places import Keeper
 from tests.console.program import Body, build
 from tests.patience import PATIENCE_S

@@ -13,7 +13,7 @@ from app.attention.desires import Source
 from app.console.live.hub import Hub
 from app.console.rest import map_models, models
 from app.maps.control import Files, MapUnavailable
-from app.system import System
+from app.program.system import System
 from tests.console.places import Keeper, path, status
 from tests.console.program import Body
 from tests.console.rest.test_routes import is_problem

@@ -10,11 +10,11 @@ import httpx
 import numpy as np
 import pytest
 
+from app.base.geometry import Pose2
 from app.console.rest import map_models
-from app.geometry import Pose2
 from app.maps.control import Files
 from app.maps.library import MapLibrary
-from app.system import System
+from app.program.system import System
 from tests.console.places import Keeper, localization, zone, zones
 from tests.console.rest.test_routes import is_problem
 

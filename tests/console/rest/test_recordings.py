@@ -13,7 +13,7 @@ from fastapi import FastAPI
 
 from app.attention.desires import Source
 from app.console.rest import models, recording_models
-from app.system import System
+from app.program.system import System
 from tests.console.program import Body, build
 from tests.console.rest.test_routes import is_problem
 from tests.console.scripted_recorder import LENGTH_S, ScriptedRecorder, heard, write_log

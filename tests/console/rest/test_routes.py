@@ -12,8 +12,8 @@ import pytest
 from app.attention.desires import Source
 from app.console.live.hub import Hub
 from app.console.rest import models, program_models
+from app.program.system import System
 from app.runtime.filter import CLOSED
-from app.system import System
 from tests.console.program import Body
 
 NEW = {"class": "Telepresence", "intensity": 8, "utility": 4, "security": False, "params": {}, "ttl": 30}

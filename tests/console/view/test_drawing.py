@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from app.base.geometry import Pose2, Pose3
 from app.console.view.drawing import FAR_M, colors_along_x, moved, point_size, pose_arrays, scan_points, thinned
-from app.geometry import Pose2, Pose3
 from app.messages import LaserScan
 
 

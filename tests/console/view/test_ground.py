@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 import websockets
 
+from app.base.geometry import Pose2
 from app.console.view.relay import wished_layers
 from app.console.view.view import View
-from app.geometry import Pose2
 from app.messages import NavigationStatus
-from app.system import System
+from app.program.system import System
 from tests.console.live_client import page
 from tests.console.places import grid, localization, path, status, zones
 from tests.console.view.test_relay import Viewer, looking, shown, view  # noqa: F401

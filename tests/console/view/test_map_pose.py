@@ -6,8 +6,8 @@ import math
 
 import pytest
 
+from app.base.geometry import Pose2
 from app.console.view.map_pose import PATIENCE_S, MapPose
-from app.geometry import Pose2
 from tests.console.places import localization
 
 BEFORE = Pose2(1.0, 0.0, 0.0)

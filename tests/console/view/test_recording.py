@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 
 from tests.console.view.test_relay import Viewer, looking, unpack
+from tests.logs.replay.logs import BEGIN, lab_log
+from tests.logs.replay.playing import Played, prepare
 from tests.patience import PATIENCE_S
-from tests.replay.logs import BEGIN, lab_log
-from tests.replay.playing import Played, prepare
 
 pytestmark = pytest.mark.filterwarnings("default::DeprecationWarning")
 

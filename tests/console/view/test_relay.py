@@ -22,11 +22,11 @@ import zstandard
 from fastapi import FastAPI
 from viser import _messages
 
+from app.base.geometry import Pose2, Pose3
 from app.console.view.relay import allowed
 from app.console.view.view import View
-from app.geometry import Pose2, Pose3
 from app.messages import Landmark, Landmarks, LaserScan, LoudNoise, Odometry, PointCloud
-from app.system import System
+from app.program.system import System
 from tests.console.percepts import faces, sound_source, sound_sources
 from tests.console.program import Body
 from tests.patience import PATIENCE_S

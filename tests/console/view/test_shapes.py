@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from app import paths
+from app.base import paths
 from app.console.view.shapes import visual_shapes
 
 MODEL = """<robot name="sketch">

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
+from app.base.geometry import Pose2, wrap_angle
 from app.experiments.lockstep import WorldRun
-from app.geometry import Pose2, wrap_angle
 from app.messages import Twist
 
 

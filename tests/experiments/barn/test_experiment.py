@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 from app.experiments.barn.experiment import done, plan, run
 from app.experiments.barn.report import failures, plot, table
 from app.experiments.barn.result import WorldResult
 from app.experiments.barn.trial import Drive
-from app.experiments.kept import KeptResults
+from app.experiments.results_store import KeptResults
 from tests.experiments.barn.conftest import straight_on
 
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from app import paths
-from app.errors import ConfigError
+from app.base import paths
+from app.base.errors import ConfigError
 from app.experiments.barn.result import Summary, WorldResult
 from app.experiments.barn.trial import Trial, cross
 from app.experiments.barn.worlds import load_worlds

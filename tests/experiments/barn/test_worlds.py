@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 from app.experiments.barn.trial import goal_on_the_map
 from app.experiments.barn.worlds import chosen, load_worlds
 from tests.experiments.barn.conftest import make_file, make_world

@@ -9,8 +9,8 @@ from typing import Any, cast
 import pytest
 
 from app.experiments.goals import experiment
-from app.experiments.goals.shift import MAP
-from app.experiments.kept import KeptResults
+from app.experiments.goals.goal_run import MAP
+from app.experiments.results_store import KeptResults
 
 
 class Kept:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import psutil
 import pytest
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 from app.experiments.overload.confinement import NICE_STEP, confined, neighbours_niceness
 from tests.patience import PATIENCE_S
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from app.geometry import Pose3
+from app.base.geometry import Pose3
 from app.messages import LaserScan
 
 #: Half the field of view of the robot's own laser (rad), and where that is.

@@ -10,14 +10,13 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from app.geometry import Pose2, Pose3
+from app.base.geometry import Pose2, Pose3
 from app.link import BaseLimits
 from app.messages import LaserScan
 from app.modules.actuation.collision_monitor import STANDING_MPS, CollisionMonitor, Rules, Verdict
 from app.modules.actuation.swept_footprint import Polygon, contact_times
 from app.robots.config import circle
-
-from .surroundings import passage, scan, wall
+from tests.modules.actuation.surroundings import passage, scan, wall
 
 LIMITS = BaseLimits(0.4, 1.0, 0.4, 4.0)
 RULES = Rules()

@@ -12,7 +12,7 @@ from app.link import RobotLink
 from app.messages import Exploitation, Twist
 from app.robots.config import RobotConfig
 from app.robots.simulated.lockstep import LockstepLink
-from app.robots.simulated.scenario_config import ScenarioConfig
+from app.robots.simulated.scenery.scenario_config import ScenarioConfig
 from app.robots.simulated.world_config import WorldConfig
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import VirtualClock, run_virtual

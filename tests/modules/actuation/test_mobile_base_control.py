@@ -7,8 +7,7 @@ import pytest
 from app.messages import Exploitation, LinkStatus, Twist
 from app.runtime.clock import run_virtual
 from app.runtime.graph import WiringError
-
-from ..fakes import Bench, FakeLink, drain
+from tests.modules.fakes import Bench, FakeLink, drain
 
 MODULE = "app.modules.actuation.mobile_base_control:MobileBaseControl"
 OUTPUTS = {"exploitation": Exploitation, "status": LinkStatus}

@@ -10,14 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.messages import Exploitation, LaserScan, LinkStatus, Odometry, OperatorDrive, Twist
 from app.robots.config import circle
 from app.runtime.clock import run_virtual
 from app.runtime.graph import WiringError
-
-from ..fakes import Bench, FakeLink, drain
-from .surroundings import scan, wall
+from tests.modules.actuation.surroundings import scan, wall
+from tests.modules.fakes import Bench, FakeLink, drain
 
 MODULE = "app.modules.actuation.mobile_base_control:MobileBaseControl"
 INPUTS = {

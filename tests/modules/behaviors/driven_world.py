@@ -10,11 +10,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2, Pose3
+from app.base.geometry import Pose2, Pose3
 from app.link import BaseLimits, RobotDescription
 from app.messages import LaserScan, Localization, OccupancyGrid, Odometry, Twist, read_only
-
-from ..fakes import STREAMS, Bench, FakeLink
+from tests.modules.fakes import STREAMS, Bench, FakeLink
 
 LIMITS = BaseLimits(0.80, 1.50, 0.80, 4.00)
 #: A tick of the world, s; with each comes odometry, with every fifth a scan and a localization.

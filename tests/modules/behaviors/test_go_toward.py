@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 import app.modules.behaviors.go_toward  # noqa: F401  # not on the loop: it brings OpenCV and SciPy
-from app.geometry import Pose2, wrap_angle
+from app.base.geometry import Pose2, wrap_angle
 from app.messages import LaserScan, Localization, NavigationStatus, Odometry, Twist, Zone, Zones
 from app.runtime.clock import in_virtual_time
-
-from ..fakes import Bench, drain
-from .driven_world import DrivenLink, DrivenWorld, Living, box, until
+from tests.modules.behaviors.driven_world import DrivenLink, DrivenWorld, Living, box, until
+from tests.modules.fakes import Bench, drain
 
 ROOM = box(0.0, 0.0, 8.0, 5.0)
 

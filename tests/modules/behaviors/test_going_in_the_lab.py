@@ -6,17 +6,17 @@ import math
 
 import pytest
 
-from app import paths
 from app.attention.desires import Source
-from app.config import load_configuration
+from app.base import paths
+from app.base.geometry import Pose2, wrap_angle
+from app.base.yaml_source import parse
 from app.experiments.lockstep import WorldRun, run_in_world
-from app.geometry import Pose2, wrap_angle
 from app.messages import NavigationStatus
+from app.program.config import load_configuration
 from app.robots.config import RobotConfig
 from app.robots.factory import load_body
 from app.robots.simulated.contacts import Contact
 from app.robots.simulated.world_config import ObjectConfig, WorldConfig
-from app.yaml_source import parse
 from tests.robots.conftest import needs_gl
 
 #: Looking down the south corridor; then behind the living room's door, which is on the left of it.

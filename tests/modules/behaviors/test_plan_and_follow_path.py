@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import app.modules.behaviors.plan_and_follow_path  # noqa: F401  # not on the loop: it brings OpenCV and SciPy
-from app.geometry import CameraModel, Pose2, Pose3
+from app.base.geometry import CameraModel, Pose2, Pose3
 from app.messages import (
     Image,
     LaserScan,
@@ -25,9 +25,8 @@ from app.messages import (
     read_only,
 )
 from app.runtime.clock import in_virtual_time
-
-from ..fakes import Bench, drain
-from .driven_world import DrivenLink, DrivenWorld, Living, Segment, box, mapped, until
+from tests.modules.behaviors.driven_world import DrivenLink, DrivenWorld, Living, Segment, box, mapped, until
+from tests.modules.fakes import Bench, drain
 
 SIZE = (0.0, 0.0, 8.0, 5.0)
 #: Two rooms and a door of 0.9 m between them.

@@ -10,8 +10,7 @@ from app.link import BaseLimits
 from app.messages import OperatorDrive, Twist
 from app.modules.behaviors.drive_gate import DriveGate
 from app.runtime.clock import run_virtual
-
-from ..fakes import LIMITS, Bench, drain
+from tests.modules.fakes import LIMITS, Bench, drain
 
 STICK = st.floats(-1, 1)
 

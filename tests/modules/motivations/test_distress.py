@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.messages import NavigationStatus
 from app.modules.motivations.distress import (
     Act,

@@ -13,12 +13,11 @@ from pydantic import BaseModel
 from app.attention.desires import Desire, DesireClass, DesireClasses, Source
 from app.attention.timeline import Timeline
 from app.attention.workspace import IntentionWorkspace
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.messages import Exploitation, NavigationStatus, Twist
 from app.runtime.clock import run_virtual
 from app.runtime.graph import WiringError
-
-from ..fakes import Bench
+from tests.modules.fakes import Bench
 
 MODULE = "app.modules.motivations.progress_supervisor:ProgressSupervisor"
 PORTS = {"navigation": NavigationStatus, "going_toward": NavigationStatus, "exploitation": Exploitation}

@@ -12,8 +12,7 @@ from app.attention.workspace import IntentionWorkspace, WorkspaceChange
 from app.messages import Landmark, Landmarks, LoudNoise, SoundSource, SoundSources
 from app.modules.desire_classes import desire_classes
 from app.runtime.clock import run_virtual
-
-from ..fakes import Bench
+from tests.modules.fakes import Bench
 
 MODULE = "app.modules.motivations.scenario_coordinator:ScenarioCoordinator"
 

@@ -9,7 +9,7 @@ import numpy as np
 import segno
 from numpy.typing import NDArray
 
-from app.geometry import CameraModel, Pose2, Pose3
+from app.base.geometry import CameraModel, Pose2, Pose3
 from app.messages import Image
 
 #: Kinect: 57 x 43 degrees at 640 x 480 (f = 589 px).

@@ -6,12 +6,11 @@ import cv2
 import numpy as np
 import pytest
 
-from app.geometry import CameraModel, Pose3
+from app.base.geometry import CameraModel, Pose3
 from app.messages import EncodedImage, Image
 from app.modules.perception.camera_stream import encode_jpeg
 from app.runtime.clock import run_virtual
-
-from ..fakes import Bench
+from tests.modules.fakes import Bench
 
 CAMERA = CameraModel(64, 48, 60.0, 60.0, 31.5, 23.5)
 

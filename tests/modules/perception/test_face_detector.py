@@ -5,12 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.messages import Face, Faces, Image, Odometry
 from app.runtime.clock import run_virtual
 from benchmarks.face_scenes import FaceCard, facing, imv_image, kinect_image
-
-from ..fakes import Bench, drain
+from tests.modules.fakes import Bench, drain
 
 PILOT, VISITOR = facing("pilot", (2.0, 0.4, 1.6)), facing("visitor", (1.8, -0.5, 1.5))
 CAMERAS = ("images", "panorama")

@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.geometry import Pose2, Pose3
+from app.base.geometry import Pose2, Pose3
 from app.modules.perception.faces import yunet
+from app.modules.perception.faces.face_position import FaceLooker, face_depth, in_image, ray_covariance
 from app.modules.perception.faces.panorama import Strip, StripView
-from app.modules.perception.faces.placing import FaceLooker, face_depth, in_image, ray_covariance
 from app.modules.perception.faces.yunet import MODEL, Detection, FaceFinder, merged, overlap
-from app.modules.perception.height import SHARES, STANDING
-from app.robots.simulated import gait, stage
+from app.modules.perception.height_prior import SHARES, STANDING
+from app.robots.simulated.scenery import gait, scenario_state
 from benchmarks.face_scenes import IMV, NAMES, X_BIMV, X_BKINECT, facing, imv_image, kinect_image
 from benchmarks.faces import boxed_photographs, read_rgb, score_against
 
@@ -202,7 +202,7 @@ def test_a_covariance_along_a_ray() -> None:
 
 
 def test_simulated_people_are_drawn_from_the_same_heights() -> None:
-    assert (STANDING.mean_m, STANDING.sigma_m) == (stage.HEIGHT_MEAN_M, stage.HEIGHT_SIGMA_M)
+    assert (STANDING.mean_m, STANDING.sigma_m) == (scenario_state.HEIGHT_MEAN_M, scenario_state.HEIGHT_SIGMA_M)
     assert (SHARES["eyes"], SHARES["mouth"]) == (gait.EYES_SHARE, gait.MOUTH_SHARE)
 
 

@@ -10,21 +10,21 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.messages import Image
-from app.modules.perception.faces.placing import FaceLooker, Sighting
-from app.modules.perception.faces.tracks import FaceTracks
+from app.modules.perception.faces.face_position import FaceLooker, Sighting
+from app.modules.perception.faces.face_tracks import FaceTracks
 from app.modules.perception.faces.yunet import THRESHOLD
 from app.robots.config import RobotConfig
 from app.robots.model import load_model
 from app.robots.simulated.body import build_simulation
-from app.robots.simulated.eyes import Eye, FisheyeEye, KinectEye
-from app.robots.simulated.lenses import camera_model, fisheye_model
+from app.robots.simulated.camera_models import camera_model, fisheye_model
+from app.robots.simulated.camera_rendering import Eye, FisheyeEye, KinectEye
 from app.robots.simulated.odometry import TrueBase
-from app.robots.simulated.painter import Painter, Snapshot, mocap_poses
-from app.robots.simulated.people import People
-from app.robots.simulated.scenario_config import ScenarioConfig
-from app.robots.simulated.stage import Stage
+from app.robots.simulated.renderer import Painter, Snapshot, mocap_poses
+from app.robots.simulated.scenery.people import People
+from app.robots.simulated.scenery.scenario_config import ScenarioConfig
+from app.robots.simulated.scenery.scenario_state import Stage
 from tests.robots.conftest import CONFIG, load_robot_config, make_hall, needs_gl
 
 pytestmark = [pytest.mark.slow, needs_gl]

@@ -8,11 +8,11 @@ from collections.abc import Iterable
 import numpy as np
 import pytest
 
-from app.geometry import Pose2, Pose3
-from app.modules.perception.faces.placing import Sighting
-from app.modules.perception.faces.tracks import FaceTracks, Placed, TrackModel
+from app.base.geometry import Pose2, Pose3
+from app.modules.perception.faces.face_position import Sighting
+from app.modules.perception.faces.face_tracks import FaceTracks, Placed, TrackModel
 from app.modules.perception.faces.yunet import Detection
-from app.modules.perception.height import range_from_height
+from app.modules.perception.height_prior import range_from_height
 
 HERE = Pose3.identity()
 ORIGIN = np.array((0.1, 0.0, 1.25))

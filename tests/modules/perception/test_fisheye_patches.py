@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.geometry import FisheyeModel
+from app.base.geometry import FisheyeModel
 from app.modules.perception.fisheye_patches import HALF_FOV, STEP, FisheyePatches
 from benchmarks.posters import PANORAMA, TEXT, facing_camera, picture
 

@@ -8,7 +8,7 @@ from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from app.geometry import Pose2, Pose3, wrap_angle
+from app.base.geometry import Pose2, Pose3, wrap_angle
 from app.messages import LaserScan
 from app.modules.perception.laser_ray import WallPoint, scan_points, wall_on_ray
 

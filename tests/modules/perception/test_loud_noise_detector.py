@@ -6,8 +6,7 @@ from numpy.typing import NDArray
 
 from app.messages import Audio, LoudNoise
 from app.runtime.clock import run_virtual
-
-from ..fakes import Bench, drain
+from tests.modules.fakes import Bench, drain
 
 RATE = 48_000
 P_BM = np.zeros((8, 3))

@@ -8,8 +8,7 @@ import pytest
 from app.messages import Audio
 from app.modules.perception.overruns import QUIET_S
 from app.runtime.clock import run_virtual
-
-from ..fakes import Bench
+from tests.modules.fakes import Bench
 
 LISTENERS = (
     "app.modules.perception.loud_noise_detector:LoudNoiseDetector",

@@ -8,12 +8,11 @@ import cv2
 import numpy as np
 import pytest
 
-from app.geometry import FisheyeModel, Pose3
+from app.base.geometry import FisheyeModel, Pose3
 from app.messages import EncodedImage, Image
 from app.modules.perception.panorama_stream import Unroller, directions
 from app.runtime.clock import run_virtual
-
-from ..fakes import Bench
+from tests.modules.fakes import Bench
 
 LENS = FisheyeModel.from_fov(1024, 768, math.pi, math.pi)
 #: Looks ahead, level; then turned to the left and tilted.

@@ -9,13 +9,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from app.geometry import CameraModel, Pose2, Pose3
+from app.base.geometry import CameraModel, Pose2, Pose3
 from app.messages import Image, Odometry, PointCloud
 from app.modules.perception.point_cloud import colored_cloud
 from app.modules.perception.pose_at import PoseAt
 from app.runtime.clock import VirtualClock, run_virtual
-
-from ..fakes import Bench, drain
+from tests.modules.fakes import Bench, drain
 
 CAMERA = CameraModel.from_vertical_fov(640, 480, math.radians(43))
 #: A camera 1.3 m up, looking forward and 20 degrees down: optical x right, y down, z forward.

@@ -5,15 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from app.geometry import Pose2, Pose3
+from app.base.geometry import Pose2, Pose3
 from app.messages import Image, Landmark, Landmarks, LaserScan, Odometry, QRCodes
 from app.modules.perception.qr_code_detector import QRCodeDetector
 from app.modules.perception.qr_codes import detect
 from app.runtime.clock import run_virtual
 from benchmarks.posters import PANORAMA, picture
-
-from ..fakes import Bench, drain
-from .rendering import X_BC, facing, kinect_image
+from tests.modules.fakes import Bench, drain
+from tests.modules.perception.rendering import X_BC, facing, kinect_image
 
 STOP = facing(3.0, 0.4, 1.4)
 

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.geometry import Pose2, Pose3
+from app.base.geometry import Pose2, Pose3
 from app.messages import Image
 from app.modules.perception.fisheye_patches import FisheyePatches
 from app.modules.perception.qr_codes import (
@@ -25,8 +25,7 @@ from app.modules.perception.qr_codes import (
     locate,
 )
 from benchmarks.posters import PANORAMA, facing_camera, picture
-
-from .rendering import CODE_M, KINECT, X_BC, facing, kinect_image
+from tests.modules.perception.rendering import CODE_M, KINECT, X_BC, facing, kinect_image
 
 HERE = Pose2()
 PATCHES = FisheyePatches(PANORAMA)

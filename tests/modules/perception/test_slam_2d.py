@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app import compiled
-from app.geometry import Pose2, Pose3
+from app.base import compiled
+from app.base.geometry import Pose2, Pose3
 from app.maps.control import MapControl, MapUnavailable
 from app.maps.library import GRAPH, MapLibrary
 from app.messages import LaserScan, Localization, OccupancyGrid, Odometry, Zone, Zones, read_only
@@ -20,9 +20,8 @@ from app.modules.perception.slam.session import kept_map
 from app.modules.perception.slam_2d import SLAM2D
 from app.runtime.clock import run_virtual
 from app.runtime.filter import CLOSED
-
-from ..fakes import Bench, drain
-from .slam.places import HALL, Segment, drawn, polygon, scan, way
+from tests.modules.fakes import Bench, drain
+from tests.modules.perception.slam.places import HALL, Segment, drawn, polygon, scan, way
 
 ROUND = way(
     (1.5, 3.0), (8.0, 3.0), (8.0, 6.5), (10.5, 6.5), (10.5, 4.5), (8.0, 4.0), (1.5, 3.0), (3.6, 4.0), (3.6, 6.5)

@@ -12,18 +12,18 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app import compiled, paths
-from app.config import Configuration, load_configuration
+from app.base import compiled, paths
+from app.base.geometry import Pose2
+from app.base.yaml_source import parse
 from app.experiments.lockstep import WorldRun, run_in_world, with_settings
 from app.experiments.script import Waypoint, drive_script
-from app.geometry import Pose2
 from app.maps.library import MapLibrary
 from app.messages import Localization
+from app.program.config import Configuration, load_configuration
 from app.robots.config import RobotConfig
 from app.robots.factory import load_body
 from app.robots.simulated.world_config import WorldConfig
 from app.runtime.graph import Pin
-from app.yaml_source import parse
 
 LAB = paths.config_dir() / "lab.yaml"
 #: No more than it takes: a test has little time.

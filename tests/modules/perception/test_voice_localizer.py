@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.messages import Audio, Odometry, SeparatedSound, SoundSources, read_only
 from app.runtime.clock import run_virtual
-
-from ..fakes import Bench, drain
-from .voices.sounds import ARRAY, RATE, as_int16, babble, heard, heard_turning, toward
+from tests.modules.fakes import Bench, drain
+from tests.modules.perception.voices.sounds import ARRAY, RATE, as_int16, babble, heard, heard_turning, toward
 
 FRAME = 512
 P_BM = ARRAY.positions + np.array([0.0, 0.0, 0.8])

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 
 from app.modules.recording.recorder import Recorder
-from tests.recording.disks import Disk
+from tests.logs.mcap.disks import Disk
 
 
 @pytest.fixture

@@ -7,18 +7,18 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from app.logs.control import RecorderControl
+from app.logs.library import RecordingLibrary
+from app.logs.log import Logged
+from app.logs.manifest import Manifest
+from app.logs.mcap.reader import McapLog
 from app.messages import RecorderStatus
-from app.recording.control import RecorderControl
-from app.recording.library import RecordingLibrary
-from app.recording.log import Logged
-from app.recording.manifest import Manifest
-from app.recording.mcap_log import McapLog
 from app.runtime.channel_table import ChannelSpec, ChannelTable
 from app.runtime.clock import RealClock
 from app.runtime.graph import Graph, ModuleSpec
 from app.runtime.supervisor import Supervisor
+from tests.logs.mcap.disks import BEGIN, MANIFEST, odometry
 from tests.patience import PATIENCE_S
-from tests.recording.disks import BEGIN, MANIFEST, odometry
 
 TABLE = ChannelTable(
     {

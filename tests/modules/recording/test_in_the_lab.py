@@ -6,14 +6,14 @@ import asyncio
 from pathlib import Path
 
 from app.attention.desires import Source
-from app.config import load_configuration
+from app.logs.library import RecordingLibrary
+from app.logs.mcap.reader import McapLog
 from app.messages import Image, IntentionRecord, Odometry, RecorderStatus
-from app.recording.library import RecordingLibrary
-from app.recording.mcap_log import McapLog
-from app.system import System
+from app.program.config import load_configuration
+from app.program.system import System
+from tests.logs.mcap.disks import image, odometry
 from tests.modules.fakes import FakeLink
 from tests.patience import PATIENCE_S
-from tests.recording.disks import image, odometry
 
 CONFIG = Path(__file__).parents[3] / "config" / "lab.yaml"
 

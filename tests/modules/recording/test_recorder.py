@@ -10,9 +10,8 @@ from pathlib import Path
 import pytest
 
 from app.messages import EventRecord, Landmarks, LoadRecord, ModuleRecord, Odometry
-from tests.recording.disks import BEGIN, Disk, image, landmarks, odometry
-
-from .robot import Robot, files, of, read
+from tests.logs.mcap.disks import BEGIN, Disk, image, landmarks, odometry
+from tests.modules.recording.robot import Robot, files, of, read
 
 
 async def test_nobody_wants_it_so_it_takes_and_forgets(tmp_path: Path) -> None:

@@ -11,17 +11,16 @@ from typing import Any
 
 import pytest
 
+from app.logs.control import RecorderUnavailable
+from app.logs.library import RecordingLibrary
+from app.logs.log import LogError
+from app.logs.mcap.ring import Hold, Ring
+from app.logs.mcap.ring_folder import leftovers
 from app.messages import EventRecord, Odometry
 from app.modules.recording import ring_saver
-from app.recording.control import RecorderUnavailable
-from app.recording.library import RecordingLibrary
-from app.recording.log import LogError
-from app.recording.ring import Hold, Ring
-from app.recording.ring_folder import leftovers
+from tests.logs.mcap.disks import BEGIN, MANIFEST, Disk, encoder, odometry
+from tests.modules.recording.robot import Robot, files, of, read
 from tests.patience import PATIENCE_S
-from tests.recording.disks import BEGIN, MANIFEST, Disk, encoder, odometry
-
-from .robot import Robot, files, of, read
 
 
 async def test_a_ring_is_saved_on_request_and_turns_on(tmp_path: Path) -> None:

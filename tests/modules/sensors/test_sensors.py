@@ -6,11 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.geometry import CameraModel, Pose2, Pose3
+from app.base.geometry import CameraModel, Pose2, Pose3
 from app.messages import Image, JointState, LaserScan, Odometry
 from app.runtime.clock import run_virtual
-
-from ..fakes import Bench, FakeLink, drain
+from tests.modules.fakes import Bench, FakeLink, drain
 
 KINECT = "app.modules.sensors.kinect:Kinect"
 HOKUYO = "app.modules.sensors.hokuyo:Hokuyo"

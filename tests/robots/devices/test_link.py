@@ -13,8 +13,7 @@ from app.robots.devices.config import CameraConfig, DevicesConfig, SoundConfig, 
 from app.robots.devices.link import DevicesLink
 from app.robots.devices.reader import Reader
 from tests.patience import PATIENCE_S
-
-from .files import DESK, MODEL, link, picture_file, ramp, sound_file, video_file
+from tests.robots.devices.files import DESK, MODEL, link, picture_file, ramp, sound_file, video_file
 
 
 class Collected:

@@ -9,9 +9,8 @@ from pydantic import ValidationError
 
 from app.robots.devices.config import CameraConfig
 from app.robots.devices.pictures import Pace, Unavailable, open_pictures
-from tests.test_pictures import BOMBS
-
-from .files import picture_file, video_file
+from tests.base.test_image_source import BOMBS
+from tests.robots.devices.files import picture_file, video_file
 
 
 def levels(path: Path, count: int, **more: Any) -> list[int | None]:

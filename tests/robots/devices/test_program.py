@@ -13,14 +13,14 @@ import pytest
 import segno
 import soundfile
 
-from app import paths
+from app.base import paths
+from app.base.errors import ConfigError
 from app.commands.body import chosen
-from app.errors import ConfigError
 from app.messages import Faces, LoudNoise, QRCodes
+from app.program.system import System
 from app.robots.devices.config import DevicesConfig
 from app.robots.factory import create_link
 from app.runtime.clock import RealClock
-from app.system import System
 from tests.patience import PATIENCE_S
 
 WEBCAM = paths.config_dir() / "robots" / "webcam.yaml"

@@ -11,8 +11,7 @@ import soundfile
 from app.robots.devices.config import SoundConfig
 from app.robots.devices.pictures import Unavailable
 from app.robots.devices.sound import Sound, open_sound
-
-from .files import RATE, ramp, sound_file
+from tests.robots.devices.files import RATE, ramp, sound_file
 
 
 def test_a_file_comes_sample_by_sample_and_over_again(tmp_path: Path) -> None:

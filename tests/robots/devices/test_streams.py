@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.geometry import Pose3
+from app.base.geometry import Pose3
 from app.robots.devices import streams
 from app.robots.devices.config import SoundConfig
 from app.robots.devices.streams import Ear

@@ -10,13 +10,13 @@ from typing import Any
 import pytest
 
 from app.link import BaseLimits, LinkFailed, RobotDescription, StreamDescription
+from app.logs.log import Logged
 from app.messages import Image, JointState, LaserScan, LinkStatus, Odometry, Twist
-from app.recording.log import Logged
 from app.robots.replayed.body import ReplayedBody
 from app.runtime.clock import Clock, VirtualClock, in_virtual_time, run_virtual
 from app.runtime.replay_clock import ReplayClock
+from tests.logs.replay.logs import BEGIN, MemoryLog, lab_messages, numbered
 from tests.patience import PATIENCE_S
-from tests.replay.logs import BEGIN, MemoryLog, lab_messages, numbered
 
 CHANNELS = {"odometry": "odometry", "joints": "joints", "status": "link_status", "kinect": "kinect", "hokuyo": "scan"}
 TYPES = {"odometry": Odometry, "joints": JointState, "status": LinkStatus, "kinect": Image, "hokuyo": LaserScan}

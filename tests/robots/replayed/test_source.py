@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
+from app.logs.log import LogError, Logged
 from app.messages import Odometry
-from app.recording.log import LogError, Logged
 from app.robots.replayed.source import PIECE_MESSAGES, PIECE_S, LogSource, Place
-from tests.replay.logs import MemoryLog, numbered
+from tests.logs.replay.logs import MemoryLog, numbered
 
 TIMES = st.lists(st.tuples(st.integers(0, 40).map(lambda n: n / 8), st.sampled_from("abc")), max_size=60)
 

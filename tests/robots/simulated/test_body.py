@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from app.geometry import wrap_angle
+from app.base.geometry import wrap_angle
 from app.robots import guard
 from app.robots.config import RobotConfig, StartPose
 from app.robots.guard import Command, GuardLimits, GuardState, Velocity

@@ -10,14 +10,14 @@ import pytest
 import zxingcpp
 from numpy.typing import NDArray
 
-from app.geometry import Pose2, Pose3
+from app.base.geometry import Pose2, Pose3
 from app.robots.config import KinectConfig, RobotConfig
 from app.robots.model import load_model
 from app.robots.simulated.body import Simulation, build_simulation
-from app.robots.simulated.eyes import KinectEye
+from app.robots.simulated.camera_rendering import KinectEye
 from app.robots.simulated.kinect import camera_model
 from app.robots.simulated.odometry import TrueBase
-from app.robots.simulated.painter import Painter, Snapshot
+from app.robots.simulated.renderer import Painter, Snapshot
 from app.robots.simulated.world_config import WorldConfig
 from tests.robots.conftest import make_hall, needs_gl
 

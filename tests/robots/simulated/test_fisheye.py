@@ -11,15 +11,15 @@ import pytest
 import zxingcpp
 from numpy.typing import NDArray
 
-from app.geometry import CameraModel, FisheyeModel, Pose2, Pose3
+from app.base.geometry import CameraModel, FisheyeModel, Pose2, Pose3
 from app.robots.config import ImvConfig, RobotConfig
 from app.robots.model import load_model
 from app.robots.simulated.body import build_simulation
-from app.robots.simulated.eyes import FisheyeEye
+from app.robots.simulated.camera_models import fisheye_model
+from app.robots.simulated.camera_rendering import FisheyeEye
 from app.robots.simulated.fisheye import tile
-from app.robots.simulated.lenses import fisheye_model
 from app.robots.simulated.odometry import TrueBase
-from app.robots.simulated.painter import Painter, Snapshot
+from app.robots.simulated.renderer import Painter, Snapshot
 from app.robots.simulated.world import X_WP_of_page
 from app.robots.simulated.world_config import (
     LETTER_HEIGHT_M,

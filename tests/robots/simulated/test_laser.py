@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from app.geometry import Pose2, wrap_angle
+from app.base.geometry import Pose2, wrap_angle
 from app.messages import LaserScan
 from app.robots.config import HokuyoConfig, RobotConfig, StartPose
 from app.robots.guard import Velocity

@@ -16,7 +16,7 @@ import numpy as np
 import psutil
 import pytest
 
-from app.geometry import FisheyeModel
+from app.base.geometry import FisheyeModel
 from app.link import LinkFailed
 from app.messages import GroundTruth, Image, LaserScan, LinkStatus, Odometry, Twist
 from app.robots.config import RobotConfig

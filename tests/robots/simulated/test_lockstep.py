@@ -14,7 +14,7 @@ from app.link import LinkFailed
 from app.messages import Audio, GroundTruth, Image, LaserScan, LinkStatus, Odometry, SceneTruth, Twist
 from app.robots.config import RobotConfig
 from app.robots.simulated.lockstep import LockstepLink
-from app.robots.simulated.scenario_config import ScenarioConfig
+from app.robots.simulated.scenery.scenario_config import ScenarioConfig
 from app.robots.simulated.world_config import WorldConfig
 from app.runtime.clock import VirtualClock, run_virtual
 from tests.robots.conftest import make_hall, needs_gl

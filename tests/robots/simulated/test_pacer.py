@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.robots.simulated.living_world import Schedule
 from app.robots.simulated.pacer import GO_ON_S, LONGEST_WAIT_S, Pacer
+from app.robots.simulated.simulation import Schedule
 
 STEP = 0.002
 

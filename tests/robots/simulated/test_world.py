@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
+from app.base.yaml_source import parse
 from app.robots.config import RobotConfig
-from app.robots.simulated import textures
 from app.robots.simulated.body import build_simulation
 from app.robots.simulated.odometry import TrueBase
+from app.robots.simulated.scenery import textures
 from app.robots.simulated.world import X_WP_of_page, build_world
 from app.robots.simulated.world_config import (
     CODE_RISE_M,
@@ -25,7 +26,6 @@ from app.robots.simulated.world_config import (
     MaterialConfig,
     WorldConfig,
 )
-from app.yaml_source import parse
 from tests.robots.conftest import make_hall
 
 

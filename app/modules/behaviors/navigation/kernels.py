@@ -4,9 +4,17 @@ from __future__ import annotations
 
 import importlib
 
-from app.compiled import make_ready
+from app.base.compiled import make_ready
 
-_NAMES = ("costing", "depth", "lines", "rays", "rollouts", "search", "touching")
+_NAMES = (
+    "costmap.clearance_kernels",
+    "costmap.cost_kernels",
+    "costmap.depth_kernels",
+    "costmap.raytrace_kernels",
+    "planning.astar_kernels",
+    "planning.path_kernels",
+    "tracking.rollout_kernels",
+)
 
 
 def load_kernels() -> None:

@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import FisheyeModel
+from app.base.geometry import FisheyeModel
 
 #: Faces are looked for whose middle is between these heights (m): somebody who sits, and one as tall as 1.96 m.
 _LOWEST_M, _HIGHEST_M = 1.05, 1.80

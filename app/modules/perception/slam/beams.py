@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from app.geometry import Pose2, Pose3
+from app.base.geometry import Pose2, Pose3
 from app.messages import LaserScan
 from app.modules.perception.slam.scans import Beams
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.modules.perception.slam.information import Information, diagonal
-from app.modules.perception.slam.matching import Fit
+from app.modules.perception.slam.scan_matching import Fit
 
 #: An edge of so small a share of the scan says little, and one of no share next to nothing.
 _SURE_SHARE = 0.6

@@ -8,12 +8,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.compiled import kernel
-from app.geometry import Pose2
+from app.base.compiled import kernel
+from app.base.geometry import Pose2
 from app.messages import OccupancyGrid
-from app.modules.perception.slam.field import FREE, OCCUPIED
+from app.modules.perception.slam.likelihood_field import FREE, OCCUPIED
 from app.modules.perception.slam.scans import Beams, prepared
-from app.modules.perception.slam.values import Keyframe, SlamState
+from app.modules.perception.slam.types import Keyframe, SlamState
 
 #: Places are about so far (m) apart, and what stands further than this (m) is not seen from them.
 APART_M, REACH_M = 1.5, 12.0

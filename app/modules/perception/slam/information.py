@@ -11,7 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 
 #: The upper triangle of the matrix, row by row: xx, xy, x theta, yy, y theta (1/m^2, 1/(m rad)), theta theta (1/rad^2).
 Information = tuple[float, float, float, float, float, float]

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.modules.perception.slam.surfels import SurfelGrid, surfel_grid
-from app.modules.perception.slam.values import Keyframe
+from app.modules.perception.slam.types import Keyframe
 
 #: So many keyframes at most of each quarter of headings, the nearest: enough for those behind a wall, too, which see
 #: nothing of what the robot sees, and for a corridor that was mapped in the other direction.

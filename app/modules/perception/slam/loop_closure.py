@@ -10,15 +10,15 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2, wrap_angle
-from app.modules.perception.slam.drift import DriftGraph
-from app.modules.perception.slam.matching import NOISE_M, Fit, fitted
+from app.base.geometry import Pose2, wrap_angle
+from app.modules.perception.slam.correlative_matching import Pyramid, sought
+from app.modules.perception.slam.drift_bound import DriftGraph
 from app.modules.perception.slam.pose_graph import Optimize, graph_arrays
 from app.modules.perception.slam.pruning import Pruned, pruned, redundant
-from app.modules.perception.slam.search import Pyramid, sought
+from app.modules.perception.slam.scan_matching import NOISE_M, Fit, fitted
 from app.modules.perception.slam.settings import SlamSettings
 from app.modules.perception.slam.surfels import SurfelGrid, surfel_grid
-from app.modules.perception.slam.values import Edge, Keyframe, Submap
+from app.modules.perception.slam.types import Edge, Keyframe, Submap
 
 _LEVELS = 6
 #: Grids of old submaps that are kept for the next search: bounds the memory.

@@ -10,19 +10,19 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2, wrap_angle
+from app.base.geometry import Pose2, wrap_angle
+from app.modules.perception.slam.correlative_matching import Pyramid, sought
 from app.modules.perception.slam.edges import edge_information
 from app.modules.perception.slam.local_map import DOUBTED_M, STALE_M, LocalMap, local_map
 from app.modules.perception.slam.loop_closure import LoopJob, LoopMemory, LoopOutcome, pose_array
-from app.modules.perception.slam.matching import NOISE_M, Fit, fitted
-from app.modules.perception.slam.odometry import OdometryRatios
+from app.modules.perception.slam.odometry_calibration import OdometryRatios
 from app.modules.perception.slam.pose_graph import Optimize, optimized
 from app.modules.perception.slam.pruning import Pruned
+from app.modules.perception.slam.scan_matching import NOISE_M, Fit, fitted
 from app.modules.perception.slam.scans import Beams, Scan, prepared
-from app.modules.perception.slam.search import Pyramid, sought
 from app.modules.perception.slam.settings import SlamSettings
 from app.modules.perception.slam.surfels import SurfelGrid
-from app.modules.perception.slam.values import Edge, Keyframe, Match, SlamState, Submap
+from app.modules.perception.slam.types import Edge, Keyframe, Match, SlamState, Submap
 
 #: Odometry that moved less than this (m, rad) has not moved; but so many scans later the scan is looked at again.
 _REST = 1e-4

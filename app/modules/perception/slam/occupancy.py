@@ -18,10 +18,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.compiled import kernel
-from app.geometry import Pose2
+from app.base.compiled import kernel
+from app.base.geometry import Pose2
 from app.messages import LaserScan
-from app.modules.perception.slam.values import Keyframe
+from app.modules.perception.slam.types import Keyframe
 
 #: A hit weighs as much as this many misses.
 HIT_WEIGHT = 3.0

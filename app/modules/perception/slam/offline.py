@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.modules.perception.slam.loop_closure import LoopJob
 from app.modules.perception.slam.mapper import Slam
 from app.modules.perception.slam.relations import Poses

@@ -11,7 +11,7 @@ from concurrent.futures.process import BrokenProcessPool
 import numpy as np
 from numpy.typing import NDArray
 
-from app.children import end_with_parent, safe_path
+from app.base.child_processes import end_with_parent, safe_path
 from app.modules.perception.slam.pose_graph import GraphArrays, optimized
 
 #: The driving itself comes first.

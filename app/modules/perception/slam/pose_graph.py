@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.modules.perception.slam.information import Information, chained, matrices, seen_from, variance_m2
 from app.modules.perception.slam.relations import between
-from app.modules.perception.slam.values import Edge
+from app.modules.perception.slam.types import Edge
 
 #: From so many standard deviations on, a loop's weight falls with its error (Cauchy's estimator).
 _SOFT_SIGMAS = 3.0

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.modules.perception.slam.pose_graph import surest, without
-from app.modules.perception.slam.values import Edge, Submap
+from app.modules.perception.slam.types import Edge, Submap
 
 #: A submap of fewer keyframes shows too little to be known again.
 _LEAST_KEYFRAMES = 4

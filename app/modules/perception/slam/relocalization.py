@@ -16,8 +16,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2
-from app.modules.perception.slam.field import PlaceField
+from app.base.geometry import Pose2
+from app.modules.perception.slam.likelihood_field import PlaceField
 
 
 @dataclass(frozen=True, slots=True)

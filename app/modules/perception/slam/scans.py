@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from app.compiled import kernel
-from app.geometry import Pose2
+from app.base.compiled import kernel
+from app.base.geometry import Pose2
 
 #: No laser sees farther (m), though some say that their range has no end.
 _FURTHEST_M = 1000.0

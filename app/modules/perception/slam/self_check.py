@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from app.modules.perception.slam.offline import MappedLog
 from app.modules.perception.slam.pose_graph import graph_arrays, uncertainties
-from app.modules.perception.slam.values import Keyframe
-from app.modules.perception.slam.views import Pairs, compared
+from app.modules.perception.slam.scan_overlap import Pairs, compared
+from app.modules.perception.slam.types import Keyframe
 
 #: ``yes``: nothing speaks against it; ``no``: the data contradict the map; ``unknown``: they cannot say.
 Intact = Literal["yes", "no", "unknown"]

@@ -15,23 +15,23 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from app.errors import ConfigError
-from app.geometry import Pose2
+from app.base.errors import ConfigError
+from app.base.geometry import Pose2
 from app.maps.control import MapUnavailable
 from app.maps.library import GRAPH, MapLibrary
 from app.messages import LaserScan, OccupancyGrid, Zone, read_only
 from app.modules.perception.slam.beams import BeamsOf
-from app.modules.perception.slam.drawing import GLANCES, Glance, MapDrawing
-from app.modules.perception.slam.field import PlaceField
 from app.modules.perception.slam.grid_views import state_of
+from app.modules.perception.slam.likelihood_field import PlaceField
+from app.modules.perception.slam.localization_quality import FITS
 from app.modules.perception.slam.loop_closure import LoopJob, LoopOutcome
+from app.modules.perception.slam.map_rendering import GLANCES, Glance, MapDrawing
 from app.modules.perception.slam.mapper import Slam
 from app.modules.perception.slam.occupancy import OccupancyCounts, cropped, view_of
-from app.modules.perception.slam.place import FITS
 from app.modules.perception.slam.pose_graph import Optimize, optimized
 from app.modules.perception.slam.relocalization import Place, PlaceSearch, Sighting
 from app.modules.perception.slam.storage import read_state, write_state
-from app.modules.perception.slam.values import Keyframe, Match, SlamState
+from app.modules.perception.slam.types import Keyframe, Match, SlamState
 
 #: One more look is taken from a keyframe when no other was made for so long (s).
 GLANCE_S = 1.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 
 
 @dataclass(frozen=True, slots=True)

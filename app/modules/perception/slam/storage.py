@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.errors import ConfigError
-from app.geometry import Pose2
+from app.base.errors import ConfigError
+from app.base.geometry import Pose2
+from app.base.npz_source import read_arrays
 from app.modules.perception.slam.information import matrices, packed
-from app.modules.perception.slam.values import Edge, Keyframe, SlamState
-from app.npz_source import read_arrays
+from app.modules.perception.slam.types import Edge, Keyframe, SlamState
 
 FORMAT = 2
 #: Of which information was a diagonal.

@@ -8,8 +8,8 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from app.compiled import kernel
-from app.geometry import Pose2
+from app.base.compiled import kernel
+from app.base.geometry import Pose2
 
 #: Side of a cell (m): a wall's readings fill it, and a door's two sides do not share it.
 CELL_M = 0.1

@@ -21,8 +21,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.modules.perception.voices.array import MicrophoneArray
-from app.modules.perception.voices.steering import SPEED_OF_SOUND, arrivals, search_grid, tangents
+from app.modules.perception.voices.microphone_array import MicrophoneArray
+from app.modules.perception.voices.steering_vectors import SPEED_OF_SOUND, arrivals, search_grid, tangents
 
 #: Lags are looked at in steps of this (s): a quarter of a period at 7 kHz is 3.4 of them.
 LAG_STEP_S = 1 / 96_000

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from app.modules.perception.voices.motion import Motion, angle_deg
+from app.modules.perception.voices.kalman import Motion, angle_deg
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,10 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from app.modules.perception.voices.array import MicrophoneArray
-from app.modules.perception.voices.clarity import Clarity
+from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.onsets import Onsets
-from app.modules.perception.voices.steering import SPEED_OF_SOUND, arrivals, search_grid, tangents
+from app.modules.perception.voices.spectral_mask import Clarity
+from app.modules.perception.voices.steering_vectors import SPEED_OF_SOUND, arrivals, search_grid, tangents
 
 _SMALL = 1e-12
 #: Directions of a step nearer together than this (cosine of 4 degrees) are one.

@@ -11,17 +11,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import wrap_angle
+from app.base.geometry import wrap_angle
 from app.messages import SeparatedSound, SoundSource, SoundSources, read_only
-from app.modules.perception.height import range_from_height
-from app.modules.perception.voices.array import MicrophoneArray
+from app.modules.perception.height_prior import range_from_height
 from app.modules.perception.voices.array_check import ArrayCheck
-from app.modules.perception.voices.beams import DelayAndSum
+from app.modules.perception.voices.delay_and_sum import DelayAndSum
 from app.modules.perception.voices.localization import Localizer
+from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.resampling import Resampler
 from app.modules.perception.voices.separation import Separated, Separator
-from app.modules.perception.voices.speech import SPEECH_RATE, SpeechJudge
 from app.modules.perception.voices.tracking import Track, Tracker
+from app.modules.perception.voices.voice_activity import SPEECH_RATE, SpeechJudge
 
 _FULL_SCALE = 32768.0
 _QUIETEST = 1e-12

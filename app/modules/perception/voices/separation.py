@@ -26,8 +26,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from app.modules.perception.voices.array import MicrophoneArray
-from app.modules.perception.voices.steering import SPEED_OF_SOUND, arrivals
+from app.modules.perception.voices.microphone_array import MicrophoneArray
+from app.modules.perception.voices.steering_vectors import SPEED_OF_SOUND, arrivals
 
 Spectra = NDArray[np.complex64]
 #: Rates below twice this are not made.

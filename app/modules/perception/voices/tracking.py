@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from app.modules.perception.voices.confirmation import Source, TrackerSettings, confirm, reported
+from app.modules.perception.voices.kalman import Motion, Vector, along, angle_deg, angular_speed
 from app.modules.perception.voices.localization import Peaks
-from app.modules.perception.voices.motion import Motion, Vector, along, angle_deg, angular_speed
 
 
 @dataclass(frozen=True, slots=True, eq=False)

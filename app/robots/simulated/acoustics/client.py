@@ -10,13 +10,13 @@ import subprocess
 import sys
 from typing import Any
 
-from app.children import python
-from app.geometry import Pose2
+from app.base.child_processes import python
+from app.base.geometry import Pose2
 from app.messages import Audio
-from app.robots.simulated.acoustics.orders import Heard, Played
+from app.robots.simulated.acoustics.ipc import Heard, Played
 from app.robots.simulated.acoustics.soundscape import Soundscape
 from app.robots.simulated.image_ring import create_memory
-from app.robots.simulated.stage import Stage
+from app.robots.simulated.scenery.scenario_state import Stage
 from app.robots.simulated.wire import Socket
 
 _LATE_S = 0.1

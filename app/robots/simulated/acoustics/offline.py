@@ -20,7 +20,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from app.geometry import Pose3
+from app.base.geometry import Pose3
 from app.robots.simulated.acoustics.activity import ACTIVITY_S, activity
 from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, Microphones
 from app.robots.simulated.acoustics.hearing import Emission, Hearing, OneRoom, Surroundings

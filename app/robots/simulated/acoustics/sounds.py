@@ -14,13 +14,13 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from app.errors import ConfigError
-from app.plain_file import check_plain
+from app.base.errors import ConfigError
+from app.base.plain_file import check_plain
+from app.base.yaml_source import suggestion
 from app.robots.simulated.acoustics.activity import ACTIVITY_S, activity, pieces
 from app.robots.simulated.acoustics.bands import fast_length
 from app.robots.simulated.acoustics.espeak import NoSpeechSynthesis, speak
 from app.robots.simulated.acoustics.synthesis import MAKERS
-from app.yaml_source import suggestion
 
 Samples = NDArray[np.float32]
 TALKER_DB_SPL = 65.0

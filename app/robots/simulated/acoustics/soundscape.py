@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from app.errors import ConfigError
-from app.geometry import Pose2, Pose3
+from app.base.errors import ConfigError
+from app.base.geometry import Pose2, Pose3
 from app.messages import SoundTruth
 from app.robots.config import LoudspeakerConfig, MicrophonesConfig
 from app.robots.model import RobotModel
-from app.robots.simulated.acoustics.orders import Scene, Setup, Sounding
+from app.robots.simulated.acoustics.ipc import Scene, Setup, Sounding
 from app.robots.simulated.acoustics.sounds import PEAK_DB_SPL, VARIANTS, Key, Library
 from app.robots.simulated.acoustics.synthesis import MAKERS
-from app.robots.simulated.scenario_config import LONGEST_SOUND_S, ScenarioConfig
-from app.robots.simulated.stage import Cue, Stage
+from app.robots.simulated.scenery.scenario_config import LONGEST_SOUND_S, ScenarioConfig
+from app.robots.simulated.scenery.scenario_state import Cue, Stage
 from app.robots.simulated.world_config import WorldConfig
 
 AFTER_S = 0.3
@@ -23,7 +23,9 @@ SCENES_HZ = 100.0
 
 
 class Soundscape:
-    """Every sound of ``scenario``; ``setup`` is what an :class:`~app.robots.simulated.acoustics.ear.Ear` is made from.
+    """Every sound of ``scenario``; ``setup`` is what
+    an :class:`~app.robots.simulated.acoustics.microphone_array.Ear` is
+    made from.
 
     Raises ConfigError for a sound there is not, or that would be cut off.
     """

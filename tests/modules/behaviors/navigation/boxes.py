@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import CameraModel, Pose2, Pose3
+from app.base.geometry import CameraModel, Pose2, Pose3
 from app.messages import Image, LaserScan
 
 #: x0, y0, x1, y1, z0, z1 (m)

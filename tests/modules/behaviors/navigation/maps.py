@@ -8,11 +8,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.messages import OccupancyGrid, Zone
-from app.modules.behaviors.navigation.footprint import Footprint
-from app.modules.behaviors.navigation.inflation import CostField
-from app.modules.behaviors.navigation.planner import explore
+from app.modules.behaviors.navigation.costmap.footprint import Footprint
+from app.modules.behaviors.navigation.costmap.inflation import CostField
+from app.modules.behaviors.navigation.planning.astar import explore
 from app.robots.config import circle
 
 ROUND = Footprint.polygon(np.array(circle(0.28)))

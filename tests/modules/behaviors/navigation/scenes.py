@@ -8,10 +8,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.link import BaseLimits
-from app.modules.behaviors.navigation.motion import Body, Choice, Field, Motion, Way
-from app.modules.behaviors.navigation.way import Track
+from app.modules.behaviors.navigation.controller import Body, Choice, Field, Motion, Way
+from app.modules.behaviors.navigation.planning.reference_path import Track
 
 LIMITS = BaseLimits(0.40, 1.00, 0.40, 4.00)
 SQUARE = ((0.25, -0.25), (0.25, 0.25), (-0.25, 0.25), (-0.25, -0.25))

@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.geometry import Pose2
-from app.modules.behaviors.navigation.goals import plan
-from app.modules.behaviors.navigation.inflation import cost_field
-
-from .maps import OBLONG, grid_of
+from app.base.geometry import Pose2
+from app.modules.behaviors.navigation.costmap.inflation import cost_field
+from app.modules.behaviors.navigation.planning.goal_planning import plan
+from tests.modules.behaviors.navigation.maps import OBLONG, grid_of
 
 FOLDER = Path(os.environ.get("HBBA_REFERENCE_DATA") or Path(__file__).parents[5] / "shared" / "data") / "barn"
 RADIUS_M = 0.075

@@ -10,13 +10,23 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.link import BaseLimits
-from app.modules.behaviors.navigation.motion import Body, Motion
-from app.modules.behaviors.navigation.pilot import CONTROLLERS, controller_named
-from app.modules.behaviors.navigation.way import Track
-
-from .scenes import FAST, LIMITS, LONG, SQUARE, body_of, distance_to, driven, field_of, wall, way_along
+from app.modules.behaviors.navigation.controller import Body, Motion
+from app.modules.behaviors.navigation.planning.reference_path import Track
+from app.modules.behaviors.navigation.tracking.control_cycle import CONTROLLERS, controller_named
+from tests.modules.behaviors.navigation.scenes import (
+    FAST,
+    LIMITS,
+    LONG,
+    SQUARE,
+    body_of,
+    distance_to,
+    driven,
+    field_of,
+    wall,
+    way_along,
+)
 
 BODIES = {"slow": (LIMITS, SQUARE, 0.1), "fast": (FAST, LONG, 0.05)}
 

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2, Pose3
+from app.base.geometry import Pose2, Pose3
 from app.messages import LaserScan, OccupancyGrid, read_only
 
 Segment = tuple[tuple[float, float], tuple[float, float]]

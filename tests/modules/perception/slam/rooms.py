@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.modules.perception.slam.offline import Sweep
 from app.modules.perception.slam.scans import Beams
 

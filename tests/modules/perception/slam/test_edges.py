@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.modules.perception.slam.edges import edge_information
 from app.modules.perception.slam.information import Information, variance_m2
-from app.modules.perception.slam.matching import Fit
+from app.modules.perception.slam.scan_matching import Fit
 
 
 def of(inliers: float, sigma_m: float = 0.1) -> Information:

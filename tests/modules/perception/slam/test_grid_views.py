@@ -7,13 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.messages import OccupancyGrid
 from app.modules.perception.slam.grid_views import cast_grid, state_of
 from app.modules.perception.slam.mapper import Slam
 from app.modules.perception.slam.scans import Beams
-
-from .places import ANGLES, HALL, drawn, scan, way
+from tests.modules.perception.slam.places import ANGLES, HALL, drawn, scan, way
 
 
 def test_rays_end_in_the_middle_of_what_they_meet_and_are_lost_in_the_unknown() -> None:

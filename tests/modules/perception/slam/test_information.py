@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.modules.perception.slam.information import (
     Information,
     along,

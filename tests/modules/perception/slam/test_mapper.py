@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.modules.perception.slam.mapper import Slam
 from app.modules.perception.slam.offline import MappedLog, Sweep, mapped
 from app.modules.perception.slam.settings import SlamSettings
-from app.modules.perception.slam.values import SlamState
+from app.modules.perception.slam.types import SlamState
 from tests.modules.perception.slam.rooms import around, driven, half_circle, ring, room, seen
 
 BEAMS = half_circle(181)

@@ -10,10 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.modules.perception.slam.occupancy import REACH_M, OccupancyCounts, View, cropped, view_of
-
-from .places import HALL, scan
+from tests.modules.perception.slam.places import HALL, scan
 
 AHEAD = View(np.array([[2.0, 0.0]], np.float32), np.array([True]), (0.0, 0.0))
 NOTHING_AHEAD = replace(AHEAD, ends=np.array([[29.0, 0.0]], np.float32), met=np.array([False]))

@@ -8,11 +8,11 @@ import signal
 import numpy as np
 import pytest
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.modules.perception.slam.information import diagonal
 from app.modules.perception.slam.optimizer import OptimizerProcess
 from app.modules.perception.slam.pose_graph import graph_arrays, optimized
-from app.modules.perception.slam.values import Edge
+from app.modules.perception.slam.types import Edge
 
 
 @pytest.mark.slow

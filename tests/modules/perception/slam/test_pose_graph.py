@@ -9,11 +9,11 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.modules.perception.slam.information import diagonal
 from app.modules.perception.slam.pose_graph import graph_arrays, optimized, uncertainties, without
 from app.modules.perception.slam.pruning import pruned, redundant
-from app.modules.perception.slam.values import Edge, Submap
+from app.modules.perception.slam.types import Edge, Submap
 
 SURE = diagonal(1e4, 1e4, 1e5)
 

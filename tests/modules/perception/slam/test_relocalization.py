@@ -8,13 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.messages import OccupancyGrid
-from app.modules.perception.slam.field import PlaceField
+from app.modules.perception.slam.likelihood_field import PlaceField
 from app.modules.perception.slam.occupancy import view_of
 from app.modules.perception.slam.relocalization import PlaceSearch, Sighting, spread
-
-from .places import HALL, Segment, box, drawn, polygon, scan, way
+from tests.modules.perception.slam.places import HALL, Segment, box, drawn, polygon, scan, way
 
 #: Where odometry is in the world: nothing that a map could know.
 X_WO = Pose2(-3.0, 7.0, 2.0)

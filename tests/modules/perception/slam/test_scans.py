@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.modules.perception.slam.scans import Beams, prepared
 from tests.modules.perception.slam.rooms import half_circle, room, seen
 

@@ -9,10 +9,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from app.geometry import Pose2
+from app.base.geometry import Pose2
 from app.modules.perception.slam.offline import MappedLog, Sweep, mapped
+from app.modules.perception.slam.scan_overlap import Pairs
 from app.modules.perception.slam.self_check import CheckSettings, checked, cuts_of
-from app.modules.perception.slam.views import Pairs
 from tests.modules.perception.slam.rooms import around, driven, half_circle, ring
 
 BEAMS = half_circle(181)

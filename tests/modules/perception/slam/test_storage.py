@@ -12,15 +12,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.errors import ConfigError
-from app.geometry import Pose2
+from app.base.errors import ConfigError
+from app.base.geometry import Pose2
 from app.modules.perception.slam.information import diagonal
 from app.modules.perception.slam.mapper import Slam
 from app.modules.perception.slam.scans import Beams
 from app.modules.perception.slam.storage import read_state, write_state
-from app.modules.perception.slam.values import Edge, Keyframe, SlamState
-
-from .places import ANGLES, HALL, X_BL, scan, way
+from app.modules.perception.slam.types import Edge, Keyframe, SlamState
+from tests.modules.perception.slam.places import ANGLES, HALL, X_BL, scan, way
 
 numbers = st.floats(-1e6, 1e6)
 poses = st.builds(Pose2, numbers, numbers, numbers)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from app.modules.perception.voices.array import MicrophoneArray
-from app.modules.perception.voices.steering import arrivals
+from app.modules.perception.voices.microphone_array import MicrophoneArray
+from app.modules.perception.voices.steering_vectors import arrivals
 
 RATE = 48_000
 CORNERS = np.array(

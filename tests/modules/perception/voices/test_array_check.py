@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.modules.perception.voices.array import MicrophoneArray
 from app.modules.perception.voices.array_check import LEAST_MOMENTS, MOST_MOMENTS, ArrayCheck
+from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
-from app.modules.perception.voices.steering import SPEED_OF_SOUND
-
-from .sounds import ARRAY, CORNERS, RATE, as_int16, babble, heard, toward
+from app.modules.perception.voices.steering_vectors import SPEED_OF_SOUND
+from tests.modules.perception.voices.sounds import ARRAY, CORNERS, RATE, as_int16, babble, heard, toward
 
 FREQUENCIES = np.arange(200.0, 7000.0, 46.875)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from app.modules.perception.voices.confirmation import Source, TrackerSettings, confirm, reported
-from app.modules.perception.voices.motion import Motion
+from app.modules.perception.voices.kalman import Motion
 
 SETTINGS = TrackerSettings()
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.modules.perception.voices.array import MicrophoneArray
 from app.modules.perception.voices.localization import Localizer, LocalizerSettings, Peaks
-from app.modules.perception.voices.steering import SPEED_OF_SOUND, arrivals, search_grid, tangents
+from app.modules.perception.voices.microphone_array import MicrophoneArray
+from app.modules.perception.voices.steering_vectors import SPEED_OF_SOUND, arrivals, search_grid, tangents
 from app.robots.config import MicrophonesConfig
 
 RATE = 48_000

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.geometry import Pose3
+from app.base.geometry import Pose3
 from app.messages import SeparatedSound, SoundSources
-from app.modules.perception.voices.array import MicrophoneArray
+from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
 from app.robots.config import MicrophonesConfig
 from app.robots.simulated.acoustics.diffraction import Microphones
@@ -16,8 +16,7 @@ from app.robots.simulated.acoustics.offline import Source, render_scene
 from app.robots.simulated.acoustics.room import Shoebox
 from app.robots.simulated.acoustics.sounds import Library
 from benchmarks.bss_eval import bss_eval
-
-from .sounds import ARRAY, RATE, as_int16, babble, heard, heard_turning, toward
+from tests.modules.perception.voices.sounds import ARRAY, RATE, as_int16, babble, heard, heard_turning, toward
 
 #: As on the robot: the middle 0.8 m above the floor.
 PLACED = MicrophoneArray(ARRAY.positions + np.array([0.0, 0.0, 0.8]))

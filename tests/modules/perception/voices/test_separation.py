@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 
 from app.modules.perception.voices.separation import Separator, SeparatorSettings
 from benchmarks.bss_eval import bss_eval
-
-from .sounds import ARRAY, RATE, babble, heard, toward
+from tests.modules.perception.voices.sounds import ARRAY, RATE, babble, heard, toward
 
 
 def separate(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.geometry import Pose3
+from app.base.geometry import Pose3
 from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, Microphones
 from app.robots.simulated.acoustics.hearing import Emission, Hearing, OneRoom
 from app.robots.simulated.acoustics.room import Shoebox

@@ -19,7 +19,7 @@ from app.messages import Audio, GroundTruth, LinkStatus, SceneTruth
 from app.robots.config import RobotConfig
 from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS
 from app.robots.simulated.link import SimulatedLink
-from app.robots.simulated.scenario_config import ScenarioConfig
+from app.robots.simulated.scenery.scenario_config import ScenarioConfig
 from app.robots.simulated.world_config import WorldConfig
 from tests.patience import PATIENCE_S
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.geometry import Pose3
+from app.base.geometry import Pose3
 from app.robots.simulated.acoustics.activity import activity
 from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, Microphones
 from app.robots.simulated.acoustics.offline import Source, render_scene

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import soundfile
 
-from app.errors import ConfigError
+from app.base.errors import ConfigError
 from app.robots.simulated.acoustics import espeak, sounds
 from app.robots.simulated.acoustics.sounds import MEAN_DB_SPL, PEAK_DB_SPL, RECORDINGS, SPEECH, Library
 from app.robots.simulated.acoustics.synthesis import MAKERS

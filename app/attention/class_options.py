@@ -1,0 +1,138 @@
+"""What each class may contribute to a selection: the sets of its strategies that may be selected together."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from itertools import combinations
+from operator import itemgetter
+
+from app.attention.integer_program import Infeasible, Instance
+
+_MOST_OPTIONS = 64
+"""A class with more sets of strategies that may be selected together is left to CP-SAT."""
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    """``loss``: by how much its value falls short of the best of its class; ``costs`` per resource, then per
+    dependency."""
+
+    loss: int
+    costs: tuple[int, ...]
+    strategies: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """The options of every class, and the capacities that couple them. ``graded`` counts the resources for which
+    several classes contend in more amounts than all or nothing. ``best`` is the sum of the classes' best values."""
+
+    groups: list[list[Option]]
+    capacities: tuple[int, ...]
+    best: int
+    graded: int
+
+
+def list_options(instance: Instance, deadline: float = math.inf) -> Choice | None:
+    """Options per class, without those that another of the class dominates, and without resources that never bind.
+
+    None if there are too many, or the deadline came first.
+    """
+    needed = sorted(instance.needed)
+    width = len(instance.capacities)
+    column = {k: width + position for position, k in enumerate(needed)}
+    groups: list[list[tuple[int, tuple[int, ...], tuple[int, ...]]]] = []
+    for k in range(len(instance.members)):
+        sets = None if time.perf_counter() > deadline else _sets(instance, k)
+        if sets is None:
+            return None
+        wanted = instance.desired.get(k)
+        options = []
+        for chosen in sets:
+            costs = [0] * (width + len(needed))
+            value = 0
+            produced = 0
+            for s in chosen:
+                value -= instance.pay[s]
+                produced += instance.utility[s]
+                for j, cost in enumerate(instance.costs[s]):
+                    costs[j] += cost
+                for other, amount in instance.requires[s].items():
+                    costs[column[other]] += amount
+            if k in column:
+                costs[column[k]] -= produced
+            if wanted is not None and produced >= wanted:
+                filled = list(costs)
+                if k in column:
+                    filled[column[k]] += wanted
+                gain = instance.fulfil[k] + sum(instance.serve[s] for s in chosen)
+                options.append((value + gain, tuple(filled), chosen))
+            if k not in instance.security and (not chosen or k in column):
+                options.append((value, tuple(costs), chosen))
+        if not options:
+            raise Infeasible
+        groups.append(_efficient(options))
+    capacities = (*instance.capacities, *(0 for _ in needed))
+    binding = [
+        j
+        for j, capacity in enumerate(capacities)
+        if sum(max(option[1][j] for option in group) for group in groups) > capacity
+    ]
+    resources = [j for j in binding if j < len(instance.capacities)]
+    best = sum(group[0][0] for group in groups)
+    pruned = [
+        [Option(group[0][0] - v, tuple(c[j] for j in binding), chosen) for v, c, chosen in group] for group in groups
+    ]
+    graded = len(resources)
+    if graded > 1:
+        graded = sum(_is_graded([[option[1][j] for option in group] for group in groups]) for j in resources)
+    return Choice(pruned, tuple(capacities[j] for j in binding), best, graded)
+
+
+def _is_graded(costs: list[list[int]]) -> bool:
+    """Whether several classes contend for a resource (``costs`` by class and option), and not for all or nothing."""
+    users = [set(group) for group in costs if any(group)]
+    return len(users) > 1 and len(set().union(*users) - {0}) > 1
+
+
+def _efficient(
+    options: list[tuple[int, tuple[int, ...], tuple[int, ...]]],
+) -> list[tuple[int, tuple[int, ...], tuple[int, ...]]]:
+    """Options (value, costs, strategies) by falling value, without those that another dominates.
+
+    Where costs are several, each is compared with a bounded number of better ones: one too many does no harm.
+    """
+    options.sort(key=itemgetter(0), reverse=True)
+    kept: list[tuple[int, tuple[int, ...], tuple[int, ...]]] = []
+    for option in options:
+        costs = option[1]
+        # Where there is one cost, the one kept last is the cheapest so far.
+        rivals = kept[-1:] if len(costs) == 1 else kept[:_MOST_OPTIONS]
+        if not any(all(a <= b for a, b in zip(better[1], costs, strict=True)) for better in rivals):
+            kept.append(option)
+    return kept
+
+
+def _sets(instance: Instance, k: int) -> list[tuple[int, ...]] | None:
+    """The sets of a class's strategies that exclude each other in no pair; None if there are too many."""
+    members = instance.members[k]
+    sets: list[tuple[int, ...]] = [(), *((s,) for s in members)]
+    if instance.exclusive[k]:
+        return sets
+    if len(sets) > _MOST_OPTIONS:
+        return None
+    apart = {pair for clique in instance.cliques[k] for pair in combinations(clique, 2)}
+    for size in range(2, len(members) + 1):
+        fresh = [
+            chosen
+            for chosen in combinations(members, size)
+            if not any(pair in apart for pair in combinations(chosen, 2))
+        ]
+        sets += fresh
+        if len(sets) > _MOST_OPTIONS:
+            return None
+        if not fresh:
+            break
+    return sets

@@ -1,0 +1,1 @@
+"""Who may use the console: login, sessions, limits of requests and connections."""

@@ -1,0 +1,313 @@
+"""Who may talk to the console, and from which page.
+
+On loopback without a token anyone on this computer may, but a web page elsewhere may not: the ``Host`` must be a name
+of this computer (DNS rebinding), and where a browser states an ``Origin``, it must be ours. Beyond loopback a token is
+needed, as ``Authorization: Bearer`` or, for browsers, as the cookie of a session from ``/api/v1/session``;
+the ``Host`` must then be an address, this computer's name, or one that the console was started for.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import hmac
+import ipaddress
+import math
+import re
+import socket
+import time
+from collections.abc import Callable, Collection
+from typing import Any
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.requests import HTTPConnection
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from app.console.access.login_attempts import Attempts
+from app.console.access.request_limits import ClientLeft, objection_to_scope, with_body
+from app.console.access.sessions import Session, Sessions
+from app.console.problems import MEDIA_TYPE, Problem, problem_body, problem_response
+
+COOKIE = "hbba_session"
+#: What may be reached without having logged in, besides the page itself: the login and the sign of life.
+OPEN_PATHS = frozenset({"/api/v1/health", "/api/v1/session"})
+GUARDED = ("/api", "/viser")
+
+_PAGE_POLICY = (
+    "default-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; connect-src 'self'; "
+    "object-src 'none'; base-uri 'none'; form-action 'self'; frame-ancestors 'self'"
+)
+# viser's client is one file that unpacks and runs itself, with workers and WebAssembly.
+_VIEW_POLICY = (
+    "default-src 'self' data: blob:; script-src 'self' 'unsafe-inline' 'unsafe-eval' blob: data:; "
+    "style-src 'self' 'unsafe-inline'; worker-src 'self' blob: data:; connect-src 'self' data: blob:; "
+    "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
+)
+
+
+def is_loopback(host: str) -> bool:
+    """Whether ``host`` (a name or an address, without port) is this computer itself."""
+    if host.lower().rstrip(".") == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host.strip("[]")).is_loopback
+    except ValueError:
+        return False
+
+
+class Door:
+    """Decides which requests are let in. ``token`` None: those from this computer.
+
+    ``names`` are host names that this console answers to beyond addresses and this computer's own name; ``now`` gives
+    seconds of any steady clock.
+    """
+
+    def __init__(
+        self, token: str | None, names: Collection[str] = (), *, now: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._token = token
+        self._names = frozenset(name.lower().rstrip(".") for name in (*names, *own_names()))
+        self._sessions = Sessions(now)
+        self._attempts = Attempts(now)
+
+    @property
+    def asks(self) -> bool:
+        """Whether a token is needed."""
+        return self._token is not None
+
+    def log_in(self, token: str, scope: Scope) -> str | None:
+        """Begin a session; returns its cookie, None where none is needed. Raises Problem for a wrong token."""
+        if self._token is None:
+            return None
+        if (refusal := self._checked(token, scope)) is not None:
+            raise refusal
+        return self._sessions.begin()
+
+    def log_out(self, scope: Scope) -> None:
+        """End the session that a request belongs to, and its connections."""
+        self._sessions.end(_cookie(scope))
+
+    def session(self, scope: Scope) -> Session | None:
+        """The session that a request belongs to; None without one, as where it brings the token itself."""
+        return self._sessions.find(_cookie(scope)) if self.asks else None
+
+    def refusal(self, scope: Scope) -> Problem | None:
+        """Why a request may not enter for what it brings (a session's cookie, or the token), or None."""
+        if self._token is None or self.session(scope) is not None:
+            return None
+        scheme, _, bearer = Headers(scope=scope).get("authorization", "").partition(" ")
+        if scheme.lower() != "bearer":
+            return unauthorized()
+        refusal = self._checked(bearer.strip(), scope)
+        return unauthorized() if refusal is not None and refusal.status == 401 else refusal
+
+    def _checked(self, token: str, scope: Scope) -> Problem | None:
+        """Why ``token`` does not open, or None (compared in constant time)."""
+        assert self._token is not None
+        address = scope["client"][0] if scope.get("client") else ""
+        if (wait_s := self._attempts.wait_s(address)) > 0:
+            seconds = math.ceil(wait_s)
+            return Problem(
+                429,
+                "too-many-attempts",
+                f"Too many wrong tokens came from {address}: try again in {seconds} s.",
+                headers={"Retry-After": str(seconds)},
+            )
+        if hmac.compare_digest(self._token.encode(), token.encode(errors="surrogatepass")):
+            return None
+        self._attempts.failed(address)
+        return Problem(401, "wrong-token", "This is not the token; it was printed when the console was started.")
+
+    def objection(self, scope: Scope) -> Problem | None:
+        """Why a request or a WebSocket is refused, or None."""
+        headers = Headers(scope=scope)
+        host = headers.get("host", "")
+        if (problem := self._objection_to_host(host)) is not None:
+            return problem
+        origin = headers.get("origin")
+        changes = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD", "OPTIONS")
+        if changes and origin is not None and origin.lower() != f"{_scheme(scope)}://{host}".lower():
+            return Problem(403, "foreign-origin", f"Pages of {origin} may not use this console.")
+        path = scope["path"]
+        guarded = any(path == prefix or path.startswith(f"{prefix}/") for prefix in GUARDED)
+        # The session's own GET answers 401 by itself, so that a page can ask whether it must log in.
+        return self.refusal(scope) if guarded and path not in OPEN_PATHS else None
+
+    def _objection_to_host(self, host: str) -> Problem | None:
+        name = host_name(host)
+        if is_loopback(name) or (self.asks and (_is_address(name) or name in self._names)):
+            return None
+        asked = host or "a request without a Host"
+        if not self.asks:
+            detail = (
+                f"This console answers to localhost and 127.0.0.1 only, not to {asked}; "
+                "to reach it from elsewhere, start it with --host and a token."
+            )
+        else:
+            detail = (
+                f"This console answers to its addresses and its computer's own name, not to {asked}; "
+                "to reach it under another name, start it with --host-name NAME."
+            )
+        return Problem(421, "wrong-host", detail)
+
+
+def unauthorized() -> Problem:
+    """The refusal of who has not logged in."""
+    return Problem(
+        401,
+        "login-needed",
+        "This console needs its token: as `Authorization: Bearer ...`, or log in at POST /api/v1/session.",
+        headers={"WWW-Authenticate": 'Bearer realm="hbba"'},
+    )
+
+
+#: A host as a header may name it: a name, an IPv4 address or a bracketed IPv6 address, and a port.
+_HOST = re.compile(
+    r"(?:([a-z0-9](?:[a-z0-9._-]*[a-z0-9])?)\.?|\[([0-9a-f:.]+)\])(?::[0-9]{1,5})?", re.IGNORECASE | re.ASCII
+)
+
+
+def host_name(host: str) -> str:
+    """The name or address in a ``Host`` header, in lower case and without brackets; "" for what is no host."""
+    found = _HOST.fullmatch(host)
+    return "" if found is None else (found[1] or found[2]).lower()
+
+
+def own_names() -> tuple[str, ...]:
+    """The names under which this computer knows itself, and mDNS knows it."""
+    name = socket.gethostname().lower()
+    first = name.partition(".")[0]
+    return (name, first, f"{first}.local") if first else ()
+
+
+def _is_address(name: str) -> bool:
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return False
+    return True
+
+
+def _scheme(scope: Scope) -> str:
+    return "https" if scope["scheme"] in ("https", "wss") else "http"
+
+
+def cookie_name(scope: Scope) -> str:
+    """The name of a session's cookie, one per port: browsers send a cookie to every port of a host, where the consoles
+    of replays may be."""
+    server = scope.get("server")
+    return f"{COOKIE}_{server[1]}" if server else COOKIE
+
+
+def cookie_fields(scope: Scope) -> dict[str, Any]:
+    """How a session's cookie is set and deleted: for no script, no other site, and, over TLS, for TLS alone."""
+    return {"httponly": True, "samesite": "strict", "path": "/", "secure": _scheme(scope) == "https"}
+
+
+def _cookie(scope: Scope) -> str | None:
+    return HTTPConnection(scope).cookies.get(cookie_name(scope))
+
+
+class Guarded:
+    """ASGI middleware: asks the door, reads bodies, and gives every answer its security headers.
+
+    It must be the outermost layer, so that an answer to an error of the program has them too.
+    """
+
+    def __init__(self, app: ASGIApp, door: Door) -> None:
+        self._app = app
+        self._door = door
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass the request on, or answer with why not."""
+        if scope["type"] == "websocket":
+            await self._websocket(scope, receive, send)
+        elif scope["type"] == "http":
+            await self._http(scope, receive, send)
+        else:
+            await self._app(scope, receive, send)
+
+    async def _http(self, scope: Scope, receive: Receive, send: Send) -> None:
+        async def send_with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                add_headers(MutableHeaders(scope=message), scope["path"])
+            await send(message)
+
+        try:
+            if (problem := objection_to_scope(scope)) is not None:
+                raise problem
+            receive = await with_body(Headers(scope=scope), receive)
+            if (problem := self._door.objection(scope)) is not None:
+                raise problem
+        except ClientLeft:
+            return
+        except Problem as refusal:
+            await problem_response(refusal)(scope, receive, send_with_headers)
+            return
+        await self._app(scope, receive, send_with_headers)
+
+    async def _websocket(self, scope: Scope, receive: Receive, send: Send) -> None:
+        problem = objection_to_scope(scope) or self._door.objection(scope)
+        if problem is not None:
+            await _refuse_websocket(problem, scope, receive, send)
+        elif (session := self._door.session(scope)) is not None:
+            await _within(session, self._app, scope, receive, send)
+        else:
+            await self._app(scope, receive, send)
+
+
+async def _within(session: Session, app: ASGIApp, scope: Scope, receive: Receive, send: Send) -> None:
+    """Serve a WebSocket until it or its session ends."""
+    closing: asyncio.Task[None] | None = None
+
+    async def close() -> None:
+        # The page may have closed it itself just now.
+        with contextlib.suppress(OSError, RuntimeError):
+            await send({"type": "websocket.close", "code": 1008, "reason": "logged out"})
+
+    def end() -> None:
+        nonlocal closing
+        closing = asyncio.create_task(close(), name="log out")
+
+    async def receive_in_session() -> Message:
+        message = await receive()
+        return message if closing is None else {"type": "websocket.disconnect", "code": 1008}
+
+    async def send_in_session(message: Message) -> None:
+        if closing is not None:
+            raise OSError("the session has ended")
+        await send(message)
+
+    release = session.hold(end)
+    try:
+        await app(scope, receive_in_session, send_in_session)
+    finally:
+        release()
+        if closing is not None:
+            closing.cancel()
+            await asyncio.wait({closing})
+
+
+async def _refuse_websocket(problem: Problem, scope: Scope, receive: Receive, send: Send) -> None:
+    await receive()
+    if "websocket.http.response" not in scope.get("extensions", {}):
+        await send({"type": "websocket.close", "code": 1008, "reason": problem.detail})
+        return
+    headers = [(b"content-type", MEDIA_TYPE.encode())]
+    headers += [(name.lower().encode("latin-1"), value.encode("latin-1")) for name, value in problem.headers.items()]
+    await send({"type": "websocket.http.response.start", "status": problem.status, "headers": headers})
+    await send({"type": "websocket.http.response.body", "body": problem_body(problem)})
+
+
+def add_headers(headers: MutableHeaders, path: str) -> None:
+    """Set the security and cache headers of an answer at ``path``; what is set already stays."""
+    headers.setdefault("x-content-type-options", "nosniff")
+    headers.setdefault("referrer-policy", "same-origin")
+    headers.setdefault("cross-origin-opener-policy", "same-origin")
+    headers.setdefault("cross-origin-resource-policy", "same-origin")
+    headers.setdefault("content-security-policy", _VIEW_POLICY if path.startswith("/viser") else _PAGE_POLICY)
+    if path.startswith("/assets/"):
+        # Vite names these by their content.
+        headers.setdefault("cache-control", "public, max-age=31536000, immutable")
+    else:
+        headers.setdefault("cache-control", "no-store" if path.startswith("/api") else "no-cache")

@@ -1,0 +1,1 @@
+"""Commanding the robot from the page: the drive lease, goals, desires of telepresence."""

@@ -1,0 +1,178 @@
+"""Carries out what the lease decides: publishes the driver's hands, latches the emergency stop, tells the pages."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Literal
+
+from app.console.drive import drive_lease
+from app.console.drive.command_age import Judgement
+from app.link import RobotLink
+from app.messages import LinkStatus, OperatorDrive
+from app.runtime.channel import Channel
+from app.runtime.clock import Clock
+from app.runtime.graph import Graph
+
+CHANNEL = "operator_drive"
+UNDRIVABLE = f"This program drives nothing: no module takes {CHANNEL}."
+LOST = "The body does not answer"
+PRESSED_AGAIN = "The emergency stop was pressed after what you saw: look again, then release it."
+RECORDING = "This is a recording: there is no robot to drive or to stop."
+
+Notify = Callable[[str, Literal["info", "warning", "error"], str], None]
+
+
+def hands(graph: Graph) -> Channel[OperatorDrive] | None:
+    """Where the driver's commands go; None: this program drives nothing, since no module asks for them by name (a
+    recorder takes whatever there is)."""
+    taken = any(CHANNEL in slot.spec.inputs.values() for slot in graph.modules.values())
+    return graph.channels.get(CHANNEL) if taken else None
+
+
+class Driving:
+    """The lease at work. ``notify(session, level, text)`` reaches one page; ``stopped()`` is called when the emergency
+    stop is latched, by whomever, and again when it is released, so that a robot that is released does not set out for
+    what was wanted before or meanwhile.
+
+    ``channel`` takes the driver's commands; None: this program drives nothing, and nobody is given the wheel. Nor is
+    anybody where what happens is a ``recording``.
+    """
+
+    def __init__(
+        self,
+        clock: Clock,
+        link: RobotLink,
+        channel: Channel[OperatorDrive] | None,
+        notify: Notify,
+        stopped: Callable[[], None],
+        *,
+        recording: bool = False,
+    ) -> None:
+        self._clock = clock
+        self._link = link
+        self._channel = None if recording else channel
+        self._notify = notify
+        self._stopped = stopped
+        self.recording = recording
+        self._lease = drive_lease.Lease()
+        self._sequence = 0
+        self._timer: asyncio.TimerHandle | None = None
+        self._told_undrivable: set[str] = set()
+        self._lost = False
+        #: When the emergency stop was pressed last, or found latched (s, robot's clock).
+        self._stopped_at = -math.inf
+
+    @property
+    def lease(self) -> drive_lease.Lease:
+        """Who drives, as it stands."""
+        return self._lease
+
+    @property
+    def drivable(self) -> bool:
+        """Whether hands can drive here."""
+        return self._channel is not None
+
+    def handle(self, event: drive_lease.Event) -> None:
+        """Let ``event`` happen now."""
+        if self._channel is None and isinstance(event, drive_lease.Drive | drive_lease.TakeControl):
+            self._refuse(event.session)
+            return
+        if self._lost and isinstance(event, drive_lease.Drive) and event.held:
+            event = replace(event, cause=LOST, lasting=True)
+        now = self._clock.now()
+        self._lease, actions = drive_lease.step(self._lease, now, event)
+        for action in actions:
+            match action:
+                case drive_lease.Command(operator, held, linear, angular, override) if self._channel is not None:
+                    self._sequence += 1
+                    self._channel.publish(OperatorDrive(now, operator, self._sequence, held, linear, angular, override))
+                case drive_lease.Tell(session, level, text):
+                    self._notify(session, level, text)
+        self._set_timer(now)
+
+    def e_stop(self, who: str, session: str | None = None) -> None:
+        """Latch the emergency stop, by the link's own path and before anything else."""
+        if self._is_in_vain(session):
+            return
+        self._stopped_at = self._clock.now()
+        self._link.e_stop(f"pressed by {who}")
+        self.handle(drive_lease.EmergencyStop(True))
+        self._stopped()
+
+    def clear_e_stop(self, seen: float, session: str | None = None) -> bool:
+        """Release the latch; nothing moves before a fresh command.
+
+        ``seen`` is the newest stamp of the robot (s) known to the person who releases it: a stop that was pressed later
+        is not released, since that person has not seen it. Returns whether it was released.
+        """
+        if self._is_in_vain(session) or seen <= self._stopped_at:
+            return False
+        self._stopped()
+        self._link.clear_e_stop()
+        return True
+
+    def release_e_stop(self, session: str, judged: Judgement, seen: float | None) -> None:
+        """A page asks for the release of the latch; if late, or if it knows of no stop so new, it gets the reason."""
+        if self._is_in_vain(session):
+            return
+        if judged.cause or seen is None:
+            self._notify(session, "warning", f"{judged.cause}: the emergency stop stays latched.")
+        elif not self.clear_e_stop(seen, session):
+            self._notify(session, "warning", PRESSED_AGAIN)
+
+    def take_control(self, session: str, judged: Judgement) -> None:
+        """A page asks for the wheel; one whose commands come late could only keep it from others."""
+        if self._channel is not None and judged.cause:
+            self._notify(session, "warning", f"{judged.cause}: the wheel stays where it is.")
+        else:
+            self.handle(drive_lease.TakeControl(session))
+
+    def on_guard_status(self, status: LinkStatus) -> None:
+        """Take over the state of the guard's latch."""
+        if status.e_stopped != self._lease.e_stopped:
+            if status.e_stopped:
+                self._stopped_at = self._clock.now()
+            self.handle(drive_lease.EmergencyStop(status.e_stopped))
+            if not self.recording:
+                self._stopped()
+
+    def body(self, lost: bool) -> None:
+        """The body does not answer any more, or does again: the driver must press again, and no goal is left."""
+        self._lost = lost
+        driver = self._lease.driver
+        if lost and driver is not None and self._lease.moving:
+            self.handle(drive_lease.Drive(driver, self._lease.sequence + 1, True, 0.0, 0.0))
+        self._stopped()
+
+    def close(self) -> None:
+        """Stop whoever drives; no timer is left."""
+        if self._lease.driver is not None:
+            self.handle(drive_lease.ReleaseControl(self._lease.driver))
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _refuse(self, session: str) -> None:
+        if session not in self._told_undrivable:
+            self._told_undrivable.add(session)
+            self._notify(session, "warning", RECORDING if self.recording else UNDRIVABLE)
+
+    def _is_in_vain(self, session: str | None) -> bool:
+        if self.recording and session is not None:
+            self._refuse(session)
+        return self.recording
+
+    def _set_timer(self, now: float) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        due = drive_lease.deadline(self._lease)
+        if due < math.inf:
+            self._timer = asyncio.get_running_loop().call_later(max(0.0, due - now), self._tick)
+
+    def _tick(self) -> None:
+        self._timer = None
+        self.handle(drive_lease.Tick())

@@ -1,0 +1,32 @@
+"""What is known of the world at one moment, as far as it is drawn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from app.base.geometry import Pose2
+from app.console.perceived import Perceived
+from app.messages import JointState, Landmarks, LaserScan, Localization, OccupancyGrid, PlannedPath, PointCloud, Zones
+
+
+@dataclass(frozen=True, slots=True)
+class World:
+    """Each part is replaced as a whole, so that ``is`` tells whether it is new.
+
+    ``robot`` is ``X_OB`` now. ``scan`` comes with the pose of its own instant, as the cloud does by itself, and what is
+    ``perceived`` of people. ``localization`` says where that lies which is on the map: ``map`` itself, ``zones``, the
+    ``path`` and the ``goal`` (x, y in m, heading in rad or None). The ``costmap`` is in ``odom``.
+    """
+
+    robot: Pose2 | None = None
+    joints: JointState | None = None
+    scan: tuple[LaserScan, Pose2] | None = None
+    cloud: PointCloud | None = None
+    landmarks: Landmarks | None = None
+    perceived: Perceived | None = None
+    localization: Localization | None = None
+    map: OccupancyGrid | None = None
+    zones: Zones | None = None
+    path: PlannedPath | None = None
+    goal: tuple[float, float, float | None] | None = None
+    costmap: OccupancyGrid | None = None

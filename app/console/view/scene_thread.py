@@ -1,0 +1,111 @@
+"""The one thread that owns the scenes. It is told the newest of the world and draws it at each viewer's pace."""
+
+from __future__ import annotations
+
+import asyncio
+import queue
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app.console.view.scene_state import World
+from app.console.view.viewer_rate import Pace
+from app.runtime.worker import ModuleWorker
+
+if TYPE_CHECKING:
+    from app.console.view.host import ViewHost
+
+
+@dataclass(frozen=True, slots=True)
+class PainterStatistics:
+    """``drawn`` parts of the world, over all viewers; the longest time (s) that drawing one round took."""
+
+    drawn: int
+    longest_s: float
+
+
+class Painter:
+    """Starts viser and draws, in a daemon thread of its own, since a call of viser that hangs must hold up nobody.
+
+    ``admitted`` is called in viser's thread; ``pace`` says what each viewer bears and is called in the painter's, as is
+    ``ready(port)``, once viser listens.
+    """
+
+    def __init__(
+        self,
+        model: Path,
+        admitted: Callable[[int], str | None],
+        pace: Callable[[], Mapping[str, Pace]],
+        ready: Callable[[int], None],
+    ) -> None:
+        self._model = model
+        self._admitted = admitted
+        self._pace = pace
+        self._ready = ready
+        self._world: World | None = None
+        #: Who came (viewer, client) or left (viewer, None), in order.
+        self._visits: queue.SimpleQueue[tuple[str, Any]] = queue.SimpleQueue()
+        #: One waiting ring is enough; False ends it.
+        self._bell: queue.SimpleQueue[bool] = queue.SimpleQueue()
+        self._rung = False
+        self._drawn = 0
+        self._longest_s = 0.0
+        #: viser's server; set before ``ready`` is called.
+        self.host: ViewHost | None = None
+        self._worker = ModuleWorker("3D view")
+
+    def start(self) -> asyncio.Future[None]:
+        """Begin; returns at once. The future is done when the thread has ended, with its exception if it failed."""
+        return asyncio.wrap_future(self._worker.submit(self._run))
+
+    def show(self, world: World) -> None:
+        """What is known now, instead of what was."""
+        self._world = world
+        self._ring()
+
+    def stop(self) -> None:
+        """Let the thread stop viser and end."""
+        self._bell.put(False)
+        self._worker.shutdown()
+
+    def statistics(self) -> PainterStatistics:
+        """The counters now."""
+        return PainterStatistics(self._drawn, self._longest_s)
+
+    def _ring(self) -> None:
+        if not self._rung:
+            self._rung = True
+            self._bell.put(True)
+
+    def _visit(self, viewer: str, client: Any) -> None:
+        self._visits.put((viewer, client))
+        self._ring()
+
+    def _run(self) -> None:
+        # Seconds of imports, which a program that nobody looks at is spared, and its event loop in any case.
+        from app.console.view.body import Body
+        from app.console.view.host import ViewHost
+        from app.console.view.scene import Scene
+
+        body = Body(self._model)
+        self.host = host = ViewHost(self._admitted, self._visit, lambda viewer: self._visit(viewer, None))
+        try:
+            scene = Scene(host.server, body)
+            self._ready(host.port)
+            while self._bell.get():
+                # Before anything is read: what comes from here on rings again.
+                self._rung = False
+                while not self._visits.empty():
+                    viewer, client = self._visits.get()
+                    if client is None:
+                        scene.viewer_left(viewer)
+                    else:
+                        scene.viewer_came(viewer, client)
+                began = time.monotonic()
+                if self._world is not None:
+                    self._drawn += scene.draw(self._world, began, self._pace())
+                self._longest_s = max(self._longest_s, time.monotonic() - began)
+        finally:
+            host.stop()

@@ -1,0 +1,80 @@
+"""Where the robot can stand and go in the world: the truth, from the world's own shapes, for whoever draws goals."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from app.base.geometry import Pose2
+from app.robots.config import RobotConfig
+from app.robots.simulated.body import build_simulation
+from app.robots.simulated.odometry import TrueBase
+from app.robots.simulated.world_config import WorldConfig
+
+CELL_M = 0.05
+_STEP_M = 0.02
+"""What is lower is driven over: carpets, sills."""
+_SHIFT = 4
+_PARTS = 1 << _SHIFT
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ground:
+    """The floor of a world, from its origin on, in cells of ``CELL_M``.
+
+    ``room`` (rows along y, columns along x) float64: the distance (m) from each cell's middle to the nearest thing that
+    a body of that height touches, or to the floor's edge.
+    """
+
+    room: NDArray[np.float64]
+
+    def reachable(self, start: Pose2, room_m: float) -> NDArray[np.bool_]:
+        """The cells that a disc of radius ``room_m`` gets to from ``start``. Raises ValueError if there are none."""
+        labels, _ = ndimage.label(self.room > room_m)
+        here = labels[_cell(start.y), _cell(start.x)]
+        if here == 0:
+            raise ValueError(f"there is no room of {room_m:.2f} m around ({start.x:.1f}, {start.y:.1f})")
+        return np.asarray(labels == here)
+
+    def draw(
+        self, cells: NDArray[np.bool_], count: int, start: Pose2, least_m: float, rng: np.random.Generator
+    ) -> list[Pose2]:
+        """``count`` places with any heading, spread over ``cells``, each at least ``least_m`` from the one before."""
+        rows, columns = np.nonzero(cells)
+        goals: list[Pose2] = []
+        last = start
+        while len(goals) < count:
+            index = int(rng.integers(rows.size))
+            x, y = (columns[index] + rng.random()) * CELL_M, (rows[index] + rng.random()) * CELL_M
+            heading = float(rng.uniform(-math.pi, math.pi))
+            if math.dist((x, y), (last.x, last.y)) >= least_m:
+                last = Pose2(float(x), float(y), heading)
+                goals.append(last)
+        return goals
+
+
+def survey(world: WorldConfig, robot: RobotConfig) -> Ground:
+    """The ground of ``world`` for ``robot``, nobody being in it: every shape is drawn as its box is seen from above."""
+    base = TrueBase(robot.base.wheel_radius_m, robot.base.wheel_radius_m, robot.base.track_m)
+    simulation = build_simulation(robot, world, base)
+    model, data = simulation.model, simulation.data
+    taken = np.zeros([math.ceil(side / CELL_M) for side in (world.size[1], world.size[0])], dtype=np.uint8)
+    signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, 8).T
+    for geom in np.flatnonzero((model.geom_bodyid == 0) & (model.geom_type != mujoco.mjtGeom.mjGEOM_PLANE)):
+        corners = model.geom_aabb[geom, :3] + signs * model.geom_aabb[geom, 3:]
+        corners = corners @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
+        if corners[:, 2].max() > _STEP_M and corners[:, 2].min() < robot.height_m:
+            outline = cv2.convexHull((corners[:, :2] / CELL_M * _PARTS).round().astype(np.int32))
+            cv2.fillConvexPoly(taken, outline, 1, shift=_SHIFT)
+    room = ndimage.distance_transform_edt(np.pad(taken == 0, 1)) * CELL_M
+    return Ground(np.asarray(room[1:-1, 1:-1]))
+
+
+def _cell(place: float) -> int:
+    return int(place / CELL_M)

@@ -1,0 +1,86 @@
+"""Results of an experiment kept while it goes on, a line of JSON each: a broken run goes on where it ended."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+from app.base import paths
+from app.base.errors import ConfigError
+
+
+def default_folder(experiment: str) -> Path:
+    """``$HBBA_EXPERIMENTS/<experiment>``, or ``hbba/experiments/<experiment>`` in the user's data folder (XDG)."""
+    named = os.environ.get("HBBA_EXPERIMENTS")
+    data = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
+    return (Path(named) if named else Path(data) / "hbba" / "experiments") / experiment
+
+
+class KeptResults:
+    """The file ``results.jsonl`` in ``folder``: a first line that says what they are of, then one result a line.
+
+    Results of something else (other worlds, another program) are moved aside, as ``results.old.jsonl``, and so are all
+    of them if ``fresh``. Raises ConfigError where the folder or the file cannot be used.
+    """
+
+    def __init__(self, folder: Path, of: dict[str, Any], *, fresh: bool = False) -> None:
+        self.file = folder / "results.jsonl"
+        self.moved = ""
+        self._of = of
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            found = None if fresh else self._read()
+            if found is None and self.file.exists():
+                self.moved = str(self.file.replace(folder / "results.old.jsonl"))
+            self.found: list[dict[str, Any]] = found or []
+            if not self.file.exists():
+                self.file.write_text(json.dumps({"of": of}) + "\n", encoding="utf-8")
+        except OSError as failure:
+            raise ConfigError(f"cannot be used for results: {failure.strerror or failure}", str(folder)) from None
+
+    def add(self, result: dict[str, Any]) -> None:
+        """Keep ``result``, on the disk before it returns. Raises ConfigError where the disk refuses."""
+        try:
+            with self.file.open("a", encoding="utf-8") as lines:
+                lines.write(json.dumps(result, allow_nan=False) + "\n")
+                lines.flush()
+                os.fsync(lines.fileno())
+        except OSError as failure:
+            raise ConfigError(f"cannot be written: {failure.strerror or failure}", str(self.file)) from None
+
+    def _read(self) -> list[dict[str, Any]] | None:
+        """The results that are there; None where they are of something else. A line cut off by a crash is dropped."""
+        if not self.file.exists():
+            return []
+        found: list[dict[str, Any]] = []
+        whole = 0
+        with self.file.open("rb") as lines:
+            for line in lines:
+                try:
+                    entry = json.loads(line)
+                except ValueError:
+                    break
+                if not line.endswith(b"\n") or not isinstance(entry, dict):
+                    break
+                if whole == 0:
+                    if entry.get("of") != self._of:
+                        return None
+                else:
+                    found.append(entry)
+                whole += len(line)
+        if whole == 0:
+            return None
+        os.truncate(self.file, whole)
+        return found
+
+
+def program_digest(config: Path) -> str:
+    """Of the program's configuration and of its code: results of another program are not put beside its own."""
+    digest = hashlib.sha256()
+    for folder, ending in ((config.resolve().parent, "*.yaml"), (Path(paths.__file__).parents[1], "*.py")):
+        for file in sorted(folder.rglob(ending)):
+            digest.update(file.relative_to(folder).as_posix().encode() + b"\0" + file.read_bytes())
+    return digest.hexdigest()[:16]

@@ -1,0 +1,1 @@
+"""Tools on logs: repair of damaged recordings, cutting, export to other formats."""

@@ -1,0 +1,145 @@
+"""Messages of numbers and words as CSV: a row each, nested fields as columns ``a.b``, with units where known."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from app.base.geometry import Pose2, Pose3
+from app.log_tools.export.target import Target, Write
+from app.log_tools.export.wav import is_audio
+from app.logs.log import LoggedChannel
+from app.messages import (
+    Divisors,
+    EncodedImage,
+    Image,
+    JointState,
+    LaserScan,
+    LoadRecord,
+    PointCloud,
+)
+
+#: Units that the names of fields do not say; a field's own ``_s``, ``_mps``, ... stays as it is.
+UNITS: Mapping[type[Any], Mapping[str, str]] = {
+    LaserScan: {
+        "ranges": "m", "angle_min": "rad", "angle_increment": "rad", "range_min": "m", "range_max": "m",
+    },
+    LoadRecord: {"cpu": "percent", "process": "percent"},
+    Pose2: {"x": "m", "y": "m", "theta": "rad"},
+}  # fmt: skip
+#: Fields of any class that are times of the robot's clock.
+TIMES = frozenset({"stamp", "created", "expires", "first_seen", "last_seen", "began"})
+#: Fields that give the columns of another their names.
+NAMED: Mapping[type[Any], Mapping[str, str]] = {
+    JointState: {"positions": "names"},
+    LoadRecord: {"cpu": "modules"},
+    Divisors: {"divisors": "filters"},
+}
+BULKY = (Image, EncodedImage, PointCloud)
+
+Row = dict[str, Any]
+
+
+class Csv:
+    """``<channel>.csv``. Columns are those of all messages, so every message is looked at before."""
+
+    surveys = True
+
+    def __init__(self) -> None:
+        self._columns: dict[str, dict[str, None]] = {}
+
+    def accepts(self, message_type: type[Any]) -> bool:
+        """Everything but images, clouds and sound."""
+        return message_type not in BULKY and not is_audio(message_type)
+
+    def survey(self, channel: str, message: Any) -> None:
+        """Learn the columns."""
+        columns = self._columns.setdefault(channel, {})
+        # A dict keeps the order in which columns were met.
+        columns.update(dict.fromkeys(flat(message)))
+
+    @contextmanager
+    def writer(self, channel: LoggedChannel, target: Target) -> Iterator[Write]:
+        """One table."""
+        name = f"{channel.name}.csv"
+        target.check(name)
+        columns = list(self._columns.get(channel.name, {}))
+        count = 0
+
+        def write(message: Any) -> None:
+            nonlocal count
+            row = flat(message)
+            table.writerow([row.get(column, "") for column in columns])
+            count += 1
+
+        with target.file(name) as part, part.open("w", newline="", encoding="utf-8") as stream:
+            table = csv.writer(stream)
+            table.writerow(columns)
+            yield write
+        target.written.append(f"{target.folder / name}: {count} rows of {len(columns)} columns")
+
+
+def flat(message: Any) -> Row:
+    """A message's values by column. Empty where there is none, JSON where a column cannot hold it."""
+    row: Row = {}
+    arrays: Row = {}
+    _flatten(message, "", row, arrays)
+    return row | arrays
+
+
+def _flatten(value: Any, prefix: str, row: Row, arrays: Row) -> None:
+    """Into ``row``, but into ``arrays`` what makes many columns, so that these come last."""
+    kind = type(value)
+    for each in fields(value):
+        content = getattr(value, each.name)
+        key = prefix + _with_unit(kind, each.name)
+        if names := NAMED.get(kind, {}).get(each.name):
+            row.update(zip((f"{key}.{name}" for name in getattr(value, names)), content, strict=False))
+        elif each.name not in NAMED.get(kind, {}).values():
+            _cell(content, key, row, arrays)
+
+
+def _cell(content: Any, key: str, row: Row, arrays: Row) -> None:
+    if isinstance(content, Pose3):
+        numbers = (*content.translation.tolist(), *content.quaternion_wxyz())
+        row.update(zip((f"{key}.{part}" for part in _POSE3), numbers, strict=True))
+    elif isinstance(content, np.ndarray):
+        if content.ndim == 1:
+            digits = "%.9g" if content.dtype == np.float32 else "%.17g"
+            write: Callable[[Any], Any] = digits.__mod__ if content.dtype.kind == "f" else int
+            arrays.update({f"{key}.{index}": write(number) for index, number in enumerate(content.tolist())})
+        else:
+            row[key] = json.dumps(content.tolist())
+    elif is_dataclass(content):
+        _flatten(content, f"{key}.", row, arrays)
+    elif isinstance(content, tuple):
+        row[key] = json.dumps([_plain(each) for each in content], ensure_ascii=False)
+    elif isinstance(content, bytes):
+        row[key] = content.hex()
+    else:
+        row[key] = content if content is not None else ""
+
+
+_POSE3 = ("x_m", "y_m", "z_m", "qw", "qx", "qy", "qz")
+
+
+def _plain(value: Any) -> Any:
+    """``value`` as JSON has it."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return {each.name: _plain(getattr(value, each.name)) for each in fields(value)}
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, tuple):
+        return [_plain(each) for each in value]
+    return value
+
+
+def _with_unit(kind: type[Any], name: str) -> str:
+    unit = "s" if name in TIMES else UNITS.get(kind, {}).get(name)
+    return f"{name}_{unit}" if unit else name

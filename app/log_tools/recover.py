@@ -1,0 +1,374 @@
+"""Reading an MCAP file that may be broken anywhere: what is sound in it, and where it is not.
+
+MCAP (https://mcap.dev/spec) is a row of records, each an opcode, a length and that many bytes; messages lie in
+chunks, compressed, with a checksum. So one damaged record costs itself alone if its end can still be found: by its
+length where a record follows there, else by searching for the next bytes that are a record beyond doubt.
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from io import BytesIO
+from mmap import mmap
+from typing import TypeAlias, TypeVar
+
+import lz4.frame  # type: ignore[import-untyped]
+import zstandard
+from mcap.data_stream import ReadDataStream, RecordBuilder
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+from mcap.records import Channel, Header, MessageIndex, Metadata, Schema
+
+from app.logs.mcap.decompression import MOST_UNPACKED, amount
+from app.logs.mcap.structure import MAGIC, RECORD_HEAD
+
+#: Channel (2), sequence (4), log time (8), publish time (8); the payload follows.
+MESSAGE = struct.Struct("<HIQQ")
+#: Begin (8), end (8), size and checksum of the records (8, 4), length of the compression's name (4).
+CHUNK = struct.Struct("<QQQII")
+ATTACHMENT_TIMES = struct.Struct("<QQ")
+
+#: No record is a terabyte: bytes that say so are none.
+_LONGEST = 1 << 40
+_PIECE = 1 << 18
+_SMALL_PIECE = 1 << 10
+_CANDIDATE = re.compile(rb"[\x01-\x0f].{5}\x00\x00\x00", re.DOTALL)
+_BAD = (McapError, struct.error, ValueError, OverflowError)
+
+
+#: A file mapped into memory, or what one would hold.
+Buffer: TypeAlias = mmap | bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Sound:
+    """A record that holds together. ``content`` of a chunk is its records, decompressed.
+
+    ``whole`` is False for a chunk whose end is missing: ``content`` is then what could be decompressed of its begin.
+    """
+
+    opcode: int
+    offset: int
+    end: int
+    content: bytes
+    compression: str = ""
+    whole: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Broken:
+    """Bytes that are no record. ``begin_ns`` and ``end_ns`` are a damaged chunk's own word on its messages' times.
+
+    ``remains`` is what of a damaged chunk can still be decompressed: good for definitions that nothing else gives.
+    """
+
+    offset: int
+    end: int
+    what: str
+    begin_ns: int | None = None
+    end_ns: int | None = None
+    remains: bytes = b""
+
+
+@dataclass(frozen=True, slots=True)
+class Attached:
+    """An attachment, its checksum checked."""
+
+    log_time: int
+    create_time: int
+    name: str
+    media_type: str
+    data: bytes
+
+
+def scan(data: Buffer) -> Iterator[Sound | Broken]:
+    """Every record of an MCAP file, in order, and every stretch between them that is none.
+
+    Never raises for what the bytes are. A footer is sound only where the file's end follows it.
+    """
+    size = len(data)
+    if data[: len(MAGIC)] != MAGIC:
+        yield Broken(0, min(len(MAGIC), size), "the mark at the file's begin")
+    position = len(MAGIC)
+    chunked = False
+    while position < size:
+        found = _record(data, position)
+        if isinstance(found, Sound) and (_checked(found.opcode) or _head_like(data, found.end)):
+            chunked = chunked or found.opcode == Opcode.CHUNK
+            yield found
+            position = found.end
+            if found.opcode == Opcode.FOOTER:
+                return
+            continue
+        chunked = chunked or data[position : position + 1] == bytes([Opcode.CHUNK])
+        broken = found if isinstance(found, Broken) else Broken(position, found.end, "a record")
+        by_length = broken.end if position < broken.end < size and _head_like(data, broken.end) else None
+        end = by_length or _next_record(data, position + 1, chunked)
+        if end == size and broken.remains and broken.end > size:
+            # Cut off rather than damaged: what was written of the chunk is as it was meant.
+            yield Sound(Opcode.CHUNK, position, end, _whole_records(broken.remains), whole=False)
+            yield Broken(
+                position,
+                end,
+                "the file ends within a chunk, whose readable begin was kept",
+                broken.begin_ns,
+                broken.end_ns,
+            )
+            return
+        what = "the file ends within a record" if end == size and broken.end > size else broken.what
+        yield Broken(position, end, what, broken.begin_ns, broken.end_ns, broken.remains)
+        position = end
+
+
+def records(content: bytes) -> Iterator[tuple[int, int, bytes]]:
+    """Opcode, offset and content of each record in a chunk's ``content``. Raises ValueError if it ends within one."""
+    position = 0
+    while position < len(content):
+        if len(content) - position < RECORD_HEAD.size:
+            raise ValueError("ends within a record's head")
+        opcode, length = RECORD_HEAD.unpack_from(content, position)
+        end = position + RECORD_HEAD.size + length
+        if end > len(content):
+            raise ValueError("ends within a record")
+        yield opcode, position, content[position + RECORD_HEAD.size : end]
+        position = end
+
+
+RecordT = TypeVar("RecordT", Schema, Channel, Header, Metadata, MessageIndex)
+
+
+def strict(kind: type[RecordT], content: bytes) -> RecordT | None:
+    """The record in ``content``, or None where the bytes are not exactly one."""
+    try:
+        record = kind.read(ReadDataStream(BytesIO(content)))
+        builder = RecordBuilder()
+        record.write(builder)
+    except _BAD:
+        return None
+    written: bytes = builder.end()  # type: ignore[no-untyped-call]
+    return record if written[RECORD_HEAD.size :] == content else None
+
+
+def read_attachment(content: bytes) -> Attached | None:
+    """The attachment in ``content``, or None where it is damaged."""
+    length = _attachment_length(content)
+    if length is None or length != len(content):
+        return None
+    (crc,) = struct.unpack_from("<I", content, length - 4)
+    if crc and zlib.crc32(content[: length - 4]) != crc:
+        return None
+    log_time, create_time = ATTACHMENT_TIMES.unpack_from(content)
+    position, texts = ATTACHMENT_TIMES.size, []
+    try:
+        for _ in range(2):
+            (size,) = struct.unpack_from("<I", content, position)
+            texts.append(str(content[position + 4 : position + 4 + size], "utf-8"))
+            position += 4 + size
+    except UnicodeDecodeError:
+        return None
+    return Attached(log_time, create_time, texts[0], texts[1], content[position + 8 : length - 4])
+
+
+# --- One record ----------------------------------------------------------------------------------------------------
+
+
+def _record(data: Buffer, position: int) -> Sound | Broken:
+    """The record at ``position``, or what is wrong with it; ``Broken.end`` is then where its length says it ends."""
+    size = len(data)
+    head = data[position : position + RECORD_HEAD.size]
+    if len(head) < RECORD_HEAD.size:
+        return Broken(position, size, "a record")
+    opcode, length = RECORD_HEAD.unpack(head)
+    begin = position + RECORD_HEAD.size
+    end = begin + length
+    if opcode == Opcode.CHUNK:
+        return _chunk(data, position, min(end, size + 1))
+    if opcode == Opcode.ATTACHMENT:
+        return _attachment(data, position, min(end, size + 1))
+    if end > size:
+        return Broken(position, size + 1, "a record")
+    if not _known(opcode):
+        return Broken(position, end, "a record of no known kind")
+    if opcode == Opcode.FOOTER and (length != 20 or data[end : end + len(MAGIC) + 1] != MAGIC):
+        return Broken(position, end, "the footer")
+    content = data[begin:end]
+    return Sound(opcode, position, end, content) if _holds(opcode, content) else Broken(position, end, "a record")
+
+
+def _holds(opcode: int, content: bytes) -> bool:
+    """Whether ``content`` can be that of a record of this kind."""
+    match opcode:
+        case Opcode.SCHEMA:
+            return strict(Schema, content) is not None
+        case Opcode.CHANNEL:
+            return strict(Channel, content) is not None
+        case Opcode.HEADER:
+            return strict(Header, content) is not None
+        case Opcode.METADATA:
+            return strict(Metadata, content) is not None
+        case Opcode.MESSAGE_INDEX:
+            return strict(MessageIndex, content) is not None
+        case Opcode.MESSAGE:
+            return len(content) >= MESSAGE.size
+        case Opcode.DATA_END:
+            return len(content) == 4
+        case _:
+            return True
+
+
+def _checked(opcode: int) -> bool:
+    """Whether a sound record of this kind is surely one, so that nothing needs to follow it."""
+    return opcode in _CERTAIN
+
+
+_CERTAIN = frozenset({Opcode.CHUNK, Opcode.ATTACHMENT, Opcode.MESSAGE_INDEX, Opcode.METADATA, Opcode.FOOTER,
+                      Opcode.HEADER, Opcode.SCHEMA, Opcode.CHANNEL})  # fmt: skip
+
+
+def _chunk(data: Buffer, position: int, end: int) -> Sound | Broken:
+    """The chunk at ``position``. Its length is written twice; where they differ, the one that the checksum proves."""
+    begin = position + RECORD_HEAD.size
+    head = data[begin : begin + CHUNK.size + 4 + 8]
+    try:
+        first, last, size, crc, name_length = CHUNK.unpack_from(head)
+        compression = {b"": "", b"lz4": "lz4", b"zstd": "zstd"}[head[CHUNK.size : CHUNK.size + name_length]]
+        (inner,) = struct.unpack_from("<Q", head, CHUNK.size + name_length)
+    except (struct.error, KeyError):
+        return Broken(position, end, "a chunk's head")
+    if size > MOST_UNPACKED:
+        return Broken(position, end, f"a chunk that says it unpacks to {amount(size)}", first, last)
+    payload = begin + CHUNK.size + name_length + 8
+    remains = b""
+    for stop in dict.fromkeys((payload + inner, end)):
+        if payload <= stop <= len(data):
+            content = _decompress(data[payload:stop], compression, size)
+            remains = remains or content
+            if _proven(content, size, crc):
+                return Sound(Opcode.CHUNK, position, stop, content, compression)
+    if not remains and payload + inner > len(data):
+        remains = _decompress(data[payload:], compression, size)
+    return Broken(position, end, "a chunk", first, last, remains)
+
+
+def _proven(content: bytes, size: int, crc: int) -> bool:
+    if len(content) != size or (crc and zlib.crc32(content) != crc):
+        return False
+    try:
+        return all(_holds(opcode, record) for opcode, _, record in records(content))
+    except ValueError:
+        return False
+
+
+def _decompress(data: bytes, compression: str, size: int) -> bytes:
+    """All of ``data`` that can be decompressed, little more than ``size`` bytes."""
+    if not compression:
+        return data
+    content, broken = _decompress_pieces(data, compression, size, _PIECE)
+    # What a piece gives before its damage is lost with it: where there is damage, small ones keep more.
+    return _decompress_pieces(data, compression, size, _SMALL_PIECE)[0] if broken else content
+
+
+def _decompress_pieces(data: bytes, compression: str, size: int, step: int) -> tuple[bytes, bool]:
+    """What can be decompressed feeding ``step`` bytes at a time, and whether damage was met."""
+    pieces: list[bytes] = []
+    length = 0
+    try:
+        for piece in (_lz4 if compression == "lz4" else _zstd)(data, step):
+            pieces.append(piece)
+            length += len(piece)
+            if length > size:
+                break
+    except (zstandard.ZstdError, RuntimeError, EOFError, MemoryError):
+        return b"".join(pieces), True
+    return b"".join(pieces), False
+
+
+def _lz4(data: bytes, step: int) -> Iterator[bytes]:
+    """What ``data`` unpacks to, in pieces of ``_PIECE`` at most."""
+    machine = lz4.frame.LZ4FrameDecompressor()
+    for begin in range(0, len(data), step):
+        piece = machine.decompress(data[begin : begin + step], max_length=_PIECE)
+        yield piece
+        while not machine.needs_input and not machine.eof:
+            piece = machine.decompress(b"", max_length=_PIECE)
+            yield piece
+        if machine.eof:
+            return
+
+
+def _zstd(data: bytes, step: int) -> Iterator[bytes]:
+    """The same of Zstandard."""
+    with zstandard.ZstdDecompressor().stream_reader(data, read_size=step) as machine:
+        while piece := machine.read1(min(step, _PIECE)):
+            yield piece
+
+
+def _whole_records(content: bytes) -> bytes:
+    """The begin of ``content``, up to the last record that is all there."""
+    end = 0
+    try:
+        for _, offset, record in records(content):
+            end = offset + RECORD_HEAD.size + len(record)
+    except ValueError:
+        pass
+    return content[:end]
+
+
+def _attachment(data: Buffer, position: int, end: int) -> Sound | Broken:
+    begin = position + RECORD_HEAD.size
+    for stop in (end, begin + (_attachment_length(data[begin : begin + 4096]) or 0)):
+        if begin < stop <= len(data):
+            content = data[begin:stop]
+            if read_attachment(content) is not None:
+                return Sound(Opcode.ATTACHMENT, position, stop, content)
+    return Broken(position, end, "an attached file")
+
+
+def _attachment_length(content: bytes) -> int | None:
+    """How long the attachment that begins ``content`` is by its own fields."""
+    position = ATTACHMENT_TIMES.size
+    try:
+        for _ in range(2):
+            (size,) = struct.unpack_from("<I", content, position)
+            position += 4 + size
+        (size,) = struct.unpack_from("<Q", content, position)
+    except struct.error:
+        return None
+    return int(position + 8 + size + 4)
+
+
+# --- Finding the next one -----------------------------------------------------------------------------------------
+
+
+def _head_like(data: Buffer, position: int) -> bool:
+    """Whether a record could begin here, or the file rightly ends."""
+    rest = data[position : position + RECORD_HEAD.size]
+    if len(rest) < RECORD_HEAD.size:
+        return not rest or rest == MAGIC
+    opcode, length = RECORD_HEAD.unpack(rest)
+    return _known(opcode) and length < _LONGEST
+
+
+def _known(opcode: int) -> bool:
+    """Whether the specification has this kind of record, or leaves it to other programs (0x80 and up)."""
+    return 0 < opcode <= Opcode.DATA_END or opcode >= 0x80
+
+
+def _next_record(data: Buffer, position: int, chunked: bool) -> int:
+    """Where the next record that is one beyond doubt begins at or after ``position``; the file's end if none does.
+
+    In a file of chunks, messages lie nowhere else: what looks like one is a damaged chunk's inside.
+    """
+    while found := _CANDIDATE.search(data, position):
+        position = found.start()
+        opcode = found[0][0]
+        inside = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
+        record = _record(data, position) if not (chunked and opcode in inside) else None
+        if isinstance(record, Sound) and (_head_like(data, record.end) or record.opcode == Opcode.FOOTER):
+            return position
+        position += 1
+    return len(data)

@@ -1,0 +1,312 @@
+"""Making a broken recording readable again: whatever is sound in it goes into a new file with index and summary."""
+
+from __future__ import annotations
+
+import mmap
+import struct
+import zlib
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import astuple, dataclass
+from pathlib import Path
+from typing import IO
+
+from mcap.opcode import Opcode
+from mcap.records import Channel, Header, MessageIndex, Metadata, Schema
+
+from app.base.plain_file import open_plain
+from app.log_tools import recover
+from app.log_tools.recover import Broken, Sound
+from app.logs.layout import PROFILE, library
+from app.logs.log import LogError
+from app.logs.mcap.open_file import is_being_written
+from app.logs.mcap.structure import MAGIC
+from app.logs.output import McapCopy, Progress, check_new, durable, replacing, unwatched
+from app.logs.stamps import SECOND, from_ns
+
+#: What there is to say of a file that begins as MCAP files do, and holds nothing more.
+NOTHING = "nothing in it can be read, nor recovered: it begins as a log does, but holds no message that is whole"
+
+#: A damaged chunk's word on its end is believed no further than this beyond the last message.
+_LONGEST_GAP_NS = 3600 * SECOND
+
+
+@dataclass(frozen=True, slots=True)
+class Loss:
+    """A damaged stretch of a file: ``bytes`` of it at ``offset``, ``what`` they were.
+
+    ``seconds`` (robot's clock) lie between the messages before and after it, so that at most these are missing; None
+    where nothing tells. ``index`` is True where only what speeds up reading was hurt, and no message can be missing.
+    """
+
+    offset: int
+    bytes: int
+    what: str
+    seconds: float | None = None
+    index: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class RepairReport:
+    """What a repair found and did.
+
+    ``out`` is the new file, None where there was nothing to repair (``healthy``) or only a look was asked for.
+    ``finished``: the file has its summary and end. ``ended``: the end of its messages stands in it; without that, more
+    may have come, and nothing tells how much. ``begin`` and ``end`` (robot's clock, s) of the ``messages``
+    recovered, equal if there are none; ``orphans`` are messages whose channel nothing tells. ``unreadable_bytes`` of
+    the file's ``bytes`` could not be read.
+    """
+
+    path: Path
+    out: Path | None
+    healthy: bool
+    finished: bool
+    ended: bool
+    bytes: int
+    messages: int
+    channels: int
+    attachments: int
+    begin: float
+    end: float
+    orphans: int = 0
+    losses: tuple[Loss, ...] = ()
+
+    @property
+    def unreadable_bytes(self) -> int:
+        """Bytes of records of which nothing could be kept, the index apart."""
+        return sum(loss.bytes for loss in self.losses if not loss.index)
+
+
+def repair(
+    path: Path, out: Path | None, *, force: bool = False, progress: Progress = unwatched, in_place: bool = False
+) -> RepairReport:
+    """Copy what is sound in the MCAP file ``path`` to ``out``; nothing is written where ``path`` is healthy.
+
+    ``in_place`` replaces ``path`` itself (``out`` is then not looked at). Works on any program's MCAP file. Blocks;
+    ``progress`` counts bytes. Raises LogError where nothing at all can be recovered, or ``out`` cannot be written.
+    """
+    target = path if in_place or out is None else out
+    if not in_place:
+        check_new(target, force)
+    _check_closed(path)
+    with _mapped(path) as data:
+        found = _Look(data, progress, 2)
+        report = _report(path, None, len(data), found)
+        if report.healthy:
+            return report
+        if not report.messages and not report.attachments:
+            if data[: len(MAGIC)] != MAGIC:
+                raise LogError(f"{path}: is no MCAP file; only these can be repaired")
+            raise LogError(f"{path}: {NOTHING}")
+        with replacing(target, force or in_place) as part, part.open("wb") as stream:
+            _rewrite(data, found, stream, progress)
+            durable(stream)
+        return _report(path, target, len(data), found)
+
+
+def examine(path: Path, progress: Progress = unwatched) -> RepairReport:
+    """What :func:`repair` would find, without writing anything. Raises LogError where ``path`` cannot be read."""
+    with _mapped(path) as data:
+        return _report(path, None, len(data), _Look(data, progress, 1))
+
+
+def _check_closed(path: Path) -> None:
+    """Raise LogError while ``path`` is being recorded: most of what comes is not in it yet, and nothing is broken."""
+    with suppress(OSError):  # who reads it next will say so
+        if path.is_file() and is_being_written(path):
+            raise LogError(f"{path} is being recorded now; there is nothing to repair until that has ended")
+
+
+@contextmanager
+def _mapped(path: Path) -> Iterator[mmap.mmap]:
+    try:
+        with open_plain(path) as stream:
+            if not stream.seek(0, 2):
+                raise LogError(f"{path} is empty: nothing was written to it")
+            data = mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ)
+            try:
+                yield data
+            finally:
+                # An interrupted search still holds it; it is closed when that is forgotten.
+                with suppress(BufferError):
+                    data.close()
+    except OSError as failure:
+        raise LogError(f"{path} cannot be read: {failure.strerror or failure}") from failure
+
+
+def _report(path: Path, out: Path | None, size: int, found: _Look) -> RepairReport:
+    known = {number: count for number, count in found.counts.items() if number in found.channels}
+    return RepairReport(
+        path=path,
+        out=out,
+        healthy=found.finished and not found.losses,
+        finished=found.finished,
+        ended=found.ended,
+        bytes=size,
+        messages=sum(known.values()),
+        channels=len(known),
+        attachments=found.attachments,
+        begin=from_ns(found.begin or 0),
+        end=from_ns(found.end or 0),
+        orphans=found.counts.total() - sum(known.values()),
+        losses=tuple(sorted(found.losses, key=lambda loss: loss.offset)),
+    )
+
+
+class _Look:
+    """One going through all records: definitions wherever they stand, what there is, and what is hurt."""
+
+    def __init__(self, data: mmap.mmap, progress: Progress, rounds: int) -> None:
+        self.header: Header | None = None
+        self.compression = "zstd"
+        self.schemas: dict[int, Schema] = {}
+        self.channels: dict[int, Channel] = {}
+        self.counts: Counter[int] = Counter()
+        self.attachments = 0
+        self.begin: int | None = None
+        self.end: int | None = None
+        self.losses: list[Loss] = []
+        self.finished = False
+        self._data = data
+        self._data_ended = False
+        #: Stretches that may have held messages, until it is known what time comes after them.
+        self._open: list[Broken] = []
+        #: Offsets of each channel's messages in the last chunk, which its index must agree with.
+        self._offsets: dict[int, list[int]] = {}
+        doubtful = []
+        for part in recover.scan(data):
+            progress(part.end, rounds * len(data))
+            if isinstance(part, Sound):
+                self._sound(part)
+            else:
+                self._broken(part)
+                doubtful.append(part.remains)
+        self._settle(None)
+        for remains in doubtful:
+            self._adopt(remains)
+        for number, channel in list(self.channels.items()):
+            if channel.schema_id and channel.schema_id not in self.schemas:
+                del self.channels[number]
+
+    @property
+    def ended(self) -> bool:
+        """Whether the messages come to their end within the file: what ends them is there, or the file's own end."""
+        return self._data_ended or (len(self._data) >= 2 * len(MAGIC) and self._data[-len(MAGIC) :] == MAGIC)
+
+    def _sound(self, part: Sound) -> None:
+        match part.opcode:
+            case Opcode.CHUNK:
+                self._chunk(part)
+            case Opcode.MESSAGE_INDEX:
+                self._index(part)
+            case Opcode.ATTACHMENT:
+                self.attachments += 1
+            case Opcode.HEADER:
+                self.header = self.header or recover.strict(Header, part.content)
+            case Opcode.DATA_END:
+                self._data_ended = True
+            case Opcode.FOOTER:
+                self.finished = self._summary_holds(part)
+                if not self.finished:
+                    self._hurt_index(part, "the summary")
+            case Opcode.MESSAGE:
+                self._message(part.content)
+            case _:
+                self._define(part.opcode, part.content)
+
+    def _broken(self, part: Broken) -> None:
+        helpers = (Opcode.MESSAGE_INDEX, Opcode.DATA_END, Opcode.FOOTER)
+        if self._data_ended or part.offset == 0 or self._data[part.offset] in helpers:
+            self._hurt_index(part, part.what)
+        else:
+            self._open.append(part)
+
+    def _hurt_index(self, part: Sound | Broken, what: str) -> None:
+        self.losses.append(Loss(part.offset, part.end - part.offset, what, 0.0, index=True))
+
+    def _chunk(self, part: Sound) -> None:
+        self._offsets = {}
+        if not self.counts:
+            self.compression = part.compression
+        for opcode, offset, content in recover.records(part.content):
+            if opcode == Opcode.MESSAGE:
+                channel = self._message(content)
+                self._offsets.setdefault(channel, []).append(offset)
+            else:
+                self._define(opcode, content)
+
+    def _message(self, content: bytes) -> int:
+        channel, _, log_time, _ = recover.MESSAGE.unpack_from(content)
+        self._settle(log_time)
+        self.counts[channel] += 1
+        self.begin = log_time if self.begin is None else min(self.begin, log_time)
+        self.end = log_time if self.end is None else max(self.end, log_time)
+        return int(channel)
+
+    def _index(self, part: Sound) -> None:
+        index = recover.strict(MessageIndex, part.content)
+        if index is not None and sorted(at for _, at in index.records) != self._offsets.get(index.channel_id, []):
+            self._hurt_index(part, "an index")
+
+    def _define(self, opcode: int, content: bytes) -> None:
+        if opcode == Opcode.SCHEMA and (schema := recover.strict(Schema, content)) is not None:
+            self.schemas.setdefault(schema.id, schema)
+        elif opcode == Opcode.CHANNEL and (channel := recover.strict(Channel, content)) is not None:
+            self.channels.setdefault(channel.id, channel)
+
+    def _adopt(self, remains: bytes) -> None:
+        """Take from a damaged chunk the definitions that stand nowhere else: better doubtful than none."""
+        with suppress(ValueError):  # where the remains end
+            for opcode, _, content in recover.records(remains):
+                self._define(opcode, content)
+
+    def _summary_holds(self, footer: Sound) -> bool:
+        start, _, crc = struct.unpack("<QQI", footer.content)
+        if not len(MAGIC) <= start < footer.offset:
+            return False
+        return not crc or zlib.crc32(self._data[start : footer.end - 4]) == crc
+
+    def _settle(self, after: int | None) -> None:
+        """The next readable message came at ``after`` (None: there is none): so long lasts what is missing before."""
+        for part in self._open:
+            since = self.end if self.end is not None else part.begin_ns
+            until = after if after is not None else part.end_ns
+            seconds = None
+            if since is not None and until is not None and 0 <= until - since < _LONGEST_GAP_NS:
+                seconds = (until - since) / SECOND
+            self.losses.append(Loss(part.offset, part.end - part.offset, part.what, seconds))
+        self._open.clear()
+
+
+def _rewrite(data: mmap.mmap, found: _Look, stream: IO[bytes], progress: Progress) -> None:
+    """Write everything sound to ``stream``."""
+    header = found.header or Header(PROFILE, library())
+    copy = McapCopy(stream, header.profile, header.library, found.compression)
+    for channel in found.channels.values():
+        copy.declare(channel, found.schemas.get(channel.schema_id))
+
+    def message(content: bytes) -> None:
+        number, sequence, log_time, publish_time = recover.MESSAGE.unpack_from(content)
+        if number in found.channels:
+            copy.message(number, log_time, content[recover.MESSAGE.size :], publish_time, sequence)
+
+    for part in recover.scan(data):
+        progress(len(data) + part.end, 2 * len(data))
+        if isinstance(part, Broken):
+            continue
+        if part.opcode == Opcode.CHUNK:
+            for opcode, _, content in recover.records(part.content):
+                if opcode == Opcode.MESSAGE:
+                    message(content)
+        elif part.opcode == Opcode.MESSAGE:
+            message(part.content)
+        elif part.opcode == Opcode.ATTACHMENT:
+            attached = recover.read_attachment(part.content)
+            if attached is not None:
+                copy.attachment(*astuple(attached))
+        elif part.opcode == Opcode.METADATA:
+            metadata = recover.strict(Metadata, part.content)
+            if metadata is not None:
+                copy.metadata(metadata.name, metadata.metadata)
+    copy.finish()

@@ -1,0 +1,356 @@
+"""MCAP files by their chunks, nothing in them decoded: look through one, complete one that has no end, join several.
+
+Chunks and their message indexes are copied as they are; only what points at them is written anew. The order of
+records in a file and their layout: MCAP specification, version 0 (https://mcap.dev/spec).
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from io import BytesIO
+from pathlib import Path
+from typing import BinaryIO
+
+from mcap.data_stream import ReadDataStream, RecordBuilder
+from mcap.opcode import Opcode
+from mcap.records import (
+    AttachmentIndex,
+    Channel,
+    Chunk,
+    ChunkIndex,
+    DataEnd,
+    Footer,
+    Header,
+    Metadata,
+    MetadataIndex,
+    Schema,
+    Statistics,
+    SummaryOffset,
+)
+
+from app.logs.log import LogError
+from app.logs.mcap.bounds import records_of
+from app.logs.mcap.structure import MAGIC, RECORD_HEAD, is_closed
+
+_CHUNK_HEAD = struct.Struct("<QQQII")
+_INDEX_HEAD = struct.Struct("<HI")
+_COPY_BYTES = 1 << 20
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """A record's place in a file: its first byte and all its bytes, opcode and length included."""
+
+    opcode: int
+    offset: int
+    length: int
+
+
+@dataclass(frozen=True, slots=True)
+class ChunkSpan:
+    """A chunk with the message indexes behind it: ``counts`` of messages by channel id, ``begin_ns`` to ``end_ns``."""
+
+    chunk: Span
+    indexes: tuple[Span, ...]
+    counts: dict[int, int]
+    begin_ns: int
+    end_ns: int
+    compression: str
+    compressed: int
+    uncompressed: int
+
+    @property
+    def length(self) -> int:
+        """Bytes of the chunk and its indexes."""
+        return self.chunk.length + sum(index.length for index in self.indexes)
+
+
+@dataclass(slots=True)
+class Contents:
+    """What a file holds: ``end`` is the byte after its last whole chunk; ``complete`` files have a summary."""
+
+    header: Header = field(default_factory=lambda: Header("", ""))
+    attachments: list[Span] = field(default_factory=list)
+    metadata: list[Span] = field(default_factory=list)
+    chunks: list[ChunkSpan] = field(default_factory=list)
+    end: int = 0
+    complete: bool = False
+
+    @property
+    def begin_ns(self) -> int:
+        """When its first message arrived; 0 in a file without any."""
+        return min((chunk.begin_ns for chunk in self.chunks), default=0)
+
+    @property
+    def messages(self) -> int:
+        """How many records of messages there are."""
+        return sum(sum(chunk.counts.values()) for chunk in self.chunks)
+
+
+def spans(file: BinaryIO) -> Iterator[Span]:
+    """Every whole record of ``file`` from its beginning. Raises LogError where it is no MCAP file."""
+    size = file.seek(0, 2)
+    file.seek(0)
+    if file.read(len(MAGIC)) != MAGIC:
+        raise LogError(f"{getattr(file, 'name', 'this file')} is not an MCAP file")
+    offset = len(MAGIC)
+    while offset + RECORD_HEAD.size <= size:
+        file.seek(offset)
+        prefix = file.read(RECORD_HEAD.size)
+        opcode, length = RECORD_HEAD.unpack(prefix)
+        if offset + RECORD_HEAD.size + length > size:
+            return
+        yield Span(opcode, offset, RECORD_HEAD.size + length)
+        offset += RECORD_HEAD.size + length
+
+
+def scan(file: BinaryIO) -> Contents:
+    """Look through ``file``, skipping what chunks hold. Raises LogError where it is no MCAP file."""
+    found = Contents(end=len(MAGIC))
+    pending: Span | None = None
+    indexes: list[Span] = []
+
+    def settle() -> None:
+        # A chunk counts once all its messages are indexed: a file cut off in between ends before it.
+        nonlocal pending
+        if pending is not None:
+            chunk = _chunk_span(file, pending, tuple(indexes))
+            found.chunks.append(chunk)
+            found.end = pending.offset + chunk.length
+            pending = None
+            indexes.clear()
+
+    for span in spans(file):
+        if span.opcode == Opcode.MESSAGE_INDEX:
+            indexes.append(span)
+            continue
+        settle()
+        match span.opcode:
+            case Opcode.HEADER:
+                found.header = Header.read(body(file, span))
+                found.end = span.offset + span.length
+            case Opcode.ATTACHMENT:
+                found.attachments.append(span)
+                found.end = span.offset + span.length
+            case Opcode.METADATA:
+                found.metadata.append(span)
+                found.end = span.offset + span.length
+            case Opcode.CHUNK:
+                pending = span
+            case Opcode.DATA_END:
+                found.complete = is_closed(file)
+                break
+            case _:
+                found.end = span.offset + span.length
+    if pending is not None and _all_indexed(file, pending, indexes):
+        settle()
+    return found
+
+
+def complete(path: Path) -> Contents:
+    """Give a file that has no end its summary, in place, cutting off what was half written.
+
+    Raises LogError where it is no MCAP file, OSError where it cannot be written.
+    """
+    with open(path, "r+b") as file:
+        found = scan(file)
+        if found.complete:
+            return found
+        summary = _Summary()
+        summary.take(file, found, shift=None)
+        file.seek(found.end)
+        file.truncate()
+        file.write(summary.end(found.end))
+    return found
+
+
+def join(
+    sources: Sequence[Path],
+    target: BinaryIO,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> int:
+    """Write the chunks of ``sources`` one behind the other into ``target``.
+
+    The sources were written with the same ids for channels and schemas; attachments and metadata are the first one's.
+    ``progress(done, total)`` is told the bytes. Returns how many message records there are. Raises LogError, OSError.
+    """
+    files = [open(path, "rb") for path in sources]  # noqa: SIM115  # closed below
+    try:
+        contents = [scan(file) for file in files]
+        for found in contents[1:]:
+            found.attachments, found.metadata = [], []
+        total = sum(chunk.length for found in contents for chunk in found.chunks)
+        summary = _Summary()
+        builder = RecordBuilder()
+        contents[0].header.write(builder)
+        position = target.write(MAGIC) + target.write(_taken(builder))
+        for file, found in zip(files, contents, strict=True):
+            placed = [*found.attachments, *found.metadata]
+            placed += [span for chunk in found.chunks for span in (chunk.chunk, *chunk.indexes)]
+            shift: dict[int, int] = {}
+            for span in placed:
+                shift[span.offset] = position
+                position += _copy(file, span, target)
+                progress(min(position, total), total)
+            summary.take(file, found, shift)
+        target.write(summary.end(position))
+        return summary.messages
+    finally:
+        for file in files:
+            file.close()
+
+
+class _Summary:
+    """What stands at the end of a file, gathered from what stands before it."""
+
+    def __init__(self) -> None:
+        self._schemas: dict[int, Schema] = {}
+        self._channels: dict[int, Channel] = {}
+        self._chunks: list[ChunkIndex] = []
+        self._attachments: list[AttachmentIndex] = []
+        self._metadata: list[MetadataIndex] = []
+        self._counts: dict[int, int] = {}
+
+    @property
+    def messages(self) -> int:
+        """How many message records there are."""
+        return sum(self._counts.values())
+
+    def take(self, file: BinaryIO, found: Contents, shift: dict[int, int] | None) -> None:
+        """Add what ``file`` holds, whose records now stand at ``shift[offset]`` (None: where they were)."""
+
+        def place(span: Span) -> int:
+            return span.offset if shift is None else shift[span.offset]
+
+        for span in found.attachments:
+            self._attachments.append(_attachment_index(file, span, place(span)))
+        for span in found.metadata:
+            name = Metadata.read(body(file, span)).name
+            self._metadata.append(MetadataIndex(place(span), span.length, name))
+        for chunk in found.chunks:
+            self._definitions(file, chunk)
+            offsets = {_index_head(file, span)[0]: place(span) for span in chunk.indexes}
+            self._chunks.append(
+                ChunkIndex(
+                    chunk_length=chunk.chunk.length,
+                    chunk_start_offset=place(chunk.chunk),
+                    compression=chunk.compression,
+                    compressed_size=chunk.compressed,
+                    message_end_time=chunk.end_ns,
+                    message_index_length=chunk.length - chunk.chunk.length,
+                    message_index_offsets=offsets,
+                    message_start_time=chunk.begin_ns,
+                    uncompressed_size=chunk.uncompressed,
+                )
+            )
+            for channel, count in chunk.counts.items():
+                self._counts[channel] = self._counts.get(channel, 0) + count
+
+    def _definitions(self, file: BinaryIO, chunk: ChunkSpan) -> None:
+        """Schemas and channels stand in the chunk before their first message; only then is it looked into."""
+        if chunk.counts.keys() <= self._channels.keys():
+            return
+        for record in records_of(Chunk.read(body(file, chunk.chunk)), validate_crc=True):
+            if isinstance(record, Schema):
+                self._schemas[record.id] = record
+            elif isinstance(record, Channel):
+                self._channels[record.id] = record
+
+    def end(self, position: int) -> bytes:
+        """The rest of a file whose data section ends at ``position``, up to its last byte."""
+        data_end = RecordBuilder()
+        DataEnd(0).write(data_end)
+        head = _taken(data_end)
+        start = position + len(head)
+        statistics = Statistics(
+            attachment_count=len(self._attachments),
+            channel_count=len(self._channels),
+            channel_message_counts=self._counts,
+            chunk_count=len(self._chunks),
+            message_count=self.messages,
+            metadata_count=len(self._metadata),
+            message_start_time=min((c.message_start_time for c in self._chunks), default=0),
+            message_end_time=max((c.message_end_time for c in self._chunks), default=0),
+            schema_count=len(self._schemas),
+        )
+        groups = (
+            (Opcode.SCHEMA, self._schemas.values()),
+            (Opcode.CHANNEL, self._channels.values()),
+            (Opcode.STATISTICS, (statistics,)),
+            (Opcode.CHUNK_INDEX, self._chunks),
+            (Opcode.ATTACHMENT_INDEX, self._attachments),
+            (Opcode.METADATA_INDEX, self._metadata),
+        )
+        summary = RecordBuilder()
+        offsets = []
+        for opcode, records in groups:
+            begin = summary.count
+            for record in records:
+                record.write(summary)
+            if summary.count > begin:
+                offsets.append(SummaryOffset(opcode, start + begin, summary.count - begin))
+        offset_start = start + summary.count
+        for offset in offsets:
+            offset.write(summary)
+        body = _taken(summary)
+        crc = zlib.crc32(struct.pack("<BQQQ", Opcode.FOOTER, 20, start, offset_start), zlib.crc32(body))
+        footer = RecordBuilder()
+        Footer(summary_start=start, summary_offset_start=offset_start, summary_crc=crc).write(footer)
+        return head + body + _taken(footer) + MAGIC
+
+
+def _taken(builder: RecordBuilder) -> bytes:
+    data: bytes = builder.end()  # type: ignore[no-untyped-call]
+    return data
+
+
+def body(file: BinaryIO, span: Span) -> ReadDataStream:
+    """The content of the record at ``span``."""
+    file.seek(span.offset + RECORD_HEAD.size)
+    return ReadDataStream(BytesIO(file.read(span.length - RECORD_HEAD.size)))
+
+
+def _chunk_span(file: BinaryIO, span: Span, indexes: tuple[Span, ...]) -> ChunkSpan:
+    file.seek(span.offset + RECORD_HEAD.size)
+    begin_ns, end_ns, uncompressed, _, name_length = _CHUNK_HEAD.unpack(file.read(_CHUNK_HEAD.size))
+    compression = file.read(name_length).decode()
+    (compressed,) = struct.unpack("<Q", file.read(8))
+    counts = {}
+    for index in indexes:
+        channel, length = _index_head(file, index)
+        counts[channel] = length // 16
+    return ChunkSpan(span, indexes, counts, begin_ns, end_ns, compression, compressed, uncompressed)
+
+
+def _index_head(file: BinaryIO, span: Span) -> tuple[int, int]:
+    """Channel id of a message index, and the bytes of its entries, 16 each."""
+    file.seek(span.offset + RECORD_HEAD.size)
+    channel, length = _INDEX_HEAD.unpack(file.read(_INDEX_HEAD.size))
+    return channel, length
+
+
+def _all_indexed(file: BinaryIO, chunk: Span, indexes: list[Span]) -> bool:
+    """Whether the last chunk of a file that ends behind these ``indexes`` has all of them."""
+    indexed = sum(_index_head(file, index)[1] // 16 for index in indexes)
+    records = records_of(Chunk.read(body(file, chunk)))
+    return indexed == sum(not isinstance(record, Schema | Channel) for record in records)
+
+
+def _attachment_index(file: BinaryIO, span: Span, offset: int) -> AttachmentIndex:
+    stream = body(file, span)
+    log_time, create_time = stream.read8(), stream.read8()
+    name, media_type = stream.read_prefixed_string(), stream.read_prefixed_string()
+    return AttachmentIndex(offset, span.length, log_time, create_time, stream.read8(), name, media_type)
+
+
+def _copy(file: BinaryIO, span: Span, target: BinaryIO) -> int:
+    file.seek(span.offset)
+    left = span.length
+    while left:
+        data = file.read(min(left, _COPY_BYTES))
+        target.write(data)
+        left -= len(data)
+    return span.length

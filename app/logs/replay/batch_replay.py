@@ -1,0 +1,127 @@
+"""Many runs of a calibration in one replay: an instance of the module for each, so that the log is decoded once.
+
+Decoding a minute of pictures takes longer than most perceptions take to look at them. So the instances stand side by
+side on the same channels, each behind filters, on output channels and with a meter of its own; what one computes waits
+for the others' turns, and CPU time is counted within its own. What each finds and costs is what it would alone.
+"""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
+from typing import Any, TypeVar
+
+from app.attention.strategies import CLOSED
+from app.logs.replay.calibration import Run
+from app.program.config import Configuration
+from app.program.system import System
+from app.runtime.graph import FilterBank, Pin
+from app.runtime.load import CpuMeter
+
+T = TypeVar("T")
+
+#: So many instances at most: beyond that there is little left to share, and each may need tens of megabytes.
+MOST = 32
+#: A φ at which the first message passes, and no other for longer than any log is.
+_ONE_ALONE = 1_000_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class SideBySide:
+    """A program of ``runs`` of one module: the nth by the module ``names[n]``, which tells what it finds on the channel
+    ``events[n]`` (None: on none); ``pins`` holds its filters, ``parameters`` is what each is handed."""
+
+    configuration: Configuration
+    runs: tuple[Run, ...]
+    names: tuple[str, ...]
+    events: tuple[str | None, ...]
+    pins: Mapping[str, Pin]
+    parameters: Mapping[str, Mapping[str, Any]]
+
+    def begin(self, filters: FilterBank) -> None:
+        """Let messages pass by each run's φ from now on, after its offset."""
+        for name, run in zip(self.names, self.runs, strict=True):
+            if run.phi > 1:
+                filters.pin(f"{name}.{run.port}", Pin(run.phi, run.offset))
+
+
+def side_by_side(configuration: Configuration, runs: Sequence[Run], attended: Collection[str]) -> SideBySide:
+    """The program that makes ``runs``, all of one module, at once.
+
+    Of the filters ``attended`` by attention (``Module.port``), those not measured are closed. Those measured let one
+    message pass and then wait for :meth:`SideBySide.begin`. A module's events are what it tells on its first output, as
+    configuration names them.
+    """
+    module = runs[0].module
+    spec = configuration.program.modules[module]
+    names = tuple(f"{module}~{number}" for number in range(len(runs)))
+    modules, channels, events = {}, dict(configuration.channels), []
+    pins: dict[str, Pin] = {}
+    for number, (name, run) in enumerate(zip(names, runs, strict=True)):
+        outputs = {port: f"{channel}~{number}" for port, channel in spec.outputs.items()}
+        channels.update({outputs[port]: configuration.channels[channel] for port, channel in spec.outputs.items()})
+        modules[name] = spec.model_copy(update={"outputs": outputs})
+        events.append(next(iter(outputs.values()), None))
+        ports = (port for owner, _, port in (other.partition(".") for other in attended) if owner == module)
+        pins.update({f"{name}.{port}": Pin(CLOSED) for port in ports})
+        pins[f"{name}.{run.port}"] = Pin(run.phi if run.phi == 1 else _ONE_ALONE)
+    return SideBySide(
+        replace(
+            configuration, program=configuration.program.model_copy(update={"modules": modules}), channels=channels
+        ),
+        tuple(runs),
+        names,
+        tuple(events),
+        pins,
+        {name: json.loads(run.parameters) for name, run in zip(names, runs, strict=True)},
+    )
+
+
+def batches(runs: Sequence[Run], most: int = MOST) -> list[list[Run]]:
+    """``runs`` in their order, cut into pieces of one module, one repetition and at most ``most``.
+
+    Of a φ with fewer offsets than fit, all are in one piece: each message is then one instance's.
+    """
+    found: list[list[Run]] = []
+    for _, of_module in groupby(runs, key=lambda run: (run.module, run.repeat)):
+        piece: list[Run] = []
+        for _, of_phi in groupby(of_module, key=lambda run: (run.port, run.parameters, run.phi)):
+            offsets = list(of_phi)
+            if piece and len(piece) + len(offsets) > most:
+                found.append(piece)
+                piece = []
+            piece += offsets
+            while len(piece) > most:
+                found.append(piece[:most])
+                piece = piece[most:]
+        if piece:
+            found.append(piece)
+    return found
+
+
+class TakingTurns(CpuMeter):
+    """A meter whose module computes only while no other one with the same ``lock`` does; waiting costs nothing."""
+
+    __slots__ = ("_turn",)
+
+    def __init__(self, lock: threading.RLock) -> None:
+        super().__init__()
+        self._turn = lock
+
+    def call(self, function: Callable[..., T], *args: Any) -> T:
+        """As :meth:`CpuMeter.call`, when it is its turn."""
+        with self._turn:
+            return super().call(function, *args)
+
+
+def take_turns(system: System) -> None:
+    """Have the modules of ``system``, which does not run yet, compute one after the other.
+
+    Beside each other they would push each other out of the processor's caches, and each would seem dearer.
+    """
+    lock = threading.RLock()
+    for slot in system.graph.modules.values():
+        slot.context.meter = TakingTurns(lock)

@@ -1,0 +1,248 @@
+"""The program that lives a log again: the log's own, less what the log has nothing for."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from app.base import paths
+from app.base.errors import ConfigError
+from app.base.yaml_source import suggestion
+from app.link import RobotDescription, StreamDescription
+from app.logs.log import Log, LogInfo
+from app.logs.replay.attachments import extract
+from app.logs.replay.options import ReplayOptions
+from app.messages import (
+    DesiresRecord,
+    Divisors,
+    EventRecord,
+    IntentionRecord,
+    LoadRecord,
+    LogLine,
+    ModuleRecord,
+    RecorderStatus,
+)
+from app.modules.recording.recorder import Recorder
+from app.program.config import Configuration, load_configuration
+from app.robots.config import RobotConfig
+from app.robots.factory import Body, load_body, standing_streams
+from app.runtime.channel_table import ChannelSpec
+from app.runtime.graph import Graph, ModuleSpec, load_class
+from app.runtime.module import Module
+
+#: What a program tells of itself: a replayed one tells it anew.
+OWN_RECORDS: frozenset[type[Any]] = frozenset(
+    {DesiresRecord, Divisors, EventRecord, IntentionRecord, LoadRecord, LogLine, ModuleRecord, RecorderStatus}
+)
+NOT_ASKED = "not asked for"
+_STREAM = "stream."
+
+
+@dataclass(frozen=True, slots=True)
+class ReplayProgram:
+    """A program to be run on a log.
+
+    ``configuration`` as it will run; ``description`` of the body; ``streams``: the channel of the log each stream of
+    the body comes from; ``fed``: channels that nobody in the program produces, taken from the log; ``left_out``:
+    modules that cannot or shall not run, with the reason in words; ``silent``: inputs (``Module.port``) of running
+    modules on whose channel nothing can come (what people feed is silent where they said nothing).
+    """
+
+    configuration: Configuration
+    description: RobotDescription
+    streams: Mapping[str, str]
+    fed: tuple[str, ...]
+    left_out: Mapping[str, str]
+    silent: Mapping[str, str]
+
+
+def prepare(log: Log, options: ReplayOptions, folder: Path, deaf: Mapping[str, str] | None = None) -> ReplayProgram:
+    """Put the program together; the log's files are written under ``folder``, which must outlive the program.
+
+    ``deaf``: modules that stay out besides, with the reason in words (see :func:`deaf_modules`).
+
+    Raises ConfigError for a mistake in the configuration or the options, LogError for files that cannot be.
+    """
+    configuration = _configuration(log, options, folder)
+    robot = load_body(configuration.path(configuration.program.robot))
+    facts = log.manifest.facts
+    streams = _streams(log, configuration)
+    modules, left_out = _modules(configuration, options, streams, deaf or {})
+    if not modules:
+        reasons = "; ".join(f"{name}: {why}" for name, why in left_out.items())
+        raise ConfigError(f"no module of this program can run on it ({reasons})", str(log.info.path))
+    produced = {channel for spec in modules.values() for channel in spec.outputs.values()}
+    fed = tuple(
+        name for name in configuration.channels if name not in produced and _feeds(log.info, configuration, name)
+    )
+    channels = _as_recorded(log.info, configuration.channels, modules.values(), fed)
+    silent = {
+        f"{module}.{port}": channel
+        for module, spec in modules.items()
+        for port, channel in spec.inputs.items()
+        if channel not in produced and channel not in fed and not configuration.channels[channel].external
+    }
+    program = configuration.program.model_copy(update={"modules": modules})
+    return ReplayProgram(
+        replace(configuration, program=program, channels=channels),
+        RobotDescription(
+            name=facts.get("robot") or f"{log.info.path.name} ({log.info.format})",
+            model_path=robot.model,
+            limits=robot.limits.base(),
+            streams=standing_streams(robot) | {s: _describe(log.info, configuration, s, c) for s, c in streams.items()},
+            simulated=False,
+            **_extent(robot),
+        ),
+        streams,
+        fed,
+        left_out,
+        silent,
+    )
+
+
+def _extent(robot: Body) -> dict[str, Any]:
+    """What modules that drive must know of a body that does: how much room it takes."""
+    if not isinstance(robot, RobotConfig):
+        return {}
+    return {"footprint": robot.footprint, "height_m": robot.height_m}
+
+
+def deaf_modules(program: ReplayProgram, graph: Graph) -> dict[str, str]:
+    """Modules of ``graph`` that attention can give nothing, since on none of their inputs anything can come; and why.
+
+    What is always open to a module (its robot's motion, an operator's hands), or aids it, only goes with what it works
+    on. A motivation, which says nothing on channels, desires even where it hears nothing.
+    """
+    found = {}
+    for name, slot in graph.modules.items():
+        inputs = slot.context.inputs.values()
+        open_to = [p for p in inputs if p.connected and not p.always_open and p.name not in slot.module.aids]
+        if open_to and slot.context.outputs and all(f"{name}.{port.name}" in program.silent for port in open_to):
+            channels = sorted({program.silent[f"{name}.{port.name}"] for port in open_to})
+            if not isinstance(slot.module, Recorder):
+                found[name] = f"the log has no {' and no '.join(channels)}"
+    return found
+
+
+def _configuration(log: Log, options: ReplayOptions, folder: Path) -> Configuration:
+    # Costs as they were where it was recorded, or other intentions would follow.
+    host = log.manifest.facts.get("host") or None
+    if isinstance(options.config, Configuration):
+        return options.config
+    if options.config is not None:
+        return load_configuration(options.config, host=host)
+    program = log.manifest.facts.get("program")
+    if not program:
+        # Recorded by another program: ours runs on it, as far as the log has something for it.
+        return load_configuration(paths.config_dir() / "lab.yaml")
+    home = extract(log.manifest, folder)
+    configuration = load_configuration(home / program, host=host)
+    body = log.manifest.facts.get("body", "")
+    if body not in {file.name for file in log.manifest.files}:  # recorded before there was a choice
+        return configuration
+    return replace(configuration, program=configuration.program.model_copy(update={"robot": Path(body)}))
+
+
+def _streams(log: Log, configuration: Configuration) -> dict[str, str]:
+    """Stream: channel of the log, as its manifest says, else as the configuration would record it."""
+    named = {
+        fact.removeprefix(_STREAM): channel for fact, channel in log.manifest.facts.items() if fact.startswith(_STREAM)
+    }
+    for spec in configuration.program.modules.values():
+        module_class = load_class(spec.class_path)
+        for port, stream in (module_class.streams if module_class else {}).items():
+            if port in spec.outputs:
+                named.setdefault(stream, spec.outputs[port])
+    return {stream: channel for stream, channel in named.items() if channel in log.info.channels}
+
+
+def _modules(
+    configuration: Configuration, options: ReplayOptions, streams: Collection[str], deaf: Mapping[str, str]
+) -> tuple[dict[str, ModuleSpec], dict[str, str]]:
+    """The modules that run, and those that do not with the reason."""
+    everything = configuration.program.modules
+    for name in options.only or ():
+        if name not in everything:
+            raise ConfigError(f"there is no module {name!r}; {suggestion(name, list(everything))}", "--only")
+    kept: dict[str, ModuleSpec] = {}
+    left_out: dict[str, str] = {}
+    for name, spec in everything.items():
+        module_class = load_class(spec.class_path)
+        why = _obstacle(name, module_class, options, streams) or deaf.get(name, "")
+        if why:
+            left_out[name] = why
+        else:
+            kept[name] = spec
+    return kept, left_out
+
+
+def _obstacle(name: str, module_class: type[Module] | None, options: ReplayOptions, streams: Collection[str]) -> str:
+    """Why the module stays out, in words; "" for one that runs (one that does not exist is the graph's to refuse)."""
+    if module_class is not None and issubclass(module_class, Recorder):
+        return "" if options.record else NOT_ASKED
+    if options.only is not None and name not in options.only:
+        return NOT_ASKED
+    missing = sorted(set(module_class.streams.values()) - set(streams)) if module_class is not None else []
+    return f"the log has no {' and no '.join(missing)}" if missing else ""
+
+
+def _feeds(info: LogInfo, configuration: Configuration, name: str) -> bool:
+    """Whether the log can feed the channel ``name``."""
+    logged = info.channels.get(name)
+    if logged is None or logged.message_type in OWN_RECORDS:
+        return False
+    return logged.message_type is _message_type(configuration.channels[name])
+
+
+def _message_type(spec: ChannelSpec) -> type[Any] | None:
+    try:
+        return spec.message_type
+    except KeyError:
+        return None  # the graph says so, with the line
+
+
+def _as_recorded(
+    log: LogInfo, channels: Mapping[str, ChannelSpec], modules: Collection[ModuleSpec], fed: Collection[str]
+) -> dict[str, ChannelSpec]:
+    """The table of channels as it is on this log.
+
+    Channels that are read but not produced come from outside. Those that come from the log come as often as there, or
+    they would count as stale all the time; on those where nothing can come, nothing is missed.
+    """
+    produced = {channel for spec in modules for channel in spec.outputs.values()}
+    relayed = {
+        channel
+        for spec in modules
+        if (module_class := load_class(spec.class_path)) is not None
+        for port, channel in spec.outputs.items()
+        if port in module_class.streams
+    }
+    read = {channel for spec in modules for channel in spec.inputs.values()}
+    table: dict[str, ChannelSpec] = {}
+    for name, spec in channels.items():
+        changes: dict[str, Any] = {}
+        if name not in produced and (name in fed or name in read):
+            changes["external"] = True
+        if spec.rate_hz is not None and (name in fed or name in relayed) and name in log.channels:
+            changes["rate_hz"] = min(spec.rate_hz, _mean_rate(log, name) or spec.rate_hz)
+        elif name not in produced:
+            changes["rate_hz"] = None
+        table[name] = spec.model_copy(update=changes)
+    return table
+
+
+def _mean_rate(log: LogInfo, channel: str) -> float | None:
+    """Messages a second over the whole log; None where there are too few to tell."""
+    count = log.channels[channel].count
+    return (count - 1) / log.duration_s if count > 1 and log.duration_s > 0 else None
+
+
+def _describe(info: LogInfo, configuration: Configuration, stream: str, channel: str) -> StreamDescription:
+    logged = info.channels[channel]
+    spec = configuration.channels.get(channel)
+    rate_hz = logged.rate_hz or (spec.rate_hz if spec is not None else None)
+    if rate_hz is None:
+        rate_hz = _mean_rate(info, channel) or 1.0
+    return StreamDescription(stream, logged.message_type, rate_hz)

@@ -1,0 +1,123 @@
+"""What a replay came to: what each channel said, what each module cost, what was intended."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelReport:
+    """``messages`` published on a channel, and their :class:`app.logs.replay.message_hash.Digest` ("" without one)."""
+
+    messages: int
+    digest: str
+
+
+@dataclass(frozen=True, slots=True)
+class InputReport:
+    """A module's input: the ``channel`` it takes from, φ at the end, and counters as a subscription has them."""
+
+    channel: str
+    divisor: float
+    received: int
+    passed: int
+    taken: int
+    dropped: int
+
+
+@dataclass(frozen=True, slots=True)
+class ModuleReport:
+    """``cpu_s``: thread CPU time (s) charged to the module while the log spoke; ``outputs``: messages published by
+    output port; ``restarts``: how often it failed."""
+
+    cpu_s: float
+    inputs: Mapping[str, InputReport]
+    outputs: Mapping[str, int]
+    restarts: int
+
+
+@dataclass(frozen=True, slots=True)
+class IntentionLine:
+    """One intention as it was put in force: ``stamp`` (robot's clock, s), ``divisors`` of every attended filter."""
+
+    stamp: float
+    strategies: tuple[str, ...]
+    fulfilled: tuple[str, ...]
+    relaxed: tuple[str, ...]
+    omega: float
+    divisors: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class ReplayReport:
+    """A replay from ``begin`` to ``end`` (robot's clock, s).
+
+    ``delivered``: messages of the log that somebody took. ``channels``: every output of a module, and what attention
+    told of itself. ``wall_s`` and ``cpu_s``: real time and CPU time of the process that the log's ``log_s`` took.
+    """
+
+    file: Path
+    format: str
+    begin: float
+    end: float
+    delivered: int
+    channels: Mapping[str, ChannelReport]
+    modules: Mapping[str, ModuleReport]
+    intentions: tuple[IntentionLine, ...]
+    notes: tuple[str, ...]
+    wall_s: float
+    cpu_s: float
+    #: What the recording of the replay is called; "" where it was not recorded.
+    recorded: str = ""
+
+    @property
+    def log_s(self) -> float:
+        """Seconds of the log that were replayed."""
+        return self.end - self.begin
+
+    @property
+    def times_real_time(self) -> float:
+        """How many times faster than it was lived."""
+        return self.log_s / self.wall_s if self.wall_s > 0 else math.inf
+
+    def outcome(self) -> dict[str, Any]:
+        """Everything that must be equal in two replays of one log: JSON-able, without times of this computer."""
+        return {
+            "begin": self.begin,
+            "end": self.end,
+            "delivered": self.delivered,
+            "channels": {name: asdict(channel) for name, channel in self.channels.items()},
+            "modules": {name: _without_times(module) for name, module in self.modules.items()},
+            "intentions": [_jsonable(asdict(line)) for line in self.intentions],
+            "notes": list(self.notes),
+        }
+
+    def document(self) -> dict[str, Any]:
+        """The outcome, the file, and what it cost, JSON-able."""
+        cost = {
+            "wall_s": round(self.wall_s, 3),
+            "cpu_s": round(self.cpu_s, 3),
+            "times_real_time": round(self.times_real_time, 2),
+            "modules": {name: round(module.cpu_s, 6) for name, module in self.modules.items()},
+        }
+        whole = {"file": str(self.file), "format": self.format, **self.outcome()}
+        return {**whole, "recorded": self.recorded or None, "cost": cost}
+
+
+def _without_times(module: ModuleReport) -> dict[str, Any]:
+    told: dict[str, Any] = _jsonable(asdict(module))
+    del told["cpu_s"]
+    return told
+
+
+def _jsonable(value: Any) -> Any:
+    """A closed filter's φ, which JSON cannot write, as null."""
+    if isinstance(value, Mapping):
+        return {key: _jsonable(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_jsonable(item) for item in value]
+    return None if isinstance(value, float) and math.isinf(value) else value

@@ -1,0 +1,169 @@
+"""Putting a program down anywhere in its recording, so that the scene stands there as if lived till then."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Callable, Coroutine, Mapping, Sequence, Set
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, TypeVar
+
+from app.logs.log import Indexed, Log, Logged
+from app.logs.replay.replay_body import ReplayBody
+from app.logs.replay.state_at import ACCUMULATED, Past
+from app.messages import (
+    Audio,
+    DesiresRecord,
+    Divisors,
+    EventRecord,
+    Image,
+    IntentionRecord,
+    LaserScan,
+    LogLine,
+    LoudNoise,
+    OperatorDrive,
+    SeparatedSound,
+    Twist,
+)
+from app.program.system import System
+from app.runtime.replay_clock import ReplayClock
+
+T = TypeVar("T")
+
+#: These were meant for their moment: what was commanded, noted or heard is not said again at a jump. A frame of sound
+#: by itself is a click, and to whoever listens for noises an event.
+OF_THE_MOMENT = (OperatorDrive, Twist, EventRecord, LogLine, Audio, SeparatedSound, LoudNoise)
+#: What a recording tells of its attention; and for how long (s) before a jump it is told again.
+OF_ATTENTION = (DesiresRecord, IntentionRecord, Divisors)
+ATTENTION_S = 60.0
+#: A step where the recording has neither images nor scans.
+STEP_S = 0.1
+#: After a jump, modules get this long (real s) to start, and then to work on what they are shown.
+START_WITHIN_S = 2.0
+SHOW_WITHIN_S = 0.3
+#: While the body reads, it is asked so often (s) whether it is done.
+_READ_AGAIN_S = 0.001
+
+
+class Places:
+    """:meth:`open` before anything else, :meth:`close` at the end. ``log`` is read in a thread of its own."""
+
+    def __init__(self, system: System, body: ReplayBody, clock: ReplayClock, log: Log) -> None:
+        self._system = system
+        self._body = body
+        self._clock = clock
+        self._info = log.info
+        self._past = Past(log)
+        self._reader: ThreadPoolExecutor | None = None
+        #: Between two places: from the end of all modules until the jump is told.
+        self.moving = False
+        #: What the recording tells of its attention in the minute before the last jump: the messages of
+        #: ``OF_ATTENTION``, in order, from those that stood when that minute began.
+        self.attention: list[Any] = []
+        self._log = log
+        #: When channels spoke in that minute, where the recording's index tells (see ``Indexed``).
+        self.spoken: Mapping[str, Sequence[tuple[float, float]]] | None = None
+
+    def open(self) -> None:
+        """Be ready to read."""
+        self._reader = ThreadPoolExecutor(1, thread_name_prefix="playback reader")
+
+    async def close(self) -> None:
+        """Read no more; the log may be closed then."""
+        if self._reader is not None:
+            await asyncio.get_running_loop().run_in_executor(None, self._reader.shutdown)
+
+    async def go(self, position: float, jumped: Callable[[float], None]) -> None:
+        """Begin every module anew at ``position`` (s) and show it what was there; time must stand.
+
+        ``jumped`` is called when everything before is forgotten, before anything of the new place is shown. Raises
+        LogError; where the place itself cannot be read, all is left as it is.
+        """
+        system, body = self._system, self._body
+        known, wishes, attention = await self._read(self._standing, position)
+        self.moving = True
+        try:
+            await system.begin_anew(lambda: self._jump(position, known))
+            await _patiently(system.supervisor.started(), START_WITHIN_S)
+            for logged in wishes:
+                body.show(logged.channel, logged.message)
+            # What is wanted there decides what is shown there; how attention came to it is no event of the recording.
+            await _patiently(system.translator.settled(), START_WITHIN_S)
+            system.timeline.clear()
+            self.attention = attention
+        finally:
+            self.moving = False
+        jumped(position)
+        await self.show(self._info.channels.keys())
+        await self.worked()
+
+    async def show(self, channels: Set[str], unless: Callable[[], bool] = lambda: False) -> None:
+        """Say again what ``channels`` said last, as far as somebody listens, ``unless`` that is no longer asked for.
+
+        Raises LogError.
+        """
+        for logged in await self._read(lambda position: self._scene(position, channels), self._clock.now()):
+            if not unless():
+                self._body.show(logged.channel, logged.message)
+
+    async def next_step(self) -> float:
+        """When the next image of the first camera arrived, or the next scan, or in 0.1 s; never beyond the recording.
+
+        Raises LogError.
+        """
+        return await self._read(self._next_step, self._clock.now())
+
+    async def quiet(self) -> None:
+        """Wait until everybody waits: for time, or for somebody outside."""
+        activity, translator = self._system.graph.activity, self._system.translator
+        while True:
+            await translator.settled()
+            await activity.quiet()
+            if self._body.reading:
+                await asyncio.sleep(_READ_AGAIN_S)
+            elif translator.is_settled:
+                return
+
+    async def worked(self) -> None:
+        """Wait, within reason, until what was shown has been worked on."""
+        await _patiently(self.quiet(), SHOW_WITHIN_S)
+
+    def _jump(self, position: float, known: list[Logged]) -> None:
+        self._clock.jump(position)
+        self._body.seek(position)
+        channels = self._system.graph.channels
+        for logged in known:
+            channel = channels.get(logged.channel)
+            if channel is not None and channel.message_type is type(logged.message):
+                channel.publish(logged.message)
+
+    def _standing(self, position: float) -> tuple[list[Logged], list[Logged], list[Any]]:
+        """What modules that begin at ``position`` must know at once, what was desired there, and attention before."""
+        past = self._past
+        attention = [logged.message for logged in past.since(position - ATTENTION_S, position, OF_ATTENTION)]
+        if isinstance(self._log, Indexed):
+            self.spoken = self._log.spoken(position - ATTENTION_S, position)
+        return past.of_types(ACCUMULATED, position), past.of_types((DesiresRecord,), position), attention
+
+    def _scene(self, position: float, channels: Set[str]) -> list[Logged]:
+        shown = {c.name for c in self._info.channels.values() if c.message_type not in (DesiresRecord, *OF_THE_MOMENT)}
+        return self._past.scene(position, self._body.listened & shown & channels)
+
+    def _next_step(self, position: float) -> float:
+        for kind in (Image, LaserScan):
+            for name, channel in self._info.channels.items():
+                if channel.message_type is kind and channel.count:
+                    later = self._past.next_at(name, position)
+                    return self._info.end if later is None else later
+        return position + STEP_S
+
+    async def _read(self, function: Callable[[float], T], position: float) -> T:
+        assert self._reader is not None
+        return await asyncio.get_running_loop().run_in_executor(self._reader, function, position)
+
+
+async def _patiently(waiting: Coroutine[Any, Any, None], within_s: float) -> None:
+    """Wait, but no longer than that: what takes longer goes on by itself."""
+    with contextlib.suppress(TimeoutError):
+        async with asyncio.timeout(within_s):
+            await waiting

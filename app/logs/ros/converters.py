@@ -1,0 +1,72 @@
+"""The table: which converter a message class has. A class that is not in it is recorded by its own fields."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from app.logs.ros.camera import EncodedImageConverter, ImageConverter
+from app.logs.ros.cloud import PointCloudConverter
+from app.logs.ros.landmarks import LandmarksConverter
+from app.logs.ros.laser import LaserScanConverter
+from app.logs.ros.native_types import (
+    GeneratedConverter,
+    JointStateConverter,
+    LogLineConverter,
+    OdometryConverter,
+    TwistConverter,
+)
+from app.logs.ros.navigation import OccupancyGridConverter, PlannedPathConverter
+from app.logs.ros.record import Converter
+from app.messages import (
+    EncodedImage,
+    Image,
+    JointState,
+    Landmarks,
+    LaserScan,
+    LogLine,
+    OccupancyGrid,
+    Odometry,
+    PlannedPath,
+    PointCloud,
+    Twist,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What converters may be told: nominal rate of the channel (Hz), quality of JPEG (1 to 100).
+
+    ``main_type`` is the ROS type of the main records in a file that is read, ``main_fields`` how many fields of the
+    class they hold, where the class has got more since (None: all).
+    """
+
+    rate_hz: float | None = None
+    jpeg_quality: int = 90
+    main_type: str | None = None
+    main_fields: int | None = None
+
+
+CONVERTERS: Mapping[type[Any], Callable[[str, Options], Converter]] = {
+    EncodedImage: lambda channel, _: EncodedImageConverter(channel),
+    Image: lambda channel, options: ImageConverter(channel, options.jpeg_quality, options.main_type),
+    JointState: lambda channel, _: JointStateConverter(channel),
+    Landmarks: lambda channel, _: LandmarksConverter(channel),
+    LaserScan: lambda channel, options: LaserScanConverter(channel, options.rate_hz),
+    LogLine: lambda channel, _: LogLineConverter(channel),
+    OccupancyGrid: lambda channel, _: OccupancyGridConverter(channel),
+    Odometry: lambda channel, _: OdometryConverter(channel),
+    PlannedPath: lambda channel, _: PlannedPathConverter(channel),
+    PointCloud: lambda channel, _: PointCloudConverter(channel),
+    Twist: lambda channel, _: TwistConverter(channel),
+}
+
+
+def converter(channel: str, message_type: type[Any], options: Options | None = None) -> Converter:
+    """The converter of a channel of such messages. Raises UnrecordableType for a class that ROS can say nothing of."""
+    options = options or Options()
+    make = CONVERTERS.get(message_type)
+    if make is None:
+        return GeneratedConverter(channel, message_type, options.main_fields)
+    return make(channel, options)

@@ -1,0 +1,215 @@
+"""From the topics of a file to messages on channels: the reverse of the encoder."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from rosbags.typesys import TypesysError, get_types_from_msg
+
+from app.logs import layout as mcap_layout
+from app.logs.ros import typestore
+from app.logs.ros.converters import Options, converter
+from app.logs.ros.generated import PACKAGE, before_defaults
+from app.logs.ros.record import MAIN, Converter
+from app.logs.ros.record_templates import STAMP
+from app.runtime.channel_table import ChannelSpec
+
+log = logging.getLogger("hbba.recording")
+
+
+@dataclass(frozen=True, slots=True)
+class StoredTopic:
+    """A topic as a file tells of it: ``definition`` is the ``ros2msg`` text of its ``type``."""
+
+    name: str
+    type: str
+    definition: str
+    metadata: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class DecodableChannel:
+    """A channel that can be read: its message class, nominal rate (Hz, None unknown) and topics by part.
+
+    ``main_type`` is the ROS type of its main part, ``main_fields`` how many fields of the class that holds, where the
+    class has got more since (None: all).
+    """
+
+    name: str
+    message_type: type[Any]
+    rate_hz: float | None
+    topics: Mapping[str, str]
+    main_type: str
+    main_fields: int | None = None
+
+    @property
+    def main_topic(self) -> str:
+        """The topic that has one record for each message."""
+        return self.topics[MAIN]
+
+
+@dataclass(frozen=True, slots=True)
+class Contents:
+    """What of a file can be read: ``channels`` by name; topics ``ignored``, and why."""
+
+    channels: Mapping[str, DecodableChannel]
+    ignored: Mapping[str, str] = field(default_factory=dict)
+
+
+def contents(topics: Iterable[StoredTopic]) -> Contents:
+    """Sort the topics of a file into channels that this program can read and topics it cannot."""
+    ignored: dict[str, str] = {}
+    of_channel: dict[str, list[StoredTopic]] = {}
+    for topic in topics:
+        channel = topic.metadata.get(mcap_layout.CHANNEL)
+        if channel is not None:
+            of_channel.setdefault(channel, []).append(topic)
+        elif mcap_layout.DERIVED not in topic.metadata:
+            ignored[topic.name] = "another program wrote it"
+    channels: dict[str, DecodableChannel] = {}
+    for name, stored in of_channel.items():
+        try:
+            channels[name] = _channel(name, stored)
+        except _Unreadable as reason:
+            ignored.update({topic.name: str(reason) for topic in stored})
+    return Contents(channels, ignored)
+
+
+class Decoder:
+    """Puts messages of some channels together from their records, given in the order they were written."""
+
+    def __init__(self, channels: Iterable[DecodableChannel]) -> None:
+        self._lanes: dict[str, tuple[_Lane, str]] = {}
+        for channel in channels:
+            options = Options(main_type=channel.main_type, main_fields=channel.main_fields)
+            lane = _Lane(channel.name, converter(channel.name, channel.message_type, options))
+            for part, topic in channel.topics.items():
+                self._lanes[topic] = (lane, part)
+
+    @property
+    def topics(self) -> frozenset[str]:
+        """The topics whose records it wants."""
+        return frozenset(self._lanes)
+
+    def add(self, topic: str, data: bytes) -> tuple[str, Any] | None:
+        """Take a record; returns channel and message once that is complete.
+
+        A message with a part lost is left out, and the first of a channel is logged. Raises ValueError where the
+        bytes are not what they should be.
+        """
+        lane, part = self._lanes[topic]
+        stamp = data[STAMP : STAMP + 8]
+        if part != MAIN:
+            if stamp != lane.stamp:
+                lane.stamp, lane.parts = stamp, {}
+            lane.parts[part] = data
+            return None
+        # Each converter's main record is the last of its message: parts of another stamp have lost theirs.
+        parts = lane.parts if stamp == lane.stamp else {}
+        lane.stamp, lane.parts = b"", {}
+        parts[MAIN] = data
+        message = lane.converter.decode(parts)
+        if message is None:
+            lane.lose()
+            return None
+        return lane.channel, message
+
+
+class _Lane:
+    """What is known so far of the message being put together on one channel."""
+
+    __slots__ = ("channel", "converter", "lossy", "parts", "stamp")
+
+    def __init__(self, channel: str, codec: Converter) -> None:
+        self.channel = channel
+        self.converter = codec
+        self.stamp = b""
+        self.parts: dict[str, bytes] = {}
+        self.lossy = False
+
+    def lose(self) -> None:
+        if not self.lossy:
+            self.lossy = True
+            log.warning("messages of %s that have lost a part (their image, their rays) are left out", self.channel)
+
+
+class _Unreadable(Exception):
+    """Why a channel cannot be read, in words."""
+
+
+def _channel(name: str, stored: list[StoredTopic]) -> DecodableChannel:
+    class_name = stored[0].metadata.get(mcap_layout.MESSAGE, "")
+    try:
+        cls = ChannelSpec(type=class_name).message_type
+    except KeyError:
+        raise _Unreadable(f"this program has no message {class_name!r}") from None
+    main_types = [topic.type for topic in stored if topic.metadata.get(mcap_layout.PART, MAIN) == MAIN]
+    options = Options(main_type=main_types[0] if main_types else None)
+    parts = {topic.part: topic for topic in converter(name, cls, options).topics if topic.part is not None}
+    by_part: dict[str, str] = {}
+    main_fields: int | None = None
+    for topic in stored:
+        part = topic.metadata.get(mcap_layout.PART, MAIN)
+        if part not in parts:
+            raise _Unreadable(f"this program's {class_name} has no part {part!r}")
+        if topic.type != parts[part].type:
+            raise _Unreadable(f"this program keeps that part of {class_name} as {parts[part].type}, not {topic.type}")
+        if change := _change(topic):
+            main_fields = _first_fields(topic, cls) if part == MAIN else None
+            if main_fields is None:
+                raise _Unreadable(f"{class_name} has changed since: {change}")
+        by_part[part] = topic.name
+    if MAIN not in by_part:
+        raise _Unreadable(f"the topic {parts[MAIN].name}, which says what the others mean, is not in the file")
+    return DecodableChannel(name, cls, _rate(stored), by_part, parts[MAIN].type, main_fields)
+
+
+def _rate(stored: list[StoredTopic]) -> float | None:
+    try:
+        return float(stored[0].metadata[mcap_layout.RATE_HZ])
+    except (KeyError, ValueError):
+        return None
+
+
+def _change(topic: StoredTopic) -> str:
+    """How our own types in a topic's definition differ from those of today; "" where they do not."""
+    try:
+        then = get_types_from_msg(topic.definition, topic.type)
+    except TypesysError as error:
+        return f"its definition cannot be read ({error})"
+    today = typestore.store().fielddefs
+    for name, (_, fields) in then.items():
+        if not name.startswith(f"{PACKAGE}/"):
+            continue
+        short = name.rsplit("/", 1)[1]
+        if name not in today:
+            return f"it held a {short}"
+        before, after = dict(fields), dict(today[name][1])
+        if gone := before.keys() - after.keys():
+            return f"{short} no longer has {', '.join(sorted(gone))}"
+        if new := after.keys() - before.keys():
+            return f"{short} now also has {', '.join(sorted(new))}"
+        if list(fields) != list(today[name][1]):
+            return f"{short} has other types or another order of its fields"
+    return ""
+
+
+def _first_fields(topic: StoredTopic, cls: type[Any]) -> int | None:
+    """How many fields of ``cls`` a topic holds from before the others were added; None if it is not that alone."""
+    if topic.type != f"{PACKAGE}/msg/{cls.__name__}":
+        return None
+    try:
+        then = get_types_from_msg(topic.definition, topic.type)
+    except TypesysError:
+        return None
+    today = typestore.store().fielddefs
+    if any(list(fields) != list(today[name][1]) for name, (_, fields) in then.items()
+           if name.startswith(f"{PACKAGE}/") and name != topic.type):  # fmt: skip
+        return None
+    written = list(then[topic.type][1])
+    if written != list(today[topic.type][1])[: len(written)]:
+        return None
+    return before_defaults(cls, len(written))

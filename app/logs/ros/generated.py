@@ -1,0 +1,245 @@
+"""ROS definitions made from our dataclasses, so that any message, also tomorrow's, is recordable as it is.
+
+=====================================  ==================================================================
+Python                                 ROS
+=====================================  ==================================================================
+``stamp: float``                       ``builtin_interfaces/Time stamp``
+``float``, ``int``, ``bool``, ``str``  ``float64``, ``int64``, ``bool``, ``string``
+``bytes``                              ``uint8[]``
+dataclass                              nested ``hbba_msgs/<Class>``
+``tuple[X, ...]``, ``tuple[X, X]``     ``X[]``, ``X[2]``
+``NDArray[np.float32]``                ``float32[] name`` (row by row) and ``uint32[] name_shape``
+``X | None``                           ``bool has_name`` and ``X name`` (zeros, empty, where there is none)
+=====================================  ==================================================================
+
+A field is named as in Python, in lower case, since ROS allows no other: ``X_BC`` is ``x_bc``.
+"""
+
+from __future__ import annotations
+
+import types
+import typing
+from collections.abc import Callable, Iterator
+from dataclasses import MISSING, dataclass, fields, is_dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.base.geometry import Pose3
+from app.logs.ros import typestore
+from app.logs.stamps import SECOND, from_ns, to_ns
+from app.messages import read_only
+
+PACKAGE = "hbba_msgs"
+TIME = "builtin_interfaces/msg/Time"
+
+#: Arrays of one shape always: they need not say it.
+_SHAPES: dict[tuple[type[Any], str], tuple[int, ...]] = {
+    (Pose3, "rotation"): (3, 3),
+    (Pose3, "translation"): (3,),
+}
+
+_NUMBERS = {float: ("float64", np.float64), int: ("int64", np.int64), bool: ("bool", np.bool_)}
+
+
+class UnrecordableType(TypeError):
+    """A dataclass with a field that no ROS definition can be made of; the message names it."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Field:
+    """How one field of a dataclass becomes ROS fields (``(type, name)`` each) and their values, and back."""
+
+    declared: tuple[tuple[str, str], ...]
+    pack: Callable[[Any], tuple[Any, ...]]
+    unpack: Callable[[Iterator[Any]], Any]
+    empty: Any
+
+
+class Generated:
+    """The ROS type ``hbba_msgs/msg/<Class>`` of a dataclass: registered when made."""
+
+    def __init__(self, cls: type[Any], count: int | None = None) -> None:
+        """Of its first ``count`` fields alone, if that is given: as ``hbba_msgs/msg/<Class>First<count>``.
+
+        Raises UnrecordableType.
+        """
+        self.type = f"{PACKAGE}/msg/{cls.__name__}" + ("" if count is None else f"First{count}")
+        hints = typing.get_type_hints(cls)
+        self._cls = cls
+        self._names = [f.name for f in fields(cls)][:count]
+        self._fields = [_field(cls, name, hints[name]) for name in self._names]
+        declared = [pair for field in self._fields for pair in field.declared]
+        if len({name for _, name in declared}) < len(declared):
+            raise UnrecordableType(f"two fields of {cls.__name__} have one name in ROS: {declared}")
+        typestore.add(self.type, "\n".join(f"{kind} {name}" for kind, name in declared))
+        self._make = typestore.store().types[self.type]
+        # rosbags renames what is a keyword of Python, and keeps the type's name as one more field.
+        self._attributes = [f.name for f in fields(self._make) if f.name != "__msgtype__"]  # type: ignore[arg-type]
+
+    def to_ros(self, message: Any) -> Any:
+        """The rosbags object of ``message``."""
+        values: list[Any] = []
+        for name, field in zip(self._names, self._fields, strict=True):
+            values += field.pack(getattr(message, name))
+        return self._make(*values)
+
+    def from_ros(self, ros: Any) -> Any:
+        """The message of the rosbags object ``ros``."""
+        values = iter([getattr(ros, name) for name in self._attributes])
+        return self._cls(*[field.unpack(values) for field in self._fields])
+
+    def encode(self, message: Any) -> bytes:
+        """CDR of ``message``."""
+        ros = self.to_ros(message)
+        return bytes(typestore.store().serialize_cdr(ros, self.type, little_endian=True))
+
+    def decode(self, data: bytes) -> Any:
+        """The message in ``data``. Raises ValueError where it is damaged."""
+        return self.from_ros(typestore.deserialise(self.type, data))
+
+    def empty(self) -> Any:
+        """A message that says nothing: what stands for one that is absent."""
+        return self._cls(*[field.empty for field in self._fields])
+
+
+def generated(cls: type[Any], count: int | None = None) -> Generated:
+    """The ROS type of ``cls``, a dataclass, or of its first ``count`` fields; the same each time.
+
+    Raises UnrecordableType.
+    """
+    found = _made.get((cls, count))
+    if found is None:
+        found = _made[cls, count] = Generated(cls, count)
+    return found
+
+
+def before_defaults(cls: type[Any], declared: int) -> int | None:
+    """How many fields of ``cls`` the first ``declared`` fields of its ROS type hold, if all others have defaults.
+
+    None where they do not, or where a field of ``cls`` would be torn apart. Raises UnrecordableType.
+    """
+    hints = typing.get_type_hints(cls)
+    for count, field in enumerate(fields(cls)):
+        if declared == 0:
+            rest = fields(cls)[count:]
+            return count if all(f.default is not MISSING or f.default_factory is not MISSING for f in rest) else None
+        declared -= len(_field(cls, field.name, hints[field.name]).declared)
+    return None
+
+
+#: What has been made: a type is registered once for the whole process, as the store is one.
+_made: dict[tuple[type[Any], int | None], Generated] = {}
+
+
+def _field(cls: type[Any], name: str, hint: Any) -> _Field:
+    if name == "stamp" and hint is float:
+        return _single("builtin_interfaces/Time", name, _pack_time, _unpack_time, 0.0)
+    try:
+        return _by_hint(name.lower(), hint, _SHAPES.get((cls, name)))
+    except UnrecordableType as error:
+        raise UnrecordableType(f"{cls.__name__}.{name} is {hint}: {error}") from None
+
+
+def _by_hint(name: str, hint: Any, shape: tuple[int, ...] | None = None) -> _Field:
+    origin, arguments = typing.get_origin(hint), typing.get_args(hint)
+    if origin in (types.UnionType, typing.Union):
+        return _optional(name, arguments)
+    if origin is tuple:
+        return _tuple(name, arguments)
+    if origin is np.ndarray:
+        return _array(name, typing.get_args(arguments[1])[0], shape)
+    if origin is typing.Literal and all(isinstance(value, str) for value in arguments):
+        hint = str
+    if hint in _NUMBERS:
+        return _single(_NUMBERS[hint][0], name, hint, hint, hint())
+    if hint is str:
+        return _single("string", name, typestore.encodable, str, "")
+    if hint is bytes:
+        return _single("uint8[]", name, lambda data: np.frombuffer(data, np.uint8), lambda a: a.tobytes(), b"")
+    if isinstance(hint, type) and is_dataclass(hint):
+        nested = generated(hint)
+        return _single(_nested_name(nested), name, nested.to_ros, nested.from_ros, nested.empty())
+    raise UnrecordableType("ROS has nothing like it")
+
+
+def _single(kind: str, name: str, pack: Callable[[Any], Any], unpack: Callable[[Any], Any], empty: Any) -> _Field:
+    return _Field(((kind, name),), lambda value: (pack(value),), lambda values: unpack(next(values)), empty)
+
+
+def _optional(name: str, options: tuple[Any, ...]) -> _Field:
+    given = [option for option in options if option is not types.NoneType]
+    if len(given) != 1:
+        raise UnrecordableType("of several types, one at most beside None")
+    field = _by_hint(name, given[0])
+    nothing = (False, *field.pack(field.empty))
+
+    def unpack(values: Iterator[Any]) -> Any:
+        present = next(values)
+        value = field.unpack(values)
+        return value if present else None
+
+    declared = (("bool", f"has_{name}"), *field.declared)
+    return _Field(declared, lambda value: nothing if value is None else (True, *field.pack(value)), unpack, None)
+
+
+def _tuple(name: str, arguments: tuple[Any, ...]) -> _Field:
+    item = arguments[0]
+    if arguments[1:] == (Ellipsis,):
+        size, length = "[]", 0
+    elif all(argument is item for argument in arguments):
+        size, length = f"[{len(arguments)}]", len(arguments)
+    else:
+        raise UnrecordableType("a tuple holds one type only")
+    if item in _NUMBERS:
+        kind, dtype = _NUMBERS[item]
+        return _single(kind + size, name, lambda values: np.array(values, dtype), lambda a: tuple(a.tolist()),
+                       (item(),) * length)  # fmt: skip
+    one = _by_hint(name, item)
+    if len(one.declared) != 1 or one.declared[0][0].endswith("]"):
+        raise UnrecordableType("ROS has no sequence of that")
+    return _single(
+        one.declared[0][0] + size,
+        name,
+        lambda values: [one.pack(value)[0] for value in values],
+        lambda values: tuple(one.unpack(iter((value,))) for value in values),
+        (one.empty,) * length,
+    )
+
+
+def _array(name: str, scalar: Any, shape: tuple[int, ...] | None) -> _Field:
+    try:
+        dtype = np.dtype(scalar)
+    except TypeError:
+        raise UnrecordableType("an array says what its numbers are") from None
+    if dtype.kind not in "iufb" or dtype.itemsize > 8 or dtype == np.float16:
+        raise UnrecordableType("ROS has no such numbers")
+    kind = dtype.name
+
+    def flat(array: NDArray[Any]) -> NDArray[Any]:
+        return np.ascontiguousarray(array, dtype).reshape(-1)
+
+    if shape is not None:
+        empty = read_only(np.zeros(shape, dtype))
+        return _single(f"{kind}[{empty.size}]", name, flat, lambda a: read_only(np.array(a, dtype).reshape(shape)),
+                       empty)  # fmt: skip
+    return _Field(
+        ((f"{kind}[]", name), ("uint32[]", f"{name}_shape")),
+        lambda array: (flat(array), np.array(array.shape, np.uint32)),
+        lambda values: read_only(np.array(next(values), dtype).reshape(next(values))),
+        read_only(np.zeros(0, dtype)),
+    )
+
+
+def _nested_name(nested: Generated) -> str:
+    package, _, name = nested.type.split("/")
+    return f"{package}/{name}"
+
+
+def _pack_time(stamp: float) -> Any:
+    return typestore.make(TIME, *divmod(to_ns(stamp), SECOND))
+
+
+def _unpack_time(time: Any) -> float:
+    return from_ns(time.sec * SECOND + time.nanosec)

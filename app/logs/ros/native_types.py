@@ -1,0 +1,172 @@
+"""Messages that become one record: generated types, and those that ROS has a type for which holds all they hold."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from app.base.geometry import Pose2
+from app.logs.ros import typestore
+from app.logs.ros.frames import BASE, ODOM, TF, Transform, header, pose2_numbers
+from app.logs.ros.generated import generated
+from app.logs.ros.record import MAIN, Record, Topic
+from app.logs.ros.record_templates import Numbers
+from app.logs.stamps import SECOND, from_ns
+from app.messages import JointState, LogLine, Odometry, Twist
+
+_COVARIANCE = 36
+#: A place in a message counted from its end, in float64.
+_NUMBER = -8
+
+
+class GeneratedConverter:
+    """Any message, as the definition made of its class."""
+
+    def __init__(self, channel: str, cls: type[Any], count: int | None = None) -> None:
+        """Reads records of the first ``count`` fields, from before there were others. Raises UnrecordableType."""
+        self._generated = generated(cls)
+        self._written = generated(cls, count)
+        self._topic = f"/{channel}"
+        self.topics: tuple[Topic, ...] = (Topic(self._topic, self._generated.type),)
+
+    def encode(self, message: Any, stamp_ns: int) -> list[Record]:
+        """One record."""
+        return [Record(self._topic, self._generated.type, stamp_ns, self._generated.encode(message))]
+
+    def decode(self, parts: Mapping[str, bytes]) -> Any:
+        """The message."""
+        return self._written.decode(parts[MAIN])
+
+
+class OdometryConverter:
+    """``nav_msgs/Odometry`` (covariances zero: unknown) and the transform of ``base_link`` in ``odom``.
+
+    Theta comes back to 1e-15, and modulo two turns.
+    """
+
+    _TYPE = "nav_msgs/msg/Odometry"
+
+    def __init__(self, channel: str) -> None:
+        self.topics = (Topic(f"/{channel}", self._TYPE), TF)
+        zeros = np.zeros(_COVARIANCE)
+        pose = typestore.make(
+            "geometry_msgs/msg/Pose",
+            typestore.make("geometry_msgs/msg/Point", 0.0, 0.0, 0.0),
+            typestore.make("geometry_msgs/msg/Quaternion", 0.0, 0.0, 0.0, 1.0),
+        )
+        twist_at = (6 + _COVARIANCE) * _NUMBER
+        self._numbers = Numbers(
+            typestore.serialise(
+                self._TYPE,
+                header(ODOM),
+                BASE,
+                typestore.make("geometry_msgs/msg/PoseWithCovariance", pose, zeros),
+                typestore.make("geometry_msgs/msg/TwistWithCovariance", _twist(0.0, 0.0), zeros),
+            ),
+            (twist_at + (7 + _COVARIANCE) * _NUMBER, 7),
+            (twist_at, 6),
+        )
+        self._transform = Transform(ODOM, BASE)
+
+    def encode(self, message: Odometry, stamp_ns: int) -> list[Record]:
+        """Odometry and its transform."""
+        pose = pose2_numbers(message.X_OB)
+        data = self._numbers.fill(stamp_ns, pose, (message.linear_mps, 0.0, 0.0, 0.0, 0.0, message.angular_radps))
+        return [Record(self.topics[0].name, self._TYPE, stamp_ns, data), self._transform.record(stamp_ns, pose)]
+
+    def decode(self, parts: Mapping[str, bytes]) -> Odometry:
+        """The message."""
+        ros = typestore.deserialise(self._TYPE, parts[MAIN])
+        position, turn = ros.pose.pose.position, ros.pose.pose.orientation
+        twist = ros.twist.twist
+        pose = Pose2(position.x, position.y, 2.0 * math.atan2(turn.z, turn.w))
+        return Odometry(stamp_of(ros.header.stamp), pose, twist.linear.x, twist.angular.z)
+
+
+class TwistConverter:
+    """``geometry_msgs/TwistStamped`` in ``base_link``."""
+
+    _TYPE = "geometry_msgs/msg/TwistStamped"
+
+    def __init__(self, channel: str) -> None:
+        self.topics = (Topic(f"/{channel}", self._TYPE),)
+        template = typestore.serialise(self._TYPE, header(BASE), _twist(0.0, 0.0))
+        self._numbers = Numbers(template, (6 * _NUMBER, 6))
+
+    def encode(self, message: Twist, stamp_ns: int) -> list[Record]:
+        """One record."""
+        data = self._numbers.fill(stamp_ns, (message.linear_mps, 0.0, 0.0, 0.0, 0.0, message.angular_radps))
+        return [Record(self.topics[0].name, self._TYPE, stamp_ns, data)]
+
+    def decode(self, parts: Mapping[str, bytes]) -> Twist:
+        """The message."""
+        ros = typestore.deserialise(self._TYPE, parts[MAIN])
+        return Twist(stamp_of(ros.header.stamp), ros.twist.linear.x, ros.twist.angular.z)
+
+
+class JointStateConverter:
+    """``sensor_msgs/JointState``."""
+
+    _TYPE = "sensor_msgs/msg/JointState"
+
+    def __init__(self, channel: str) -> None:
+        self.topics = (Topic(f"/{channel}", self._TYPE),)
+        self._names: tuple[str, ...] = ()
+        self._numbers = self._template(())
+
+    def encode(self, message: JointState, stamp_ns: int) -> list[Record]:
+        """One record."""
+        if message.names != self._names:
+            self._names = message.names
+            self._numbers = self._template(message.names)
+        data = self._numbers.fill(stamp_ns, message.positions)
+        return [Record(self.topics[0].name, self._TYPE, stamp_ns, data)]
+
+    def decode(self, parts: Mapping[str, bytes]) -> JointState:
+        """The message."""
+        ros = typestore.deserialise(self._TYPE, parts[MAIN])
+        return JointState(stamp_of(ros.header.stamp), tuple(ros.name), tuple(ros.position.tolist()))
+
+    def _template(self, names: tuple[str, ...]) -> Numbers:
+        none = np.zeros(0)
+        data = typestore.serialise(self._TYPE, header(""), list(names), np.zeros(len(names)), none, none)
+        # Behind the positions stand the lengths, 0, of velocities and efforts.
+        return Numbers(data, ((len(names) + 1) * _NUMBER, len(names)))
+
+
+class LogLineConverter:
+    """``rcl_interfaces/Log``, whose levels are Python's."""
+
+    _TYPE = "rcl_interfaces/msg/Log"
+
+    def __init__(self, channel: str) -> None:
+        self.topics = (Topic(f"/{channel}", self._TYPE),)
+
+    def encode(self, message: LogLine, stamp_ns: int) -> list[Record]:
+        """One record; a level above 255 is written as 255."""
+        time = typestore.make("builtin_interfaces/msg/Time", *divmod(stamp_ns, SECOND))
+        level = min(max(message.level, 0), 255)
+        source, text = typestore.encodable(message.source), typestore.encodable(message.text)
+        data = typestore.serialise(self._TYPE, time, level, source, text, "", "", 0)
+        return [Record(self.topics[0].name, self._TYPE, stamp_ns, data)]
+
+    def decode(self, parts: Mapping[str, bytes]) -> LogLine:
+        """The message."""
+        ros = typestore.deserialise(self._TYPE, parts[MAIN])
+        return LogLine(stamp_of(ros.stamp), ros.level, ros.name, ros.msg)
+
+
+def stamp_of(time: Any) -> float:
+    """Seconds of a ``builtin_interfaces/Time``."""
+    return from_ns(time.sec * SECOND + time.nanosec)
+
+
+def _twist(linear: float, angular: float) -> Any:
+    return typestore.make(
+        "geometry_msgs/msg/Twist",
+        typestore.make("geometry_msgs/msg/Vector3", linear, 0.0, 0.0),
+        typestore.make("geometry_msgs/msg/Vector3", 0.0, 0.0, angular),
+    )

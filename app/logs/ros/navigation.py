@@ -1,0 +1,111 @@
+"""Maps and ways as ROS's navigation shows them; what its types keep with fewer digits stands beside, exactly."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from app.logs.ros import typestore
+from app.logs.ros.info import InfoTopic
+from app.logs.ros.record import MAIN, Record, Topic
+from app.logs.stamps import SECOND
+from app.messages import OccupancyGrid, PlannedPath, read_only
+
+_GRID = "nav_msgs/msg/OccupancyGrid"
+_PATH = "nav_msgs/msg/Path"
+
+
+@dataclass(frozen=True, slots=True)
+class OccupancyGridInfo:
+    """An OccupancyGrid but for its cells: ROS keeps the resolution in float32, and knows no version."""
+
+    stamp: float
+    frame: str
+    resolution_m: float
+    origin: tuple[float, float]
+    version: int
+
+
+class OccupancyGridConverter:
+    """``nav_msgs/OccupancyGrid``, and its figures exactly."""
+
+    def __init__(self, channel: str) -> None:
+        self._grid = Topic(f"/{channel}", _GRID, "cells")
+        self._info = InfoTopic(channel, OccupancyGridInfo)
+        self.topics = (self._grid, self._info.topic)
+
+    def encode(self, message: OccupancyGrid, stamp_ns: int) -> list[Record]:
+        """The grid, info."""
+        height, width = message.cells.shape
+        corner = _pose(*message.origin, 0.0)
+        time = _time(stamp_ns)
+        about = typestore.make("nav_msgs/msg/MapMetaData", time, message.resolution_m, width, height, corner)
+        cells = np.ascontiguousarray(message.cells).reshape(-1)
+        info = OccupancyGridInfo(message.stamp, message.frame, message.resolution_m, message.origin, message.version)
+        key = (message.frame, message.resolution_m, message.origin, message.version)
+        return [
+            Record(
+                self._grid.name, _GRID, stamp_ns, typestore.serialise(_GRID, _header(message.frame, time), about, cells)
+            ),
+            self._info.record(info, stamp_ns, key),
+        ]
+
+    def decode(self, parts: Mapping[str, bytes]) -> OccupancyGrid | None:
+        """The grid; None where its cells were lost."""
+        if "cells" not in parts:
+            return None
+        info = self._info.decode(parts[MAIN])
+        ros = typestore.deserialise(_GRID, parts["cells"])
+        cells = np.asarray(ros.data, np.int8).reshape(ros.info.height, ros.info.width)
+        return OccupancyGrid(info.stamp, info.frame, read_only(cells), info.resolution_m, info.origin, info.version)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlannedPathInfo:
+    """A PlannedPath as it is: the headings of ROS's poses are quaternions."""
+
+    stamp: float
+    frame: str
+    poses: np.ndarray[Any, np.dtype[np.float64]]
+
+
+class PlannedPathConverter:
+    """``nav_msgs/Path`` for viewers, and the poses exactly."""
+
+    def __init__(self, channel: str) -> None:
+        self._path = Topic(f"/{channel}", _PATH, None)
+        self._info = InfoTopic(channel, PlannedPathInfo)
+        self.topics = (self._path, self._info.topic)
+
+    def encode(self, message: PlannedPath, stamp_ns: int) -> list[Record]:
+        """The path, info."""
+        head = _header(message.frame, _time(stamp_ns))
+        poses = [typestore.make("geometry_msgs/msg/PoseStamped", head, _pose(*pose)) for pose in message.poses.tolist()]
+        info = PlannedPathInfo(message.stamp, message.frame, message.poses)
+        return [
+            Record(self._path.name, _PATH, stamp_ns, typestore.serialise(_PATH, head, poses)),
+            self._info.record(info, stamp_ns, (message.frame, message.poses.shape, message.poses.tobytes())),
+        ]
+
+    def decode(self, parts: Mapping[str, bytes]) -> PlannedPath:
+        """The path."""
+        info = self._info.decode(parts[MAIN])
+        return PlannedPath(info.stamp, info.frame, info.poses)
+
+
+def _time(stamp_ns: int) -> Any:
+    return typestore.make("builtin_interfaces/msg/Time", *divmod(stamp_ns, SECOND))
+
+
+def _header(frame: str, time: Any) -> Any:
+    return typestore.make("std_msgs/msg/Header", time, frame)
+
+
+def _pose(x: float, y: float, theta: float) -> Any:
+    point = typestore.make("geometry_msgs/msg/Point", x, y, 0.0)
+    turn = typestore.make("geometry_msgs/msg/Quaternion", 0.0, 0.0, math.sin(0.5 * theta), math.cos(0.5 * theta))
+    return typestore.make("geometry_msgs/msg/Pose", point, turn)

@@ -1,0 +1,163 @@
+"""What controllers are given and what they answer: the body, how it moves, what is around it, and the way to follow."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.base.geometry import Pose2
+from app.link import BaseLimits
+
+#: Between neighbours of an outline, at most: what ``rollouts`` counts on (m).
+_SPACING_M = 0.02
+#: The outline's second line, within the body: what is thin enough to slip between two steps does not hide there.
+_INNER = 0.85
+
+Limits = tuple[float, float, float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Body:
+    """What a controller knows of the body.
+
+    ``outline`` (P, 2) float64, m in ``base_link``: points of its edge, and as many of a line within it. ``radii``: of
+    the largest circle about ``base_link`` within it, and of the smallest around it. ``limits``: least and greatest
+    linear velocity (m/s), greatest angular (rad/s), linear and angular acceleration (m/s^2, rad/s^2), linear braking
+    (m/s^2). ``front_m``: how far its edge reaches ahead.
+    """
+
+    outline: NDArray[np.float64]
+    radii: tuple[float, float]
+    limits: Limits
+    front_m: float
+
+    @classmethod
+    def of(
+        cls, footprint: Sequence[tuple[float, float]], limits: BaseLimits, *, padding_m: float = 0.0, back: float = 0.0
+    ) -> Body:
+        """A body of this ``footprint`` (corners, convex, counter-clockwise, around the origin), widened by
+        ``padding_m`` on all sides; ``back`` is the share of its greatest speed that it may drive backward.
+
+        Raises ValueError where the footprint has under three corners or does not hold the origin.
+        """
+        corners = np.asarray(footprint, dtype=np.float64).reshape(-1, 2)
+        if len(corners) < 3:
+            raise ValueError("a body that drives needs a footprint of at least three corners")
+        sides = np.roll(corners, -1, axis=0) - corners
+        normals = np.stack((sides[:, 1], -sides[:, 0]), axis=1) / np.linalg.norm(sides, axis=1, keepdims=True)
+        reach = np.einsum("ij,ij->i", normals, corners)
+        if reach.min() <= 0:
+            raise ValueError("a footprint goes counter-clockwise around base_link")
+        reach = reach + padding_m
+        # Each corner is where its two sides, moved outwards, meet.
+        before = np.roll(np.arange(len(corners)), 1)
+        corners = np.stack(
+            [np.linalg.solve(normals[[i, j]], reach[[i, j]]) for i, j in zip(range(len(corners)), before, strict=True)]
+        )
+        edge = _edge(corners, _SPACING_M)
+        outline = np.concatenate((edge, _INNER * edge))
+        return cls(
+            outline=np.ascontiguousarray(outline),
+            radii=(float(reach.min()), float(np.linalg.norm(corners, axis=1).max())),
+            limits=(
+                -back * limits.linear_mps,
+                limits.linear_mps,
+                limits.angular_radps,
+                limits.linear_mps2,
+                limits.angular_radps2,
+                limits.linear_mps2,
+            ),
+            front_m=float(corners[:, 0].max()),
+        )
+
+    def limited(self, share: float) -> Body:
+        """The same body driven at ``share`` (in ]0, 1]) of its speeds."""
+        low, high, turn, linear_mps2, angular_radps2, braking = self.limits
+        limits = (low * share, high * share, turn * share, linear_mps2, angular_radps2, braking)
+        return replace(self, limits=limits)
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Where the body is (in the costmap's frame) and how it moves (m/s, rad/s)."""
+
+    pose: Pose2
+    linear_mps: float
+    angular_radps: float
+
+    @property
+    def state(self) -> tuple[float, float, float, float, float]:
+        """As the kernels take it."""
+        return (self.pose.x, self.pose.y, self.pose.theta, self.linear_mps, self.angular_radps)
+
+    def after(self, time_s: float) -> Motion:
+        """Where it is ``time_s`` later, if it goes on as it does."""
+        middle = self.pose.theta + 0.5 * self.angular_radps * time_s
+        step = self.linear_mps * time_s
+        pose = Pose2(
+            self.pose.x + step * math.cos(middle),
+            self.pose.y + step * math.sin(middle),
+            self.pose.theta + self.angular_radps * time_s,
+        )
+        return replace(self, pose=pose)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Field:
+    """Distances (H, W) float32 (m) to the nearest obstacle at cells' middles, as ``rollouts`` reads them; ``origin``
+    (m) is the lower left corner of cell [0, 0]. ``hidden`` (H, W) float32: distances (m) to where somebody may come
+    from unseen (``corners``), if that is to count."""
+
+    distances: NDArray[np.float32]
+    origin: tuple[float, float]
+    resolution_m: float
+    hidden: NDArray[np.float32] | None = None
+
+    @property
+    def frame(self) -> tuple[float, float, float]:
+        """As the kernels take it."""
+        return (self.origin[0], self.origin[1], 1.0 / self.resolution_m)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Way:
+    """The path from beside the body on: ``points`` (N, 5) float64, ``spacing`` m apart: x, y, heading (rad), length so
+    far (m), greatest speed (m/s). At least two points."""
+
+    points: NDArray[np.float64]
+    spacing: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Choice:
+    """What a controller commands. ``blocked``: it found no way on. ``clearance_m`` of the nearest pass on its way."""
+
+    linear_mps: float
+    angular_radps: float
+    blocked: bool
+    clearance_m: float
+
+
+class Controller(Protocol):
+    """Follows a way without touching anything. One object drives one body; deterministic in what it is given."""
+
+    def choose(self, motion: Motion, field: Field, way: Way, body: Body, period_s: float) -> Choice:
+        """The velocities to command for the next ``period_s`` seconds; within the body's limits and accelerations."""
+        ...
+
+    def forget(self) -> None:
+        """Begin afresh: another goal, another path, or the body was moved by somebody else."""
+        ...
+
+
+def _edge(corners: NDArray[np.float64], spacing_m: float) -> NDArray[np.float64]:
+    points = []
+    for begin, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        count = max(1, math.ceil(float(np.linalg.norm(end - begin)) / spacing_m))
+        points.append(begin + (end - begin) * (np.arange(count) / count)[:, None])
+    return np.concatenate(points)

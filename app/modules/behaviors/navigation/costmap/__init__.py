@@ -1,0 +1,1 @@
+"""Local costmap: obstacle layers, ray tracing, inflation."""

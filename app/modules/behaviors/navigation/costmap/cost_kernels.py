@@ -1,0 +1,100 @@
+"""Compiled kernels: what a metre costs, from distances. Layers, settings and units as in ``inflation``."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.base.compiled import kernel
+
+_UNKNOWN, _AT_OCCUPIED, _AT_KEEP_OUT, _AT_TEMPORARY = 8, 16, 32, 64
+_PRICES = "float64, float64, float64, float64"
+
+
+@kernel(f"float64(float64, float64, boolean, {_PRICES})")
+def price(
+    clearance: float,
+    share: float,
+    unknown: bool,
+    lethal: float,
+    reach: float,
+    closeness: float,
+    unknown_cost: float,
+) -> float:
+    """Of a metre at ``clearance`` (m)."""
+    if clearance < lethal:
+        return math.inf
+    cost = 1.0 / max(share, 0.02)
+    if clearance < reach:
+        near = (reach - clearance) / (reach - lethal)
+        cost += closeness * near * near
+    if unknown:
+        cost += unknown_cost
+    return cost
+
+
+@kernel(f"void(float32[:,:], float32[:,:], float32[:,:], uint8[:,:], float32[:,:], float32[:,:], {_PRICES})")
+def lay(
+    distances: NDArray[np.float32],
+    zone: NDArray[np.float32],
+    share: NDArray[np.float32],
+    layers: NDArray[np.uint8],
+    clearance: NDArray[np.float32],
+    cost: NDArray[np.float32],
+    lethal: float,
+    reach: float,
+    closeness: float,
+    unknown_cost: float,
+) -> None:
+    """Fill ``clearance`` and ``cost`` and set what cells are too near to, from ``distances`` to what is occupied.
+
+    All arrays (H, W); ``zone``, distances to zones to keep out of, and ``share`` are (0, 0) without zones.
+    """
+    rows, columns = distances.shape
+    zoned, slow = zone.size > 0, share.size > 0
+    for i in range(rows):
+        for j in range(columns):
+            layer = int(layers[i, j]) & ~(_AT_OCCUPIED | _AT_KEEP_OUT)
+            here = distances[i, j]
+            if here < lethal:
+                layer |= _AT_OCCUPIED
+            if zoned and zone[i, j] < reach:
+                if zone[i, j] < lethal:
+                    layer |= _AT_KEEP_OUT
+                here = min(here, zone[i, j])
+            here = min(here, np.float32(reach))
+            layers[i, j] = layer
+            clearance[i, j] = here
+            cost[i, j] = price(
+                here, share[i, j] if slow else 1.0, (layer & _UNKNOWN) != 0, lethal, reach, closeness, unknown_cost
+            )
+
+
+@kernel(f"void(float32[:,:], float32[:,:], uint8[:,:], float32[:,:], float32[:,:], {_PRICES})")
+def overlay(
+    distances: NDArray[np.float32],
+    share: NDArray[np.float32],
+    layers: NDArray[np.uint8],
+    clearance: NDArray[np.float32],
+    cost: NDArray[np.float32],
+    lethal: float,
+    reach: float,
+    closeness: float,
+    unknown_cost: float,
+) -> None:
+    """Bring ``distances`` (H, W) to temporary obstacles into a field that knows all others."""
+    rows, columns = distances.shape
+    slow = share.size > 0
+    for i in range(rows):
+        for j in range(columns):
+            here = distances[i, j]
+            if here >= reach:
+                continue
+            if here < lethal:
+                layers[i, j] = int(layers[i, j]) | _AT_TEMPORARY
+            if here < clearance[i, j]:
+                clearance[i, j] = here
+                unknown = (layers[i, j] & _UNKNOWN) != 0
+                cost[i, j] = price(here, share[i, j] if slow else 1.0, unknown, lethal, reach, closeness, unknown_cost)

@@ -1,0 +1,104 @@
+"""What a body covers of the floor, and how near it comes to what stands there."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.link import RobotDescription
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Footprint:
+    """A convex polygon about ``base_link``: ``corners`` (N, 2) float64 m, counter-clockwise, N >= 3.
+
+    ``inscribed_m`` is the radius of the largest circle about ``base_link`` that the polygon covers, ``circumscribed_m``
+    of the smallest that covers it: whatever its heading, the body touches what is nearer than the first and nothing
+    that is further than the second.
+    """
+
+    corners: NDArray[np.float64]
+    inscribed_m: float
+    circumscribed_m: float
+
+    @staticmethod
+    def of(description: RobotDescription) -> Footprint:
+        """The footprint of a body. Raises ValueError, naming the body, for one that does not move."""
+        if not description.footprint:
+            raise ValueError(f"{description.name} has no footprint: it does not move, and no way can be planned for it")
+        return Footprint.polygon(np.array(description.footprint, dtype=np.float64))
+
+    @staticmethod
+    def polygon(corners: NDArray[np.float64]) -> Footprint:
+        """Of ``corners`` (N, 2) m. Raises ValueError if they are not convex, counter-clockwise and around (0, 0)."""
+        if corners.ndim != 2 or corners.shape[0] < 3 or corners.shape[1] != 2 or not np.isfinite(corners).all():
+            raise ValueError(f"a footprint is three corners or more of x and y in m, not an array {corners.shape}")
+        edges = np.roll(corners, -1, axis=0) - corners
+        turns = _cross(edges, np.roll(edges, -1, axis=0))
+        if (turns < -1e-12).any():
+            raise ValueError("a footprint's corners go around it counter-clockwise, and it has no dents")
+        normals = np.stack((edges[:, 1], -edges[:, 0]), axis=-1) / np.linalg.norm(edges, axis=1, keepdims=True)
+        inscribed = float((normals * corners).sum(axis=1).min())
+        if inscribed <= 0.0:
+            raise ValueError("a footprint lies around base_link: (0, 0) is inside it")
+        return Footprint(corners, inscribed, float(np.linalg.norm(corners, axis=1).max()))
+
+    def samples(self, spacing_m: float) -> NDArray[np.float64]:
+        """Points (P, 2) float64 m in ``base_link``, at most ``spacing_m`` apart, of the edge (corners included) and of
+        the inside beyond the inscribed circle: nothing larger than that hides in the body between them."""
+        pieces = []
+        for begin, end in zip(self.corners, np.roll(self.corners, -1, axis=0), strict=True):
+            count = max(1, math.ceil(float(np.linalg.norm(end - begin)) / spacing_m - 1e-9))
+            pieces.append(begin + np.arange(count)[:, None] / count * (end - begin))
+        low, high = self.corners.min(axis=0), self.corners.max(axis=0)
+        steps = [
+            np.arange(math.ceil(begin / spacing_m), math.floor(end / spacing_m) + 1) * spacing_m
+            for begin, end in zip(low, high, strict=True)
+        ]
+        inside = np.stack(np.meshgrid(*steps), axis=-1).reshape(-1, 2)
+        # What lies just beyond the circle may have its nearest point just within.
+        beyond = np.hypot(inside[:, 0], inside[:, 1]) > self.inscribed_m - spacing_m * math.sqrt(0.5)
+        return np.concatenate((*pieces, inside[beyond & self.contains(inside)]))
+
+    def contains(self, points: NDArray[np.float64], margin_m: float = 0.0) -> NDArray[np.bool_]:
+        """Which of ``points`` (N, 2), m in ``base_link``, lie in the polygon, each edge moved outwards by ``margin_m``;
+        (N,)."""
+        inside = np.ones(len(points), dtype=bool)
+        for begin, end in zip(self.corners, np.roll(self.corners, -1, axis=0), strict=True):
+            edge = (end - begin) / np.linalg.norm(end - begin)
+            inside &= edge[1] * (points[:, 0] - begin[0]) - edge[0] * (points[:, 1] - begin[1]) <= margin_m
+        return inside
+
+
+def clearances(
+    distance: NDArray[np.float32],
+    origin: tuple[float, float],
+    resolution_m: float,
+    footprint: Footprint,
+    poses: NDArray[np.float64],
+) -> NDArray[np.float32]:
+    """How far (m) the body's edge is from the nearest obstacle at each of ``poses`` (P, 3) x, y, heading; (P,) float32.
+
+    ``distance`` (H, W) float32: from each cell's middle to the nearest obstacle's (m), the lower left corner of the
+    grid at ``origin``; poses in the grid's frame. Exact to a cell where the body is near; further off than the body is
+    large, a lower bound. Less than half a cell: it touches. Places outside the grid read as the nearest inside.
+    """
+    from app.modules.behaviors.navigation.costmap.clearance_kernels import body_clearances
+
+    out = np.empty(len(poses), dtype=np.float32)
+    body_clearances(
+        distance,
+        (origin[0], origin[1], 1.0 / resolution_m),
+        footprint.samples(resolution_m),
+        (footprint.inscribed_m, footprint.circumscribed_m),
+        np.ascontiguousarray(poses),
+        out,
+    )
+    return out
+
+
+def _cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])

@@ -1,0 +1,75 @@
+"""People are wider than the legs that a laser sees: where room is to be left beside what may be legs.
+
+A leg is a short run of neighbouring rays that lies before what is beside it, no wider than ``WIDEST_M``. What the map
+has at that place (a table's leg, a post) is none.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.base.geometry import Pose2
+from app.messages import LaserScan, OccupancyGrid
+
+#: Two shins that cover each other, at 0.4 m above the floor, are no wider; nor is one narrower.
+NARROWEST_M, WIDEST_M = 0.04, 0.35
+#: Neighbouring rays further apart than that meet different things, and so much further behind is what is beside a leg.
+_APART_M = 0.12
+#: Beyond, too few rays meet one, and nobody comes near soon.
+_FURTHEST_M = 3.0
+#: What stands so near to an obstacle of the map is that.
+_ON_MAP_M = 0.15
+_OCCUPIED = 65
+_RING = 12
+
+
+def legs(scan: LaserScan) -> NDArray[np.float64]:
+    """The middles (N, 2) of what may be legs, m in the laser's frame."""
+    ranges = np.where(scan.ranges >= scan.range_min, scan.ranges, np.inf).astype(np.float64)
+    ranges[ranges >= scan.range_max] = np.inf
+    with np.errstate(invalid="ignore"):
+        jumps = np.abs(np.diff(ranges)) > _APART_M  # two that met nothing: no jump
+    begins = np.concatenate(([0], np.flatnonzero(jumps) + 1))
+    ends = np.concatenate((begins[1:], [len(ranges)]))
+    found = []
+    for begin, end in zip(begins, ends, strict=True):
+        run = ranges[begin:end]
+        if end - begin < 2 or not np.isfinite(run).all() or run.min() > _FURTHEST_M:
+            continue
+        width = float(run.mean()) * (end - begin) * abs(scan.angle_increment)
+        if not NARROWEST_M <= width <= WIDEST_M:
+            continue
+        left = ranges[begin - 1] if begin > 0 else math.inf
+        right = ranges[end] if end < len(ranges) else math.inf
+        if left < run[0] or right < run[-1]:
+            continue  # something before it hides the rest
+        angle = scan.angle_min + scan.angle_increment * (begin + end - 1) / 2
+        found.append((run.min() * math.cos(angle), run.min() * math.sin(angle)))
+    return np.array(found, dtype=np.float64).reshape(-1, 2)
+
+
+def unknown_to(grid: OccupancyGrid, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Which of ``points`` (N, 2), m on the map, lie away from what the map has."""
+    reach = math.ceil(_ON_MAP_M / grid.resolution_m)
+    rows, columns = grid.cells.shape
+    away = np.ones(len(points), dtype=np.bool_)
+    for k, (x, y) in enumerate(points):
+        row, column = (math.floor((p - q) / grid.resolution_m) for p, q in zip((y, x), grid.origin[::-1], strict=True))
+        if 0 <= row < rows and 0 <= column < columns:
+            around = grid.cells[max(row - reach, 0) : row + reach + 1, max(column - reach, 0) : column + reach + 1]
+            away[k] = not (around >= _OCCUPIED).any()
+    return away
+
+
+def beside(scan: LaserScan, X_OB: Pose2, X_MO: Pose2, grid: OccupancyGrid, room_m: float) -> NDArray[np.float64]:
+    """Points (N, 2), m in ``odom``, around each leg that the map does not have, ``room_m`` from its middle."""
+    found = legs(scan)
+    in_space = np.column_stack((found, np.zeros(len(found))))
+    middles = np.asarray((X_OB.to_pose3() @ scan.X_BL).transform(in_space)[:, :2], dtype=np.float64)
+    middles = middles[unknown_to(grid, X_MO.transform(middles))]
+    turns = np.linspace(0.0, 2.0 * math.pi, _RING, endpoint=False)
+    ring = room_m * np.stack((np.cos(turns), np.sin(turns)), axis=-1)
+    return (middles[:, None, :] + ring).reshape(-1, 2)

@@ -1,0 +1,184 @@
+"""What the camera saw and the laser never will: low and overhanging things, kept on the map until seen to be gone.
+
+A camera at head height that looks straight ahead sees a low box from 3 m on and looks over it from there: whoever turns
+beside one, or comes back to it from elsewhere, must have kept it. The costmap, which rolls along in ``odom``, forgets
+what it leaves behind; this lies in ``map``, for the whole of it, and is kept with the map.
+
+What stands where the laser sees something needs no memory: walls and furniture the map has, and people go away. So
+nothing is taken within ``laser_m`` of what the laser sees just then, nor what was not seen to stand for ``steady_s``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from app.base.geometry import CameraModel, Pose2
+from app.messages import Image
+from app.modules.behaviors.navigation.costmap.footprint import Footprint
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import Things
+from app.modules.behaviors.navigation.costmap.tiled_grid import NEVER, TILE, Box, Cells, Tiles
+
+#: Times are kept in ms of 32 bits, counted anew after this long (s).
+_COUNTED_S = 1e6
+#: Where the body has been, nothing stands; so much (m) of its edge is left to what its place on the map is unsure by.
+_UNSURE_M = 0.04
+#: The bands of height (of 16) that something felt by the base is taken to stand at.
+_FELT_BANDS = 0b111
+
+
+@dataclass(frozen=True, slots=True)
+class MemorySettings:
+    """Depth counts as in ``CostmapSettings``, within ``reach_m`` of the camera; each cell of ``resolution_m`` is kept
+    once it was hit for ``steady_s`` with no gap of ``again_s``. Pictures closer together than ``every_s`` are passed
+    over."""
+
+    resolution_m: float = 0.05
+    every_s: float = 0.15
+    steady_s: float = 0.4
+    again_s: float = 1.0
+    laser_m: float = 0.25
+    clear_s: float = 0.25
+    floor_m: float = 0.05
+    floor_slope: float = 0.015
+    reach_m: float = 4.5
+    depth_step: int = 4
+
+
+class ThingsMemory:
+    """Keeps things on the map. Not for two threads at once; every method computes for a few ms at most."""
+
+    def __init__(self, footprint: Footprint, height_m: float, settings: MemorySettings | None = None) -> None:
+        self.settings = settings or MemorySettings()
+        self._height_m = height_m
+        sides = np.roll(footprint.corners, -1, axis=0) - footprint.corners
+        normals = np.stack((sides[:, 1], -sides[:, 0]), axis=-1) / np.linalg.norm(sides, axis=1, keepdims=True)
+        reach = (normals * footprint.corners).sum(axis=1)
+        self._itself = np.column_stack((normals, reach))
+        self._inside = np.column_stack((normals, reach - _UNSURE_M))
+        #: Grows with every change of what is kept, also to another map's.
+        self.version = 0
+        self.forget()
+
+    def forget(self) -> None:
+        """Another map."""
+        self._tiles = Tiles()
+        self._epoch: float | None = None
+        self._looked_at = -math.inf
+        self.version += 1
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """The middles (N, 2) of the cells that are kept, m on the map."""
+        return self._middles(self._tiles.kept())
+
+    @property
+    def cells_held(self) -> int:
+        """For how many cells there is memory: what is kept, and around the robot. Tests hold its bound by it."""
+        return len(self._tiles) * TILE**2
+
+    def near(self, X_MO: Pose2, X_OB: Pose2, within_m: float) -> NDArray[np.float64]:
+        """What is kept within a square around the robot: points (N, 2) m in ``odom``, two by two in each cell."""
+        place = X_MO @ X_OB
+        middles = self._middles(self._tiles.kept(self._box(place, within_m)))
+        if not len(middles):
+            return middles
+        quarter = 0.25 * self.settings.resolution_m
+        corners = np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]]) * quarter
+        return X_MO.inverse().transform((middles[:, None, :] + corners).reshape(-1, 2))
+
+    def look(self, image: Image, X_MB: Pose2, laser: NDArray[np.float64]) -> None:
+        """Take a depth picture, the robot being at ``X_MB`` at its stamp; ``laser`` (N, 2): what the laser sees about
+        then, m on the map. Raises ValueError for a picture without depth or from a camera that is not a pinhole."""
+        from app.modules.behaviors.navigation.costmap.depth_kernels import clear, mark
+        from app.modules.behaviors.navigation.costmap.raytrace_kernels import free_body
+
+        s, camera = self.settings, image.camera
+        if image.depth is None or not isinstance(camera, CameraModel):
+            raise ValueError(f"things are seen in a pinhole camera's depth: {image.frame} gives none")
+        if 0.0 <= image.stamp - self._looked_at < s.every_s:
+            return
+        self._looked_at = image.stamp
+        now = self._ms(image.stamp)
+        box = self._box(X_MB, s.reach_m + 0.5)
+        frame = np.array([box[2] * s.resolution_m, box[0] * s.resolution_m, s.resolution_m])
+        former = self._tiles.read(box)
+        first, last, bands, kept = former.first.copy(), former.last.copy(), former.bands.copy(), former.kept
+        lens = np.array([camera.fx, camera.fy, camera.cx, camera.cy])
+        X_BC = np.column_stack((image.X_BC.rotation, image.X_BC.translation))
+        pose = np.array([X_MB.x, X_MB.y, X_MB.theta])
+        depth = np.array(image.depth)
+        limits = np.array([s.floor_m, s.floor_slope, self._height_m, s.reach_m, math.inf])
+        mark(depth, lens, X_BC, pose, self._itself, frame, limits, s.depth_step, now, first, last, bands)
+        hit = last == now
+        seen_by_laser = hit & ~kept & self._beside(laser, frame, hit.shape)
+        first[seen_by_laser] = former.first[seen_by_laser]
+        last[seen_by_laser] = former.last[seen_by_laser]
+        bands[seen_by_laser] = former.bands[seen_by_laser]
+        hit &= ~seen_by_laser
+        first[hit & ~kept & (now - former.last.astype(np.int64) > _ms(s.again_s))] = now
+        stands = kept | (hit & (now - first >= _ms(s.steady_s)))
+        clear(depth, lens, X_BC, pose, frame, self._height_m, now, _ms(s.clear_s), last, bands)
+        free_body(pose, self._inside, frame, last, last)
+        stands &= last != NEVER
+        if (stands != kept).any():
+            self.version += 1
+        self._tiles.write(box, Cells(first, last, bands, stands))
+
+    def felt(self, points: NDArray[np.float64], stamp: float) -> None:
+        """The base ran into something at ``points`` (N, 2) m on the map."""
+        if not len(points):
+            return
+        now = self._ms(stamp)
+        cells = np.floor(points[:, ::-1] / self.settings.resolution_m).astype(np.int64)
+        self._tiles.keep(cells, np.full(len(cells), _FELT_BANDS, dtype=np.uint16), now)
+        self.version += 1
+
+    def snapshot(self) -> Things:
+        """What is kept."""
+        return Things(self._tiles.kept(), self._tiles.bands())
+
+    def take(self, things: Things) -> None:
+        """Take what was kept with a map in place of what is known."""
+        self.forget()
+        if len(things.cells):
+            self._tiles.keep(things.cells, things.bands, 0)
+
+    def _middles(self, cells: NDArray[np.int64]) -> NDArray[np.float64]:
+        return np.asarray((cells[:, ::-1] + 0.5) * self.settings.resolution_m)
+
+    def _beside(
+        self, points: NDArray[np.float64], frame: NDArray[np.float64], shape: tuple[int, ...]
+    ) -> NDArray[np.bool_]:
+        """Which cells of a window lie within ``laser_m`` of ``points``."""
+        there = np.zeros(shape, dtype=np.uint8)
+        cells = np.floor((points - frame[:2]) / frame[2]).astype(np.int64)
+        cells = cells[((cells >= 0) & (cells < np.array(shape)[::-1])).all(axis=1)]
+        there[cells[:, 1], cells[:, 0]] = 1
+        radius = math.ceil(self.settings.laser_m / frame[2])
+        disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * radius + 1, 2 * radius + 1))
+        return np.asarray(cv2.dilate(there, disc).view(np.bool_))
+
+    def _box(self, place: Pose2, within_m: float) -> Box:
+        r = self.settings.resolution_m
+        return (
+            math.floor((place.y - within_m) / r), math.ceil((place.y + within_m) / r),
+            math.floor((place.x - within_m) / r), math.ceil((place.x + within_m) / r),
+        )  # fmt: skip
+
+    def _ms(self, stamp: float) -> int:
+        """Counted from a picture not too long ago; what was kept before the first one is as old as that."""
+        if self._epoch is None:
+            self._epoch = stamp - 1.0
+        if stamp - self._epoch > _COUNTED_S:
+            self._epoch = stamp - 1.0
+            self._tiles.count_anew()
+        return round(1000.0 * (stamp - self._epoch))
+
+
+def _ms(seconds: float) -> int:
+    return round(1000.0 * seconds)

@@ -1,0 +1,64 @@
+"""What the camera knows of a place, kept with its map: ``things.npz`` in the map's folder."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Awaitable, Callable
+from functools import partial
+from typing import Any
+
+from app.base.errors import ConfigError
+from app.maps.control import Files
+from app.maps.library import MapLibrary
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import Things, read_things, write_things
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import ThingsMemory
+
+THINGS = "things.npz"
+
+
+class ThingsKept:
+    """Implements :class:`app.maps.control.MapLayer` for a memory that one thread uses: ``compute`` calls in it, and
+    ``behind`` in another, where the disk may take its time."""
+
+    def __init__(
+        self,
+        things: ThingsMemory,
+        library: MapLibrary,
+        compute: Callable[..., Awaitable[Any]],
+        behind: Callable[..., Awaitable[Any]],
+        log: logging.Logger | logging.LoggerAdapter[logging.Logger],
+    ) -> None:
+        self._things = things
+        self._library = library
+        self._compute = compute
+        self._behind = behind
+        self._log = log
+        self._one = asyncio.Lock()
+
+    async def files(self) -> Files:
+        """Its file beside the map's."""
+        async with self._one:
+            things: Things = await self._compute(self._things.snapshot)
+        return {THINGS: partial(write_things, things=things, resolution_m=self._things.settings.resolution_m)}
+
+    async def load(self, name: str) -> None:
+        """Take what was kept; what is damaged or gone is said, and the map is used without. Raises MapUnavailable where
+        there is no such map."""
+        async with self._one:
+            # Whatever comes of it, this is another map.
+            await self._compute(self._things.forget)
+            try:
+                things = await self._behind(self._read, name)
+            except (ConfigError, OSError) as failure:
+                self._log.warning("low things on the map %s are not known: %s", name, failure)
+                return
+            await self._compute(self._things.take, things)
+
+    async def forget(self) -> None:
+        """Begin anew."""
+        async with self._one:
+            await self._compute(self._things.forget)
+
+    def _read(self, name: str) -> Things:
+        return read_things(self._library.existing(name) / THINGS, self._things.settings.resolution_m)

@@ -1,0 +1,59 @@
+"""Obstacles that the map does not know, remembered on the map for a while so that ways lead around them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.base.geometry import Pose2
+from app.modules.behaviors.navigation.costmap.inflation import CostField
+from app.modules.behaviors.navigation.costmap.local_costmap import Surroundings
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TemporaryObstacles:
+    """``points`` (N, 2) float64 m on the map, each last seen at ``stamps`` (N,) float64 (robot's clock, s)."""
+
+    points: NDArray[np.float64]
+    stamps: NDArray[np.float64]
+
+    @staticmethod
+    def none() -> TemporaryObstacles:
+        """Nothing remembered."""
+        return TemporaryObstacles(np.empty((0, 2)), np.empty(0))
+
+
+def remember(
+    known: TemporaryObstacles,
+    around: Surroundings,
+    X_MO: Pose2,
+    field: CostField,
+    keep_s: float = 15.0,
+    on_map_m: float = 0.15,
+) -> TemporaryObstacles:
+    """``known`` with what stands around the robot now and is not on the map.
+
+    Inside the surroundings only what stands there now counts; outside, what was seen within ``keep_s`` before. On the
+    map is what is within ``on_map_m`` of an obstacle of ``field`` (temporary ones aside): so walls, whose place on the
+    map is never quite that which is measured, are not obstacles twice.
+    """
+    old, stamps = known.points, known.stamps
+    if len(old):
+        places = X_MO.inverse().transform(old) - np.array(around.known_from)
+        keep = (stamps >= around.stamp - keep_s) & ~((places >= 0.0) & (places < around.known_m)).all(axis=1)
+        old, stamps = old[keep], stamps[keep]
+    new = off_map(X_MO.transform(around.obstacles), field, on_map_m)
+    return TemporaryObstacles(np.concatenate((old, new)), np.concatenate((stamps, np.full(len(new), around.stamp))))
+
+
+def off_map(points: NDArray[np.float64], field: CostField, on_map_m: float = 0.15) -> NDArray[np.float64]:
+    """The cells (their middles) of ``points`` (N, 2), m on the map, that lie further than ``on_map_m`` from its
+    obstacles."""
+    field = field.known or field
+    cells, inside = field.frame.cells(points)
+    cells = np.unique(cells[inside], axis=0)
+    cells = cells[field.clearance[cells[:, 0], cells[:, 1]] > on_map_m]
+    frame = field.frame
+    return np.asarray((cells[:, ::-1] + 0.5) * frame.resolution_m + np.array([frame.x, frame.y]))

@@ -1,0 +1,1 @@
+"""Global planning: A* over the map's costs, smoothing, goals."""

@@ -1,0 +1,269 @@
+"""From here to a goal: the way, or the nearest that can be reached, or why there is none, in words for people."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.base.geometry import Pose2
+from app.modules.behaviors.navigation.costmap.footprint import clearances
+from app.modules.behaviors.navigation.costmap.inflation import (
+    AT_KEEP_OUT,
+    AT_OCCUPIED,
+    AT_TEMPORARY,
+    KEEP_OUT,
+    OCCUPIED,
+    UNKNOWN,
+    CostField,
+)
+from app.modules.behaviors.navigation.costmap.zone_layer import keep_out
+from app.modules.behaviors.navigation.planning.astar import Reached, explore
+from app.modules.behaviors.navigation.planning.smoothing import length_of, smooth, with_headings
+
+
+@dataclass(frozen=True, slots=True)
+class PlanSettings:
+    """``near_m``: how far from a goal that cannot be stood on a place may be that is taken instead. ``free_start_m``:
+    how far a robot that stands too near to something may go to get free, ``leave_zone_m`` to get out of a zone that
+    it is to keep out of. ``spacing_m`` between the path's poses."""
+
+    near_m: float = 1.0
+    free_start_m: float = 0.6
+    leave_zone_m: float = 8.0
+    spacing_m: float = 0.05
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """A way on the map, or why there is none.
+
+    ``code``: ``way`` (to the goal itself), ``near`` (to ``target``, the nearest place that can be reached), or without
+    a way: ``outside`` (the goal is off the map), ``obstacle`` (it cannot be stood on, nor any place near it),
+    ``walled_off``, ``keep_out`` (zones are in the way), ``unknown`` (only unknown space leads there, which is blocked),
+    ``in_the_way`` (something that the map does not know stands in the only way; it may go), ``start_stuck`` (the robot
+    itself cannot get free), ``start_outside``. ``reason`` says it to people, "" where there is nothing to say.
+    ``poses`` (N, 3) float64 x, y, heading on the map, about ``spacing_m`` apart, (0, 3) without a way. ``target`` is
+    where the way ends, its heading NaN if none was asked for. ``length_m`` of the way.
+    """
+
+    code: str
+    reason: str
+    poses: NDArray[np.float64]
+    target: Pose2 | None
+    length_m: float
+
+
+def plan(field: CostField, start: Pose2, goal: Pose2, settings: PlanSettings | None = None) -> Plan:
+    """The cheapest way from ``start`` to ``goal`` (heading NaN: any), both on the map, over ``field``."""
+    settings = settings or PlanSettings()
+    frame = field.frame
+    start_cell, goal_cell = frame.cell(start.x, start.y), frame.cell(goal.x, goal.y)
+    if start_cell is None:
+        return _none("start_outside", "the robot is off the map")
+    if goal_cell is None:
+        right, top = frame.x + frame.columns * frame.resolution_m, frame.y + frame.rows * frame.resolution_m
+        covers = f"x {frame.x:.1f} to {right:.1f} and y {frame.y:.1f} to {top:.1f} m"
+        return _none("outside", f"the goal is off the map, which covers {covers}")
+    said, out = "", np.empty((0, 2), dtype=np.int64)
+    if not np.isfinite(field.cost[start_cell]):
+        out = _way_out(field, start_cell, goal_cell, settings)
+        if not len(out):
+            return _none("start_stuck", f"the robot cannot get free: {_what_is_at(field, start, start_cell)}")
+        said = f"first gets free: {_what_is_at(field, start, start_cell)}"
+        start_cell = (int(out[-1, 0]), int(out[-1, 1]))
+    fits = _fits(field, goal)
+    reached = explore(field, start_cell, goal_cell if fits else None)
+    if fits and reached.has(goal_cell):
+        return _way(reached, "way", said, out, start, goal, goal_cell, settings)
+    if fits:
+        return _why_not(field, start_cell, goal_cell)
+    target = _nearest(reached, goal, goal_cell, settings.near_m)
+    why = _what_is_at(field, goal, goal_cell, "the goal")
+    if target is None:
+        return _none("obstacle", f"{why}, and no place within {settings.near_m:g} m of it can be reached")
+    cell, place = target
+    away = math.hypot(place.x - goal.x, place.y - goal.y)
+    told = f"{why}: goes to the nearest place that can be reached, {away:.2f} m from it"
+    return _way(reached, "near", "; ".join(filter(None, (told, said))), out, start, place, cell, settings)
+
+
+def _way(
+    reached: Reached,
+    code: str,
+    reason: str,
+    out: NDArray[np.int64],
+    start: Pose2,
+    target: Pose2,
+    cell: tuple[int, int],
+    settings: PlanSettings,
+) -> Plan:
+    field, frame = reached.field, reached.field.frame
+    points = _middles(field, reached.way(cell))
+    # From the very place to the very place, but for a start that is not free: its way out is left as it is.
+    if not len(out):
+        points = np.concatenate(([[start.x, start.y]], points))
+    points = np.concatenate((points, [[target.x, target.y]]))
+    way = smooth(field, points, settings.spacing_m)
+    if len(out):
+        step = max(1, round(settings.spacing_m / frame.resolution_m))
+        way = np.concatenate(([[start.x, start.y]], _middles(field, out[step:-1:step]), way))
+    poses = with_headings(way, start.theta, target.theta)
+    return Plan(code, reason, poses, target, length_of(poses))
+
+
+def _why_not(field: CostField, start: tuple[int, int], goal: tuple[int, int]) -> Plan:
+    """The goal's place is free, but no way leads there: what would have to go for one?"""
+    bits = AT_KEEP_OUT | AT_TEMPORARY
+    if field.known is None and not field.zones and field.settings.unknown != "blocked":
+        return _none("walled_off", "obstacles on the map wall the goal off")
+    reached = explore(field, start, goal, passable=bits)
+    if not reached.has(goal):
+        return _none("walled_off", "obstacles on the map wall the goal off")
+    cells = reached.way(goal)
+    lethal = cells[~np.isfinite(field.cost[cells[:, 0], cells[:, 1]])]
+    layers = field.layers[lethal[:, 0], lethal[:, 1]]
+    shut = layers & AT_KEEP_OUT != 0
+    if shut.any():
+        places = _middles(field, lethal[shut])[:: max(1, shut.sum() // 50)]
+        margin = field.lethal_m + 1.5 * field.frame.resolution_m
+        names = dict.fromkeys(filter(None, (keep_out(field.zones, x, y, margin) for x, y in places)))
+        which = ", ".join(f"“{name}”" for name in names)
+        return _none("keep_out", f"zones that the robot keeps out of are in the way: {which}")
+    blocked = layers & AT_TEMPORARY != 0
+    if blocked.any():
+        x, y = _middles(field, lethal[blocked][:1])[0]
+        return _none(
+            "in_the_way", f"something that is not on the map stands in the only way, near x {x:.1f}, y {y:.1f} m"
+        )
+    return _none("unknown", "only unknown space leads to the goal, and the robot may not go there")
+
+
+def _fits(field: CostField, pose: Pose2) -> bool:
+    """Whether the body may stand there, with its heading if that is asked for."""
+    cell = field.frame.cell(pose.x, pose.y)
+    if cell is None or not np.isfinite(field.cost[cell]):
+        return False
+    if not math.isfinite(pose.theta) or field.clearance[cell] >= field.footprint.circumscribed_m:
+        return True
+    return bool(_body_fits(field, np.array([[pose.x, pose.y, pose.theta]]))[0])
+
+
+def _body_fits(field: CostField, poses: NDArray[np.float64]) -> NDArray[np.bool_]:
+    frame = field.frame
+    free = clearances(field.clearance, (frame.x, frame.y), frame.resolution_m, field.footprint, poses)
+    return np.asarray(free > 0.5 * frame.resolution_m)
+
+
+def _nearest(
+    reached: Reached, goal: Pose2, goal_cell: tuple[int, int], near_m: float
+) -> tuple[tuple[int, int], Pose2] | None:
+    """The cell near the goal that was reached and where the body fits; of several as near as a cell, the freer."""
+    field, frame = reached.field, reached.field.frame
+    reach = math.ceil(near_m / frame.resolution_m)
+    (row, column), cost = goal_cell, field.cost
+    top, left = max(row - reach, 0), max(column - reach, 0)
+    rows, columns = np.nonzero(np.isfinite(cost[top : row + reach + 1, left : column + reach + 1]))
+    cells = np.stack((rows + top, columns + left), axis=-1)
+    places = _middles(field, cells)
+    away = np.hypot(places[:, 0] - goal.x, places[:, 1] - goal.y)
+    score = away + 0.2 * frame.resolution_m * cost[cells[:, 0], cells[:, 1]]
+    order = np.argsort(np.where(away <= near_m, score, np.inf), kind="stable")[: int((away <= near_m).sum())]
+    for k in order.tolist():
+        cell = (int(cells[k, 0]), int(cells[k, 1]))
+        place = Pose2(float(places[k, 0]), float(places[k, 1]), goal.theta)
+        if reached.has(cell) and _fits(field, place):
+            return cell, place
+    return None
+
+
+def _way_out(
+    field: CostField, start: tuple[int, int], goal: tuple[int, int], settings: PlanSettings
+) -> NDArray[np.int64]:
+    """Cells (N, 2) from a lethal ``start`` to one that is not; none if none is near enough."""
+    from app.modules.behaviors.navigation.planning.path_kernels import escape
+
+    bits = int(field.layers[start])
+    if bits & AT_KEEP_OUT and not bits & (AT_OCCUPIED | AT_TEMPORARY):
+        # Out of a zone on the side that leads to the goal, if there is one
+        reached = explore(field, start, goal, passable=AT_KEEP_OUT)
+        if reached.has(goal):
+            cells = reached.way(goal)
+            free = np.isfinite(field.cost[cells[:, 0], cells[:, 1]])
+            first = int(free.argmax())
+            if free[first:].all():
+                return cells[: first + 1]
+    reach = (settings.leave_zone_m if bits & AT_KEEP_OUT else settings.free_start_m) / field.frame.resolution_m
+    cells, count = escape(field.layers, field.cost, *start, reach, OCCUPIED)
+    return cells[:count]
+
+
+def _what_is_at(field: CostField, pose: Pose2, cell: tuple[int, int], who: str = "it") -> str:
+    layer = int(field.layers[cell])
+    if layer & KEEP_OUT or (layer & AT_KEEP_OUT and not layer & (AT_OCCUPIED | AT_TEMPORARY)):
+        name = keep_out(field.zones, pose.x, pose.y, field.lethal_m + 1.5 * field.frame.resolution_m)
+        where = "lies in" if layer & KEEP_OUT else "is too near to"
+        return f"{who} {where} the zone “{name}”, which the robot keeps out of"
+    if layer & OCCUPIED:
+        return f"{who} lies on an obstacle of the map"
+    if layer & AT_OCCUPIED:
+        return f"{who} is nearer to an obstacle of the map than the body is wide"
+    if layer & AT_TEMPORARY:
+        return f"{who} is too near to something that is not on the map"
+    if layer & UNKNOWN and not np.isfinite(field.cost[cell]):
+        return f"{who} lies in unknown space, where the robot may not go"
+    return f"{who} leaves no room to stand with the heading that was asked for"
+
+
+def _middles(field: CostField, cells: NDArray[np.int64]) -> NDArray[np.float64]:
+    frame = field.frame
+    return np.asarray((cells[:, ::-1] + 0.5) * frame.resolution_m + np.array([frame.x, frame.y]))
+
+
+def _none(code: str, reason: str) -> Plan:
+    return Plan(code, reason, np.empty((0, 3)), None, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class PathCheck:
+    """What is left of a path: ``nearest`` pose's index, ``off_m`` from it, ``remaining_m`` to the end, and
+    ``blocked_m`` along it to where it leads through what is lethal now (None: free)."""
+
+    nearest: int
+    off_m: float
+    remaining_m: float
+    blocked_m: float | None
+
+
+def check_path(
+    field: CostField, poses: NDArray[np.float64], pose: Pose2, from_index: int = 0, within_m: float = math.inf
+) -> PathCheck:
+    """Look along ``poses`` (N >= 1, 3) from where the robot is (``pose``, on the map), on the map and zones of now and
+    with what stands in the way. The nearest pose is sought from ``from_index`` on, ``within_m`` along the way."""
+    from app.modules.behaviors.navigation.planning.path_kernels import first_lethal
+
+    frame = field.frame
+    steps = np.hypot(*np.diff(poses[:, :2], axis=0).T) if len(poses) > 1 else np.empty(0)
+    along = np.concatenate(([0.0], np.cumsum(steps)))
+    last = max(int(np.searchsorted(along, along[from_index] + within_m, side="right")), from_index + 1)
+    away = np.hypot(poses[from_index:last, 0] - pose.x, poses[from_index:last, 1] - pose.y)
+    nearest = from_index + int(np.argmin(away))
+    cells = np.ascontiguousarray((poses[:, 1::-1] - np.array([frame.y, frame.x])) / frame.resolution_m - 0.5)
+    blocked = first_lethal(field.cost, cells, nearest, len(poses) - 1)
+    return PathCheck(
+        nearest,
+        float(away[nearest - from_index]),
+        float(along[-1] - along[nearest]),
+        None if blocked < 0 else float(along[blocked] - along[nearest]),
+    )
+
+
+def why_replan(check: PathCheck, off_limit_m: float = 0.5) -> str:
+    """Why a new way must be planned, in words; "" while the old one is good."""
+    if check.blocked_m is not None:
+        return f"the way is blocked {check.blocked_m:.1f} m ahead"
+    if check.off_m > off_limit_m:
+        return f"the robot is {check.off_m:.1f} m off its way"
+    return ""

@@ -1,0 +1,310 @@
+"""Compiled kernels on ways through a cost field, in cells: (row, column) of a cell's middle are its indices."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.base.compiled import kernel
+
+
+@kernel("float64(float32[:,::1], float64, float64, float64, float64)")
+def line_cost(
+    cost: NDArray[np.float32],
+    r0: float,
+    c0: float,
+    r1: float,
+    c1: float,
+) -> float:
+    """What the straight way costs, in cells of the open: exact, cell by cell; +inf where it crosses a lethal one."""
+    rows, columns = cost.shape
+    dr, dc = r1 - r0, c1 - c0
+    length = math.hypot(dr, dc)
+    i, j = math.floor(r0 + 0.5), math.floor(c0 + 0.5)
+    if i < 0 or j < 0 or i >= rows or j >= columns:
+        return math.inf
+    if length < 1e-12:
+        return 0.0 if cost[i, j] < math.inf else math.inf
+    step_i, step_j = (1 if dr > 0 else -1), (1 if dc > 0 else -1)
+    # Shares of the line at which the next row and the next column begin, and between one and the next
+    t_i, each_i = math.inf, math.inf
+    if dr != 0.0:
+        each_i = abs(1.0 / dr)
+        t_i = (i + 0.5 * step_i - r0) / dr
+    t_j, each_j = math.inf, math.inf
+    if dc != 0.0:
+        each_j = abs(1.0 / dc)
+        t_j = (j + 0.5 * step_j - c0) / dc
+    total, t = 0.0, 0.0
+    while True:
+        end = min(t_i, t_j, 1.0)
+        # Where it only touches a corner it does not cross.
+        if (end - t) * length > 1e-6:
+            here = cost[i, j]
+            if here == math.inf:
+                return math.inf
+            total += (end - t) * here
+        if end >= 1.0:
+            return total * length
+        t = end
+        if abs(t_i - t_j) * length < 1e-9:
+            i, j, t_i, t_j = i + step_i, j + step_j, t_i + each_i, t_j + each_j
+        elif t_i < t_j:
+            i, t_i = i + step_i, t_i + each_i
+        else:
+            j, t_j = j + step_j, t_j + each_j
+        if i < 0 or j < 0 or i >= rows or j >= columns:
+            return math.inf if t * length < length - 1e-6 else total * length
+
+
+@kernel("int64[::1](float32[:,::1], float64[:,::1])")
+def shortcuts(
+    cost: NDArray[np.float32],
+    points: NDArray[np.float64],
+) -> NDArray[np.int64]:
+    """Indices of the points (N, 2) row, column to keep: straight between them costs no more than by the others."""
+    n = len(points)
+    so_far = np.zeros(n)
+    for k in range(1, n):
+        so_far[k] = so_far[k - 1] + line_cost(cost, points[k - 1, 0], points[k - 1, 1], points[k, 0], points[k, 1])
+    kept = np.empty(n, dtype=np.int64)
+    kept[0] = 0
+    count, at = 1, 0
+    while at < n - 1:
+        good, bad, stride = at + 1, n, 2
+        # Twice as far as long as it pays, and then halving between the last that did and the first that did not
+        while at + stride < n or good < n - 1:
+            k = min(at + stride, n - 1)
+            if k <= good:
+                break
+            if line_cost(cost, points[at, 0], points[at, 1], points[k, 0], points[k, 1]) <= 1.001 * (
+                so_far[k] - so_far[at]
+            ):
+                good = k
+                stride *= 2
+            else:
+                bad = k
+                break
+        while bad - good > 1:
+            k = (good + bad) // 2
+            if k > n - 1:
+                break
+            if line_cost(cost, points[at, 0], points[at, 1], points[k, 0], points[k, 1]) <= 1.001 * (
+                so_far[k] - so_far[at]
+            ):
+                good = k
+            else:
+                bad = k
+        at = good
+        kept[count] = at
+        count += 1
+    return kept[:count].copy()
+
+
+@kernel("int64(float32[:,::1], float64[:,::1], float64, int64)")
+def refine(
+    cost: NDArray[np.float32],
+    points: NDArray[np.float64],
+    stride: float,
+    rounds: int,
+) -> int:
+    """Bend the way through ``points`` (N, 2) row, column in place so that it costs less; returns how often one moved.
+
+    Each point in turn is put abreast of its neighbours' middle and ``stride`` (cells) further left or right, or half as
+    far out, where the two pieces beside it cost least: descent to a way that no small change betters. The ends stay.
+    """
+    n = len(points)
+    active = np.ones(n, dtype=np.uint8)
+    moves = 0
+    for _ in range(rounds):
+        moved = 0
+        for k in range(1, n - 1):
+            if not active[k]:
+                continue
+            active[k] = 0
+            r0, c0, r1, c1 = points[k - 1, 0], points[k - 1, 1], points[k + 1, 0], points[k + 1, 1]
+            length = math.hypot(r1 - r0, c1 - c0)
+            if length < 1e-6:
+                continue
+            normal_r, normal_c = -(c1 - c0) / length, (r1 - r0) / length
+            middle_r, middle_c = 0.5 * (r0 + r1), 0.5 * (c0 + c1)
+            out = (points[k, 0] - middle_r) * normal_r + (points[k, 1] - middle_c) * normal_c
+            least = line_cost(cost, r0, c0, points[k, 0], points[k, 1])
+            least += line_cost(cost, points[k, 0], points[k, 1], r1, c1)
+            # What is hardly better is not worth the neighbours' work.
+            least -= 1e-4 * length
+            best = math.inf
+            for choice in range(4):
+                t = out
+                if choice == 1:
+                    t = out - stride
+                elif choice == 2:
+                    t = out + stride
+                elif choice == 3:
+                    t = 0.5 * out
+                r, c = middle_r + t * normal_r, middle_c + t * normal_c
+                total = line_cost(cost, r0, c0, r, c)
+                if total < least:
+                    total += line_cost(cost, r, c, r1, c1)
+                if total < least:
+                    least, best = total, t
+            if best < math.inf:
+                points[k, 0], points[k, 1] = middle_r + best * normal_r, middle_c + best * normal_c
+                active[k - 1], active[k], active[k + 1] = 1, 1, 1
+                moved += 1
+        moves += moved
+        if not moved:
+            break
+    return moves
+
+
+@kernel("int64(float32[:,::1], float32[:,::1], float64[:,::1], int64, float64, float64)")
+def relax(
+    cost: NDArray[np.float32],
+    clearance: NDArray[np.float32],
+    points: NDArray[np.float64],
+    rounds: int,
+    lethal: float,
+    keep: float,
+) -> int:
+    """Round the corners of ``points`` (N, 2) row, column in place; returns how often a point moved.
+
+    Each is drawn to the middle between its neighbours as long as neither piece of the way beside it becomes lethal, and
+    the share ``keep`` of what its clearance was beyond ``lethal`` (m) is left. The ends stay.
+    """
+    n = len(points)
+    needed = np.empty(n)
+    for k in range(n):
+        here = clearance[math.floor(points[k, 0] + 0.5), math.floor(points[k, 1] + 0.5)]
+        needed[k] = lethal + keep * (here - lethal)
+    active = np.ones(n, dtype=np.uint8)
+    moves = 0
+    for _ in range(rounds):
+        moved = 0
+        for k in range(1, n - 1):
+            if not active[k]:
+                continue
+            active[k] = 0
+            r = 0.5 * (points[k - 1, 0] + points[k + 1, 0])
+            c = 0.5 * (points[k - 1, 1] + points[k + 1, 1])
+            if abs(r - points[k, 0]) + abs(c - points[k, 1]) < 2e-3:
+                continue
+            if clearance[math.floor(r + 0.5), math.floor(c + 0.5)] < needed[k]:
+                continue
+            if (
+                line_cost(cost, points[k - 1, 0], points[k - 1, 1], r, c) == math.inf
+                or line_cost(cost, r, c, points[k + 1, 0], points[k + 1, 1]) == math.inf
+            ):
+                continue
+            points[k, 0], points[k, 1] = r, c
+            active[k - 1], active[k], active[k + 1] = 1, 1, 1
+            moved += 1
+        moves += moved
+        if not moved:
+            break
+    return moves
+
+
+@kernel("int64(float32[:,::1], float64[:,::1], int64, int64)")
+def first_lethal(
+    cost: NDArray[np.float32],
+    points: NDArray[np.float64],
+    first: int,
+    last: int,
+) -> int:
+    """Index of the first of ``points`` (N, 2) row, column from ``first`` on to which the way is lethal; -1: none.
+
+    Out of what is lethal at ``first`` the way may lead.
+    """
+    free = False
+    for k in range(first, last + 1):
+        i, j = math.floor(points[k, 0] + 0.5), math.floor(points[k, 1] + 0.5)
+        inside = 0 <= i < cost.shape[0] and 0 <= j < cost.shape[1]
+        here = inside and cost[i, j] < math.inf
+        if free and not here:
+            return k
+        if free and line_cost(cost, points[k - 1, 0], points[k - 1, 1], points[k, 0], points[k, 1]) == math.inf:
+            return k
+        free = free or here
+    return -1 if free else last
+
+
+@kernel("Tuple((int64[:,::1], int64))(uint8[:,::1], float32[:,::1], int64, int64, float64, uint8)")
+def escape(
+    layers: NDArray[np.uint8],
+    cost: NDArray[np.float32],
+    row: int,
+    column: int,
+    radius: float,
+    through: int,
+) -> tuple[NDArray[np.int64], int]:
+    """Cells (N, 2) from (row, column) to the nearest that is not lethal within ``radius`` (cells), each touching the
+    one before; and how many. Obstacles' own cells (of the layers ``through``, bits) are crossed only from one."""
+    rows, columns = cost.shape
+    reach = int(radius) + 1
+    top, left = max(row - reach, 0), max(column - reach, 0)
+    height, width = min(row + reach + 1, rows) - top, min(column + reach + 1, columns) - left
+    size = height * width
+    far = np.full(size, np.inf)
+    came = np.full(size, -1, dtype=np.int64)
+    done = np.zeros(size, dtype=np.uint8)
+    heap_key = np.empty(8 * size + 1)
+    heap_cell = np.empty(8 * size + 1, dtype=np.int64)
+    start = (row - top) * width + column - left
+    inside = (int(layers[row, column]) & int(through)) != 0
+    far[start] = 0.0
+    heap_key[0], heap_cell[0] = 0.0, start
+    count, end = 1, -1
+    while count:
+        key, u = heap_key[0], heap_cell[0]
+        count -= 1
+        last_key, last_cell = heap_key[count], heap_cell[count]
+        k = 0
+        while 2 * k + 1 < count:
+            child = 2 * k + 1
+            if child + 1 < count and heap_key[child + 1] < heap_key[child]:
+                child += 1
+            if heap_key[child] >= last_key:
+                break
+            heap_key[k], heap_cell[k] = heap_key[child], heap_cell[child]
+            k = child
+        heap_key[k], heap_cell[k] = last_key, last_cell
+        if done[u]:
+            continue
+        done[u] = 1
+        i, j = u // width, u % width
+        if cost[top + i, left + j] < np.inf:
+            end = u
+            break
+        for di in range(-1, 2):
+            for dj in range(-1, 2):
+                a, b = i + di, j + dj
+                if a < 0 or b < 0 or a >= height or b >= width or (di == 0 and dj == 0):
+                    continue
+                v = a * width + b
+                wall = (int(layers[top + a, left + b]) & int(through)) != 0
+                if done[v] or (wall and not inside):
+                    continue
+                length = key + math.hypot(di, dj) * (4.0 if wall else 1.0)
+                if length < far[v] and math.hypot(top + a - row, left + b - column) <= radius:
+                    far[v], came[v] = length, u
+                    k = count
+                    count += 1
+                    while k and heap_key[(k - 1) // 2] > length:
+                        heap_key[k], heap_cell[k] = heap_key[(k - 1) // 2], heap_cell[(k - 1) // 2]
+                        k = (k - 1) // 2
+                    heap_key[k], heap_cell[k] = length, v
+    if end < 0:
+        return np.empty((0, 2), dtype=np.int64), 0
+    n, u = 1, end
+    while came[u] >= 0:
+        u = came[u]
+        n += 1
+    cells = np.empty((n, 2), dtype=np.int64)
+    u = end
+    for k in range(n - 1, -1, -1):
+        cells[k, 0], cells[k, 1] = top + u // width, left + u % width
+        u = came[u]
+    return cells, n

@@ -1,0 +1,1 @@
+"""Recovery behaviors: what is tried when the robot does not advance."""

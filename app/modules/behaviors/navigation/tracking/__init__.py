@@ -1,0 +1,1 @@
+"""Path tracking: controllers, the control cycle and its sensor checks."""

@@ -1,0 +1,28 @@
+"""The goal that a desire of class GoTo asks for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from app.base.geometry import Pose2
+from app.modules.behaviors.navigation.tracking.path_tracker import Goal
+
+
+def goal_of(parameters: Mapping[str, Any], before: Goal | None) -> Goal | None:
+    """The goal in an intention's ``parameters``; None without ``x`` and ``y``: nobody wants to go anywhere.
+
+    ``before`` itself, if it is still that: a goal is another one by being another object.
+    """
+    if "x" not in parameters or "y" not in parameters:
+        return None
+    heading = parameters.get("heading")
+    goal = Goal(
+        Pose2(float(parameters["x"]), float(parameters["y"]), math.nan if heading is None else float(heading)),
+        float(parameters.get("tolerance_m", 0.25)),
+        float(parameters.get("tolerance_rad", 0.2)),
+        float(parameters.get("speed", 1.0)),
+    )
+    # Equal in words is equal, also where a heading is not a number.
+    return before if before is not None and repr(before) == repr(goal) else goal

@@ -1,0 +1,83 @@
+"""The Dynamic Window Approach (Fox, Burgard and Thrun, 1997; thesis 4.2).
+
+Of the velocities that the body can reach within one period, each is driven ahead in thought as a curve; those from
+which it could not stop before an obstacle are refused, and of the others the one is taken that costs the least::
+
+    cost = a · distance from the path + b · distance to the local goal + c / clearance + d · (v_max − v)
+
+The local goal is the way's point ``ahead_m`` ahead.
+"""
+
+# mypy: allow-untyped-calls
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.modules.behaviors.navigation.controller import Body, Choice, Field, Motion, Way
+
+
+@dataclass(frozen=True, slots=True)
+class DynamicWindowSettings:
+    """How the window is sampled and scored; see the top of this file. ``strict``: whatever touches an obstacle within
+    the horizon is refused, not only what could not stop before one. ``speed_mps``: never faster than that.
+    """
+
+    samples: tuple[int, int] = (12, 21)
+    horizon_s: float = 2.0
+    ahead_m: float = 1.5
+    weights: tuple[float, float, float, float] = (1.2, 1.0, 0.02, 0.25)
+    margin_m: float = 0.04
+    sight_m: float = 0.6
+    strict: bool = False
+    speed_mps: float = math.inf
+    angular_radps: float = math.inf
+
+
+#: The settings with which the BARN challenge publishes DWA as its baseline (Daffan/the-barn-challenge,
+#: ``jackal_helper/configs/params/base_local_planner_params.yaml``): slow, no accelerations' limits to speak of, and
+#: the path's and the goal's distances weighed in metres. Its body is padded: see ``padding_m`` where it is used.
+PUBLISHED = DynamicWindowSettings(
+    samples=(6, 20),
+    horizon_s=2.0,
+    ahead_m=2.5,
+    weights=(0.75, 1.0, 0.005, 0.0),
+    margin_m=0.02,
+    sight_m=0.3,
+    strict=True,
+    speed_mps=0.5,
+    angular_radps=1.57,
+)
+
+
+class DynamicWindow:
+    """The controller ``dwa``, and with the settings ``PUBLISHED`` the baseline ``dwa_published``."""
+
+    def __init__(self, settings: DynamicWindowSettings | None = None) -> None:
+        self.settings = settings or DynamicWindowSettings()
+
+    def forget(self) -> None:
+        """There is nothing to forget: each choice is made anew."""
+
+    def choose(self, motion: Motion, field: Field, way: Way, body: Body, period_s: float) -> Choice:
+        """See :class:`Controller`."""
+        from app.modules.behaviors.navigation.tracking.rollout_kernels import dynamic_window
+
+        s = self.settings
+        low, high, turn, *accelerations = body.limits
+        high = min(high, s.speed_mps, max(float(way.points[0, 4]), 0.02))
+        limits = (max(low, 0.0) if low >= 0 else 0.0, high, min(turn, s.angular_radps), *accelerations)
+        count = max(2, min(len(way.points), int(s.ahead_m / way.spacing)))
+        linear, angular, cost, clearance = dynamic_window(
+            field.distances, field.frame, body.outline, body.radii, limits, motion.state,
+            np.ascontiguousarray(way.points[:count]), s.samples, s.weights, period_s, s.horizon_s, s.margin_m,
+            s.sight_m, s.strict,
+        )  # fmt: skip
+        if not math.isfinite(cost):
+            return Choice(0.0, 0.0, True, 0.0)
+        # Standing still, or nearly so, with way left: everything that moves costs more than not moving.
+        still = linear < 0.02 and abs(angular) < 0.05 and float(way.points[-1, 3]) > 0.1
+        return Choice(linear, angular, still, clearance)

@@ -1,0 +1,150 @@
+"""Model predictive path integral control (Williams et al., 2017), begun from pursuits of the path.
+
+Each cycle: (1) *proposals*: what was planned last time, moved on by the time that passed, and pure pursuits of the
+way with several looks ahead and shares of its speed, driven ahead in thought as closed loops; the cheapest is kept.
+(2) It is varied some hundred times with smooth noise, and the mean weighted by exp(−cost / λ) is taken. (3) The first
+command is given only if the body can still stop after it; else the speed is lowered on the same curve until it can.
+
+Costs are in seconds: progress along the way at full speed counts its time, and what is risked (nearness, speed where it
+is narrow, offset from the way) is weighed against it. The noise is drawn once: equal inputs give equal commands.
+"""
+
+# mypy: allow-untyped-calls
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.modules.behaviors.navigation.controller import Body, Choice, Field, Motion, Way
+
+#: Different noise for so many cycles in a row.
+_BANKS = 16
+_KNOTS = 7
+#: Shares of the best command that are tried until the body can stop after one.
+_SLOWER = (1.0, 0.7, 0.45, 0.2)
+#: A command may stand so much longer than a cycle before it is followed by another, s.
+_REACTION_S = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class MppiSettings:
+    """How far is looked ahead, how often it is varied (0: not at all, pursuits alone), and what counts how much.
+
+    ``steps`` of a length (s) such that they reach ``reach_m`` at full speed, if the two limits of it allow.
+    ``weights``: of the offset from the path (1/m^2), of driving near to something and what near is (m), shares of the
+    greatest speed at no clearance and more for each metre of it, of excess speed, of heading away from the path, of
+    turning, of going back.
+    """
+
+    steps: int = 24
+    least_step_s: float = 0.1
+    longest_step_s: float = 0.2
+    reach_m: float = 2.0
+    rollouts: int = 320
+    margin_m: float = 0.04
+    temperature: float = 0.05
+    sigma: tuple[float, float] = (0.2, 0.3)
+    weights: tuple[float, float, float, float, float, float, float, float, float] = (
+        0.6, 0.7, 0.10, 0.45, 1.6, 12.0, 0.2, 0.05, 0.5,
+    )  # fmt: skip
+    looks_ahead_m: tuple[float, ...] = (0.25, 0.5, 0.9)
+    shares: tuple[float, ...] = (1.0, 0.6, 0.3, 0.12)
+    asides_m: tuple[float, ...] = (0.45, 0.75)
+    #: A pursuit replaces what was planned last time only if it is so much (s) better: no wavering.
+    loyalty: float = 0.02
+
+
+class Mppi:
+    """The controllers ``mppi`` and, with no variations, ``pursuit``."""
+
+    def __init__(self, settings: MppiSettings | None = None) -> None:
+        self.settings = settings or MppiSettings()
+        self._plan: NDArray[np.float64] | None = None
+        self._cycle = 0
+
+    def forget(self) -> None:
+        """Forget what was planned last time."""
+        self._plan = None
+
+    def choose(self, motion: Motion, field: Field, way: Way, body: Body, period_s: float) -> Choice:
+        """See :class:`Controller`."""
+        from app.modules.behaviors.navigation.tracking import rollout_kernels
+
+        s = self.settings
+        scene = (field.distances, field.frame, body.outline, body.radii, body.limits, motion.state)
+        following = (way.points, way.spacing)
+        # A slow body looks as far ahead as a fast one, and so for longer.
+        step_s = min(max(s.reach_m / (s.steps * body.limits[1]), s.least_step_s), s.longest_step_s)
+        costing = (step_s, s.margin_m, s.weights)
+        best, least = np.zeros((s.steps, 2)), np.inf
+        if self._plan is not None:
+            best = moved_on(self._plan, period_s / step_s)
+            least = rollout_kernels.cost_of(*scene, *following, best, *costing) - s.loyalty
+        tried = np.empty((s.steps, 2))
+        for share, ahead_m, aside_m, within_m in proposals(s):
+            points = way.points if aside_m == 0.0 else beside(way.points, aside_m, within_m)
+            ahead_m = max(ahead_m, 0.4 * share * body.limits[1])
+            rollout_kernels.pursue(body.limits, motion.state, points, way.spacing, ahead_m, share, tried, step_s)
+            cost = rollout_kernels.cost_of(*scene, *following, tried, *costing)
+            if cost < least:
+                best, least = tried.copy(), cost
+        if s.rollouts:
+            bank = _noise(s.rollouts)[self._cycle % _BANKS]
+            self._cycle += 1
+            sigma = (s.sigma[0] * body.limits[1], s.sigma[1] * min(body.limits[2], 2.0))
+            rollout_kernels.improve(*scene, *following, best, bank, sigma, *costing, s.temperature)
+        self._plan = best
+        # No faster than the way allows, or than braking towards that goes.
+        allowed = max(float(way.points[0, 4]), motion.linear_mps - body.limits[5] * period_s)
+        linear, angular = min(float(best[0, 0]), allowed), float(best[0, 1])
+        clearance = rollout_kernels.clearance_at(*scene[:4], motion.pose.x, motion.pose.y, motion.pose.theta)
+        for share in _SLOWER:
+            if rollout_kernels.can_stop(*scene, share * linear, share * angular, period_s + _REACTION_S, s.margin_m):
+                still = abs(share * linear) < 0.02 and abs(share * angular) < 0.05 and float(way.points[-1, 3]) > 0.1
+                return Choice(share * linear, share * angular, still, clearance)
+        return Choice(0.0, 0.0, True, clearance)
+
+
+def proposals(settings: MppiSettings) -> list[tuple[float, float, float, float]]:
+    """Of each pursuit to be tried: share of the speed, look ahead (m), offset to the left of the way (m), and the
+    length (m) within which it gets there: round what is ahead, or sideways at once, out of a corner."""
+    straight = [(share, ahead_m, 0.0, 1.0) for share in settings.shares for ahead_m in settings.looks_ahead_m]
+    return straight + [
+        (share, settings.looks_ahead_m[1], side * aside_m, within_m)
+        for share in settings.shares[:2]
+        for aside_m in settings.asides_m
+        for side in (-1.0, 1.0)
+        for within_m in (0.6, 0.1)
+    ]
+
+
+def beside(points: NDArray[np.float64], aside_m: float, within_m: float) -> NDArray[np.float64]:
+    """The way ``points`` (N, 5), led over to ``aside_m`` to its left ``within_m``, and back at its end."""
+    moved = points.copy()
+    length = points[:, 3]
+    offset = aside_m * np.clip(np.minimum(length / within_m, (length[-1] - length) / 0.6), 0.0, 1.0)
+    moved[:, 0] -= offset * np.sin(points[:, 2])
+    moved[:, 1] += offset * np.cos(points[:, 2])
+    return moved
+
+
+def moved_on(plan: NDArray[np.float64], steps: float) -> NDArray[np.float64]:
+    """``plan`` (T, 2), begun ``steps`` (a fraction, too) later; its last command is repeated at the end."""
+    times = np.minimum(np.arange(len(plan)) + steps, len(plan) - 1)
+    low = times.astype(np.int64)
+    high = np.minimum(low + 1, len(plan) - 1)
+    share = (times - low)[:, None]
+    return np.asarray(plan[low] * (1 - share) + plan[high] * share)
+
+
+@lru_cache(maxsize=4)
+def _noise(rollouts: int) -> NDArray[np.float64]:
+    random = np.random.default_rng(7)
+    noise = random.standard_normal((_BANKS, rollouts, _KNOTS, 2))
+    # A part of them stays near: fine steering is not found by wide throws.
+    noise[:, : rollouts // 3] *= 0.3
+    return noise

@@ -1,0 +1,341 @@
+"""Following a plan to its goal: what is commanded in each cycle, and what is said about it.
+
+    planning ─▶ following ─▶ (at the target) turning ─▶ arrived        waiting: something it needs is missing
+                   │  ▲
+      no progress  ▼  │ the measure is over
+                recovering ─▶ waiting for people's help         (lost on the map: turning to find itself)
+
+Poses: ``X_OB`` the body in ``odom``, ``X_MO`` as localization says. Controllers see ``odom`` alone.
+"""
+
+# mypy: allow-untyped-calls
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from app.base.geometry import Pose2, wrap_angle
+from app.modules.behaviors.navigation.controller import Body, Controller, Field, Motion
+from app.modules.behaviors.navigation.costmap.blind_corners import careful
+from app.modules.behaviors.navigation.planning.goal_planning import Plan
+from app.modules.behaviors.navigation.planning.reference_path import SpeedAt, Track
+from app.modules.behaviors.navigation.recovery.driven_area import Trail, back_toward
+from app.modules.behaviors.navigation.recovery.recovery_behaviors import Measure, Recovery, RecoverySettings, Search
+
+#: Slower than that a body stands (m/s, rad/s).
+STANDING = (0.03, 0.06)
+#: So much nearer to the goal is progress, m.
+_NEARER_M = 0.02
+#: So much nearer is getting on: to creep is not, m.
+_GETTING_ON_M = 0.1
+#: So much nearer, and what was wrong is over, m.
+_OUT_OF_TROUBLE_M = 0.3
+#: A plan may lengthen the way that remains so often without counting as a step back.
+_DETOURS = 12
+#: Plans from which a way may come yet, by themselves.
+_MAY_PASS = frozenset({"in_the_way", "start_stuck", "start_outside"})
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """Where to go on the map; ``pose.theta`` NaN for any heading. ``speed`` is the share of the body's speeds."""
+
+    pose: Pose2
+    tolerance_m: float = 0.25
+    tolerance_rad: float = 0.2
+    speed: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class FollowerSettings:
+    """``look_ahead_s`` of driving at full speed is the way given to the controller. ``aim`` is the share of a tolerance
+    that is driven to before the body stops. ``spare_m`` is kept between body and obstacles when a turn or a measure is
+    checked. Beside what it cannot see, as behind a corner, it drives at ``corner_share`` of its speed (1: it does not
+    care), and at all of it from ``corner_m`` on."""
+
+    look_ahead_s: float = 3.0
+    least_ahead_m: float = 2.5
+    aim: float = 0.6
+    spare_m: float = 0.03
+    corner_share: float = 1.0
+    corner_m: float = 1.0
+    back_mps: float = 0.15
+    turn_radps: float = 0.8
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What one cycle decided: the velocities to command, what is said about it, and what else is wanted.
+
+    ``clear``: the costmap is to forget. ``replan``: why a way should be planned now, "" if it need not.
+    """
+
+    linear_mps: float
+    angular_radps: float
+    state: str
+    reason: str
+    clear: bool = False
+    replan: str = ""
+
+
+class Follower:
+    """Brings one body to one goal after another."""
+
+    def __init__(
+        self,
+        body: Body,
+        controller: Controller,
+        settings: FollowerSettings | None = None,
+        recovery: RecoverySettings | None = None,
+    ) -> None:
+        self.settings = settings or FollowerSettings()
+        self.recovery = Recovery(recovery)
+        self._search = Search(self.recovery.settings)
+        self._body = body
+        self._controller = controller
+        self._trail = Trail()
+        self.goal: Goal | None = None
+        self.plan: Plan | None = None
+        self.remaining_m: float | None = None
+        self.progress_stamp: float | None = None
+        #: Plans should take what is unknown, and what was in the way once, for free.
+        self.opened_up = False
+        self._track: Track | None = None
+        self._least = math.inf
+        self._troubled_at = math.inf
+        self._detours = 0
+        self._held_since: float | None = None
+        self._held_at = math.inf
+        self._at_place = False
+        self._arrived = False
+        self._begin = Motion(Pose2(), 0.0, 0.0)
+        self._X_OM = Pose2()
+        self._turned = 0.0
+        self._turn_sign = 1.0
+        self._left_to_turn = 0.0
+
+    # --- what it is told ---
+
+    def steer_with(self, controller: Controller) -> None:
+        """Go on with another controller."""
+        self._controller = controller
+
+    def go(self, goal: Goal | None, now: float) -> None:
+        """Another goal, or none; the same object changes nothing."""
+        if goal is self.goal:
+            return
+        self.goal, self.plan, self._track = goal, None, None
+        self.remaining_m, self.progress_stamp = None, None if goal is None else now
+        self._least, self._troubled_at, self._detours = math.inf, math.inf, 0
+        self._at_place = self._arrived = self.opened_up = False
+        self._held_since = None
+        self.recovery.reset()
+        self._search.end()
+        self._controller.forget()
+
+    def take(self, plan: Plan, now: float, speed_at: SpeedAt | None = None) -> None:
+        """A plan to the goal, from about where the body is. ``speed_at``: the greatest speed (m/s) on the map."""
+        self.plan = plan
+        if len(plan.poses) == 0:
+            self._track, self.remaining_m = None, None
+            return
+        body = self._driven_body()
+        self._track = Track(plan.poses, speed_mps=body.limits[1], braking_mps2=body.limits[5], speed_at=speed_at)
+        if self._track.length_m > self._least + _NEARER_M and self._detours < _DETOURS:
+            self._detours += 1
+            self._least = self._track.length_m
+
+    @property
+    def target(self) -> Pose2 | None:
+        """Where the plan in force leads, on the map; heading NaN for any."""
+        return None if self.plan is None else self.plan.target
+
+    # --- what it decides ---
+
+    def step(self, now: float, motion: Motion, X_MO: Pose2, field: Field, period_s: float, *, unfit: str = "") -> Step:
+        """One cycle. ``unfit``: why the robot must not be driven; then the pose and the field may mean nothing."""
+        if self.goal is None:
+            return Step(0.0, 0.0, "idle", "no goal")
+        if unfit:
+            self._controller.forget()
+            self._held_since = None
+            return Step(0.0, 0.0, "waiting", unfit)
+        self._search.end()
+        self._X_OM = X_MO.inverse()
+        if motion.linear_mps > 0.01:
+            self._trail.add(motion.pose)
+        if self._arrived:
+            return Step(0.0, 0.0, "arrived", self._arrival())
+        if self.plan is None:
+            return Step(0.0, 0.0, "planning", "looking for a way", replan="there is no way yet")
+        if self.recovery.current is not None:
+            return self._recover(now, motion, field, period_s)
+        if self._track is None:
+            return self._without_way(now, motion, field, period_s)
+        return self._follow(now, motion, X_MO, field, period_s)
+
+    def _driven_body(self) -> Body:
+        return self._body if self.goal is None or self.goal.speed >= 1.0 else self._body.limited(self.goal.speed)
+
+    def _without_way(self, now: float, motion: Motion, field: Field, period_s: float) -> Step:
+        assert self.plan is not None
+        if self.plan.code not in _MAY_PASS:
+            return Step(0.0, 0.0, "unreachable", self.plan.reason, replan=self.plan.reason)
+        if self._held(now, still=True):
+            return self._begin_measure(now, motion, field, period_s)
+        return Step(0.0, 0.0, "waiting", self.plan.reason, replan=self.plan.reason)
+
+    def _follow(self, now: float, motion: Motion, X_MO: Pose2, field: Field, period_s: float) -> Step:
+        assert self._track is not None
+        assert self.goal is not None
+        X_MB = X_MO @ motion.pose
+        self.remaining_m, _ = self._track.come_to(X_MB)
+        end = self._track.end
+        distance = math.hypot(end.x - X_MB.x, end.y - X_MB.y)
+        if self.remaining_m < self._least - _NEARER_M:
+            self._least, self.progress_stamp = self.remaining_m, now
+            if self._least < self._held_at - _GETTING_ON_M:
+                self._held_since, self._held_at = None, self._least
+            if self._least < self._troubled_at - _OUT_OF_TROUBLE_M:
+                self.recovery.succeeded()
+                self._troubled_at, self.opened_up = math.inf, False
+        if self._at_place and distance > 1.3 * self.goal.tolerance_m:
+            self._at_place = False
+        near = distance <= self.goal.tolerance_m and self.remaining_m <= 2 * self.goal.tolerance_m
+        if self._at_place or (near and distance <= self.settings.aim * self.goal.tolerance_m):
+            self._at_place = True
+            return self._turn_to_heading(now, motion, X_MB, field, period_s)
+        body = self._driven_body()
+        ahead = max(self.settings.least_ahead_m, self.settings.look_ahead_s * body.limits[1])
+        way = self._track.ahead(self._X_OM, ahead)
+        if field.hidden is not None:
+            way = careful(way, field, field.hidden, body.limits[1], self.settings.corner_share, self.settings.corner_m)
+        choice = self._controller.choose(motion, field, way, body, period_s)
+        # Whether it cannot go, or is commanded to and does not.
+        still = choice.blocked or (abs(motion.linear_mps) < 0.02 and abs(motion.angular_radps) < 0.05)
+        if self._held(now, still=still):
+            if near:
+                self._at_place = True
+            else:
+                return self._begin_measure(now, motion, field, period_s)
+        words = "something is in the way" if choice.blocked else ""
+        if not words and self.plan is not None:
+            words = self.plan.reason
+        return Step(
+            choice.linear_mps, choice.angular_radps, "following", words,
+            replan="something is in the way" if choice.blocked else "",
+        )  # fmt: skip
+
+    def _held(self, now: float, *, still: bool) -> bool:
+        """Whether the body has not got on for so long that something must be done."""
+        if self._held_since is None:
+            self._held_since, self._held_at = now, self._least
+        # Standing still is seen at once; going to and fro takes longer to tell from going round something.
+        patience = self.recovery.settings.stuck_s * (1.0 if still else 4.0)
+        return now - self._held_since >= patience
+
+    def _turn_to_heading(self, now: float, motion: Motion, X_MB: Pose2, field: Field, period_s: float) -> Step:
+        assert self.goal is not None
+        target = self.target
+        heading = math.nan if target is None else target.theta
+        error = 0.0 if math.isnan(heading) else wrap_angle(heading - X_MB.theta)
+        standing = abs(motion.linear_mps) < STANDING[0] and abs(motion.angular_radps) < STANDING[1]
+        if abs(error) <= self.settings.aim * self.goal.tolerance_rad:
+            if standing:
+                self._arrived = True
+                self.remaining_m, self.progress_stamp = 0.0, now
+                return Step(0.0, 0.0, "arrived", self._arrival())
+            return Step(0.0, 0.0, "following", "stopping at the goal")
+        turn = self._turn(error, motion, field, period_s)
+        if abs(error) < self._left_to_turn - 0.02:
+            self._held_since, self.progress_stamp = None, now
+        self._left_to_turn = abs(error)
+        if turn is None:
+            if self._held(now, still=True):
+                return self._begin_measure(now, motion, field, period_s)
+            return Step(0.0, 0.0, "following", "there is no room to turn to the heading asked for")
+        return Step(0.0, turn, "following", "turning to the heading asked for")
+
+    def _arrival(self) -> str:
+        return self.plan.reason if self.plan is not None and self.plan.code == "near" else ""
+
+    def _turn(self, error: float, motion: Motion, field: Field, period_s: float) -> float | None:
+        """The turn (rad/s) on the spot towards an ``error`` (rad) less; None if something is in the body's way."""
+        _, _, turn, _, angular_mps2, _ = self._driven_body().limits
+        rate = min(
+            self.settings.turn_radps, turn, math.sqrt(2.0 * 0.4 * angular_mps2 * abs(error)), 1.5 * abs(error) + 0.05
+        )
+        rate = math.copysign(rate, error)
+        for share in (1.0, 0.4):
+            if self._free(motion, field, 0.0, share * rate, period_s):
+                return share * rate
+        return None
+
+    def _free(self, motion: Motion, field: Field, linear: float, angular: float, period_s: float) -> bool:
+        from app.modules.behaviors.navigation.tracking.rollout_kernels import can_stop
+
+        return bool(
+            can_stop(
+                field.distances, field.frame, self._body.outline, self._body.radii, self._body.limits, motion.state,
+                linear, angular, period_s + 0.05, self.settings.spare_m,
+            )
+        )  # fmt: skip
+
+    # --- recovery ---
+
+    def find_itself(self, now: float, motion: Motion, field: Field, period_s: float, lost: str) -> Step:
+        """One cycle in place of :meth:`step` while the body does not know where it is on the map; ``lost`` says so to
+        people. ``field`` is what its sensors see."""
+        self._controller.forget()
+        self._held_since = None
+        if self.goal is not None and self._search.turns(now):
+            turn = self._turn(self._turn_sign, motion, field, period_s)
+            if turn is None and self._search.barred(now):
+                self._turn_sign = -self._turn_sign
+                turn = self._turn(self._turn_sign, motion, field, period_s)
+            if turn is not None:
+                self._search.turned(abs(turn) * period_s, now)
+                return Step(0.0, turn, "recovering", "it is lost on the map: turning to find itself")
+        return Step(0.0, 0.0, "waiting", lost)
+
+    def _begin_measure(self, now: float, motion: Motion, field: Field, period_s: float) -> Step:
+        self._troubled_at = min(self._troubled_at, self._least)
+        measure = self.recovery.begin(now)
+        self._begin, self._turned = motion, 0.0
+        self._turn_sign = 1.0
+        if self._track is not None and measure is Measure.TURN:
+            # Towards the way; if that is where it looks already, to the left.
+            way = self._track.ahead(self._X_OM, 0.5)
+            bearing = wrap_angle(float(way.points[-1, 2]) - motion.pose.theta)
+            self._turn_sign = math.copysign(1.0, bearing)
+        if measure is Measure.OPEN_UP:
+            self.opened_up = True
+        return self._recover(now, motion, field, period_s)
+
+    def _recover(self, now: float, motion: Motion, field: Field, period_s: float) -> Step:
+        measure = self.recovery.current
+        assert measure is not None
+        linear, angular, barred = 0.0, 0.0, False
+        if measure is Measure.BACK_OFF:
+            linear, angular, barred = self._back_off(motion, field, period_s)
+        elif measure is Measure.TURN:
+            turn = self._turn(self._turn_sign, motion, field, period_s)
+            barred, angular = turn is None, turn or 0.0
+            self._turned += abs(motion.angular_radps) * period_s
+        driven = math.dist((motion.pose.x, motion.pose.y), (self._begin.pose.x, self._begin.pose.y))
+        state = "waiting" if measure in (Measure.WAIT, Measure.ASK) else "recovering"
+        if self.recovery.over(now, driven_m=driven, turned_rad=self._turned, barred=barred):
+            self.recovery.end()
+            self._controller.forget()
+            self._held_since = None
+            return Step(0.0, 0.0, state, measure.value, clear=measure is Measure.CLEAR, replan=f"after {measure.value}")
+        return Step(linear, angular, state, measure.value)
+
+    def _back_off(self, motion: Motion, field: Field, period_s: float) -> tuple[float, float, bool]:
+        past = self._trail.back_from(motion.pose)
+        if past is None:
+            return 0.0, 0.0, True
+        speed = min(self.settings.back_mps, self._body.limits[1])
+        linear, angular = back_toward(motion.pose, past, speed, self.settings.turn_radps)
+        return linear, angular, not self._free(motion, field, linear, angular, period_s)

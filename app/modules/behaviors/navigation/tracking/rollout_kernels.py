@@ -1,0 +1,327 @@
+"""Compiled kernels that drive the body ahead in thought: what the controllers of this room are made of.
+
+*field* (H, W) float32: at each cell's middle the distance (m) to the nearest obstacle; *frame*: x and y of its lower
+left corner (m) and 1 / resolution. Places beyond its edge read as the nearest cell inside. Poses and paths are in the
+field's own coordinates. *outline* (P, 2) float64: points of the body's edge, and as many of a line within it (m in
+``base_link``), neighbours at most ``SPACING_M`` apart; *radii*: of the largest circle about ``base_link`` that the
+body covers, and of the smallest that covers the body. *limits*: least and greatest linear velocity (m/s), greatest
+turn (rad/s), linear and angular acceleration (m/s^2, rad/s^2), linear braking (m/s^2). *state*: x, y, theta, linear
+and angular velocity. *path* (N, 5) float64, evenly ``spacing`` m apart: x, y, heading, length so far (m), greatest
+speed there (m/s). Clearances are those of the body's edge.
+"""
+
+# mypy: allow-untyped-defs, allow-untyped-calls
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from app.base.compiled import kernel
+
+#: Between neighbours of a body's outline, at most (m).
+SPACING_M = 0.02
+#: Of a rollout that touches something: more than any other costs together.
+COLLISION = 1e4
+
+_FIELD = "float32[:,::1], UniTuple(float64, 3)"
+_BODY = "float64[:,::1], UniTuple(float64, 2), UniTuple(float64, 6)"
+_STATE = "UniTuple(float64, 5)"
+
+
+@kernel("float64(float32[:,::1], UniTuple(float64, 3), float64, float64)")
+def distance_at(field, frame, x, y):
+    """Distance (m) from (x, y) to the nearest obstacle, bilinear between the middles of cells."""
+    rows, columns = field.shape
+    u = min(max((x - frame[0]) * frame[2] - 0.5, 0.0), columns - 1.001)
+    v = min(max((y - frame[1]) * frame[2] - 0.5, 0.0), rows - 1.001)
+    j, i = int(u), int(v)
+    a, b = u - j, v - i
+    low = field[i, j] * (1.0 - a) + field[i, j + 1] * a
+    high = field[i + 1, j] * (1.0 - a) + field[i + 1, j + 1] * a
+    return low * (1.0 - b) + high * b
+
+
+@kernel(f"float64({_FIELD}, float64[:,::1], UniTuple(float64, 2), float64, float64, float64)")
+def clearance_at(field, frame, outline, radii, x, y, theta):
+    """Distance (m) from the body's edge to the nearest obstacle; under zero where one reaches deep into it.
+
+    Exact to about a cell near obstacles (a thin one between two points of the outline reads as half their spacing
+    away); further off than the body is large, a distance that is surely free.
+    """
+    middle = distance_at(field, frame, x, y)
+    if middle <= radii[0]:
+        return middle - radii[0]
+    if middle >= 2.0 * radii[1]:
+        return middle - radii[1]
+    least = middle - radii[0]
+    c, s = math.cos(theta), math.sin(theta)
+    ring = len(outline) // 2
+    for first in (0, ring):
+        k = first
+        while k < first + ring:
+            px, py = outline[k, 0], outline[k, 1]
+            here = distance_at(field, frame, x + c * px - s * py, y + s * px + c * py)
+            least = min(least, here)
+            # A distance falls by at most the way gone: so many neighbours are further off than the nearest so far.
+            k += 1 + int((here - least) / SPACING_M)
+    return least
+
+
+@kernel("float64(float64, float64, float64)")
+def ramp(value, target, step):
+    """``value`` moved towards ``target`` by at most ``step``."""
+    return value + min(max(target - value, -step), step)
+
+
+@kernel(f"{_STATE}({_STATE}, float64, float64, UniTuple(float64, 6), float64)")
+def driven(state, linear, angular, limits, time_s):
+    """The state after ``time_s`` of commanding (linear, angular) to a body that its accelerations limit."""
+    x, y, theta, v, w = state
+    braking = abs(linear) < abs(v) or linear * v < 0.0
+    v1 = ramp(v, linear, (limits[5] if braking else limits[3]) * time_s)
+    w1 = ramp(w, angular, limits[4] * time_s)
+    mean_v, mean_w = 0.5 * (v + v1), 0.5 * (w + w1)
+    middle = theta + 0.5 * mean_w * time_s
+    return (
+        x + mean_v * math.cos(middle) * time_s,
+        y + mean_v * math.sin(middle) * time_s,
+        theta + mean_w * time_s,
+        v1,
+        w1,
+    )
+
+
+@kernel(f"boolean({_FIELD}, {_BODY}, {_STATE}, float64, float64, float64, float64)")
+def can_stop(field, frame, outline, radii, limits, state, linear, angular, hold_s, margin):
+    """Whether commanding (linear, angular) for ``hold_s`` and braking after it never comes nearer than ``margin`` (m).
+
+    Where the body is nearer already, it may go where it gets no nearer still.
+    """
+    x, y, theta, v, w = state
+    margin = min(margin, clearance_at(field, frame, outline, radii, x, y, theta))
+    held = 0.0
+    # Braking from the greatest speed at the least braking ends by then.
+    for _ in range(400):
+        if held < hold_s:
+            state = driven(state, linear, angular, limits, 0.05)
+            held += 0.05
+        else:
+            # The curve is kept while braking: both velocities go down alike.
+            v, w = state[3], state[4]
+            if abs(v) < 1e-3 and abs(w) < 1e-2:
+                return True
+            state = driven(state, 0.0, 0.0, limits, 0.05)
+        if clearance_at(field, frame, outline, radii, state[0], state[1], state[2]) < margin:
+            return False
+    return True
+
+
+@kernel("int64(float64[:,::1], int64, int64, float64, float64)")
+def nearest_on(path, first, last, x, y):
+    """Index in [first, last] of the path's point nearest to (x, y)."""
+    first, last = max(first, 0), min(last, len(path) - 1)
+    best, least = first, 1e18
+    for k in range(first, last + 1):
+        d = (path[k, 0] - x) ** 2 + (path[k, 1] - y) ** 2
+        if d < least:
+            best, least = k, d
+    return best
+
+
+@kernel(
+    f"UniTuple(float64, 4)({_FIELD}, {_BODY}, {_STATE}, float64[:,::1], UniTuple(int64, 2), UniTuple(float64, 4), "
+    "float64, float64, float64, float64, boolean)"
+)
+def dynamic_window(
+    field, frame, outline, radii, limits, state, path, samples, weights, period_s, horizon_s, margin, sight_m, strict
+):
+    """Of ``samples`` (linear, angular) velocities reachable within ``period_s``, the best: linear, angular, cost,
+    clearance.
+
+    Each is driven for ``horizon_s``. It is refused if the body could not stop before an obstacle (``strict``: if the
+    rollout touches one at all); the cost is infinite where all are. ``weights``: of the end's distance to the path (m),
+    its distance to the path's end (m), 1 / clearance beyond ``margin`` (within ``sight_m``), and speed not used (m/s).
+    """
+    v0, w0 = state[3], state[4]
+    v_low, v_high = max(limits[0], v0 - limits[5] * period_s), min(limits[1], v0 + limits[3] * period_s)
+    v_high = max(v_high, v_low)
+    w_low, w_high = max(-limits[2], w0 - limits[4] * period_s), min(limits[2], w0 + limits[4] * period_s)
+    best, best_v, best_w, best_clear = np.inf, 0.0, 0.0, 0.0
+    goal_x, goal_y = path[-1, 0], path[-1, 1]
+    at = nearest_on(path, 0, len(path) - 1, state[0], state[1])
+    for a in range(samples[0]):
+        v = v_low + (v_high - v_low) * a / max(samples[0] - 1, 1)
+        # An odd one between: straight on, whatever the window's ends.
+        for b in range(samples[1] + 1):
+            w = w_low + (w_high - w_low) * b / max(samples[1] - 1, 1)
+            if b == samples[1]:
+                w = min(max(0.0, w_low), w_high)
+            if not can_stop(field, frame, outline, radii, limits, state, v, w, period_s, margin):
+                continue
+            now, clear, touched, time = state, sight_m, False, 0.0
+            while time < horizon_s - 1e-9:
+                now = driven(now, v, w, limits, 0.1)
+                time += 0.1
+                here = clearance_at(field, frame, outline, radii, now[0], now[1], now[2])
+                clear = min(clear, here)
+                if here < margin:
+                    touched = True
+                    break
+            if touched and strict:
+                continue
+            k = nearest_on(path, at, len(path) - 1, now[0], now[1])
+            off = math.hypot(path[k, 0] - now[0], path[k, 1] - now[1])
+            # What remains: the way along the path, and back to it.
+            remaining = math.hypot(goal_x - now[0], goal_y - now[1])
+            cost = weights[0] * off + weights[1] * remaining + weights[3] * (limits[1] - v)
+            cost += weights[2] * (1.0 / max(clear - margin + 0.05, 0.02) - 1.0 / (sight_m + 0.05))
+            if touched:
+                cost += 1.0
+            if cost < best:
+                best, best_v, best_w, best_clear = cost, v, w, clear
+    return (best_v, best_w, best, best_clear)
+
+
+@kernel(
+    f"float64({_FIELD}, {_BODY}, {_STATE}, float64[:,::1], float64, float64[:,::1], float64, float64, "
+    "UniTuple(float64, 9))"
+)
+def cost_of(field, frame, outline, radii, limits, state, path, spacing, controls, time_s, margin, weights):
+    """What driving ``controls`` (T, 2), each for ``time_s``, costs: seconds lost, and what is risked, in seconds.
+
+    ``weights``: of the offset from the path (1/m^2), of nearness, its reach (m), speed (m/s) allowed at no clearance
+    and its growth with it (1/s), of excess speed, of heading away from the path, of turning accelerations, of going
+    back.
+    """
+    w_path, w_near, reach, v_near, v_grow, w_fast, w_heading, w_smooth, w_back = weights
+    cost, on_the_way, last = 0.0, 0.0, len(path) - 1
+    at = nearest_on(path, 0, last, state[0], state[1])
+    begin = path[at, 3]
+    window = int(limits[1] * time_s / spacing) + 3
+    start_clear = clearance_at(field, frame, outline, radii, state[0], state[1], state[2])
+    margin = min(margin, start_clear)
+    before_v, before_w = state[3], state[4]
+    for t in range(len(controls)):
+        v = min(max(controls[t, 0], limits[0]), limits[1])
+        w = min(max(controls[t, 1], -limits[2]), limits[2])
+        state = driven(state, v, w, limits, time_s)
+        clear = clearance_at(field, frame, outline, radii, state[0], state[1], state[2])
+        if clear < margin:
+            # Later is better than now: there is time to think of something else.
+            return cost + COLLISION * (1.0 + (len(controls) - t) / len(controls))
+        at = nearest_on(path, at - 2, at + window, state[0], state[1])
+        dx, dy = state[0] - path[at, 0], state[1] - path[at, 1]
+        off = min(dx * dx + dy * dy, 1.0)
+        speed = abs(state[3])
+        step = w_path * off + w_near * math.exp(-max(clear, 0.0) / reach) * speed / limits[1]
+        excess = speed - min(path[at, 4], limits[1] * (v_near + v_grow * max(clear, 0.0)))
+        if excess > 0.0:
+            step += w_fast * (excess / limits[1]) ** 2
+        if state[3] < 0.0:
+            step += w_back * speed
+        step += w_heading * (1.0 - math.cos(state[2] - path[at, 2]))
+        cost += step * time_s
+        cost += w_smooth * (((v - before_v) / limits[1]) ** 2 + ((w - before_w) / limits[2]) ** 2)
+        before_v, before_w = v, w
+        on_the_way += path[at, 3] - begin
+    off = math.hypot(state[0] - path[at, 0], state[1] - path[at, 1])
+    # Progress at the end, and on the whole: to be early is worth something where the path ends within the horizon.
+    return cost - (path[at, 3] - begin - off + on_the_way / len(controls)) / limits[1]
+
+
+@kernel(f"void(UniTuple(float64, 6), {_STATE}, float64[:,::1], float64, float64, float64, float64[:,::1], float64)")
+def pursue(limits, state, path, spacing, ahead_m, share, controls, time_s):
+    """Write into ``controls`` (T, 2) what steers for the path's point ``ahead_m`` ahead, at ``share`` of its speeds."""
+    last = len(path) - 1
+    at = nearest_on(path, 0, last, state[0], state[1])
+    window = int(limits[1] * time_s / spacing) + 3
+    for t in range(len(controls)):
+        at = nearest_on(path, at - 2, at + window, state[0], state[1])
+        aim = min(at + max(1, int(ahead_m / spacing)), last)
+        dx, dy = path[aim, 0] - state[0], path[aim, 1] - state[1]
+        distance = math.hypot(dx, dy)
+        bearing = math.atan2(dy, dx) - state[2]
+        bearing = math.atan2(math.sin(bearing), math.cos(bearing))
+        speed = share * min(limits[1], path[at, 4])
+        if distance < spacing:
+            v, w = 0.0, 0.0
+        elif abs(bearing) > 1.2:
+            # Turned on the spot, and no faster than it can be ended in time.
+            v, w = 0.0, math.copysign(min(limits[2], math.sqrt(limits[4] * abs(bearing))), bearing)
+        else:
+            curvature = 2.0 * math.sin(bearing) / distance
+            v = min(speed, 0.8 * limits[2] / max(abs(curvature), 1e-6))
+            w = curvature * v
+        controls[t, 0], controls[t, 1] = v, w
+        state = driven(state, v, w, limits, time_s)
+
+
+@kernel(
+    f"float64({_FIELD}, {_BODY}, {_STATE}, float64[:,::1], float64, float64[:,::1], float64[:,:,::1], "
+    "UniTuple(float64, 2), float64, float64, UniTuple(float64, 9), float64)"
+)
+def improve(
+    field,
+    frame,
+    outline,
+    radii,
+    limits,
+    state,
+    path,
+    spacing,
+    controls,
+    noise,
+    sigma,
+    time_s,
+    margin,
+    weights,
+    temperature,
+):
+    """Better ``controls`` (T, 2) in place by one step of MPPI (Williams et al., 2017); returns what they cost then.
+
+    ``noise`` (K, knots, 2) float64, standard normal: drawn linearly between knots, scaled by ``sigma`` (m/s, rad/s).
+    The mean of all, weighted by exp(-cost / ``temperature``), is taken if it costs less than they did.
+    """
+    steps, knots = len(controls), noise.shape[1]
+    count = len(noise)
+    costs = np.empty(count + 1)
+    tried = np.empty((count + 1, steps, 2))
+    for k in range(count + 1):
+        for t in range(steps):
+            v, w = controls[t, 0], controls[t, 1]
+            if k < count:
+                place = t * (knots - 1) / max(steps - 1, 1)
+                i = min(int(place), knots - 2)
+                a = place - i
+                v += sigma[0] * (noise[k, i, 0] * (1.0 - a) + noise[k, i + 1, 0] * a)
+                w += sigma[1] * (noise[k, i, 1] * (1.0 - a) + noise[k, i + 1, 1] * a)
+            # Beyond the limits too: noise cut off at them would make the mean slower than the greatest speed.
+            tried[k, t, 0], tried[k, t, 1] = v, w
+        costs[k] = cost_of(
+            field, frame, outline, radii, limits, state, path, spacing, tried[k], time_s, margin, weights
+        )
+    best = np.argmin(costs)
+    total = 0.0
+    mean = np.zeros((steps, 2))
+    for k in range(count + 1):
+        weight = math.exp(-(costs[k] - costs[best]) / temperature)
+        if weight > 1e-6:
+            total += weight
+            mean += weight * tried[k]
+    mean /= total
+    for t in range(steps):
+        mean[t, 0] = min(max(mean[t, 0], limits[0]), limits[1])
+        mean[t, 1] = min(max(mean[t, 1], -limits[2]), limits[2])
+    cost = cost_of(field, frame, outline, radii, limits, state, path, spacing, mean, time_s, margin, weights)
+    # One of them alone is as rough as its noise: only where nothing else is free of obstacles.
+    if cost < costs[count] - 1e-3:
+        controls[:] = mean
+        return cost
+    if costs[count] >= COLLISION and costs[best] < COLLISION:
+        for t in range(steps):
+            controls[t, 0] = min(max(tried[best, t, 0], limits[0]), limits[1])
+            controls[t, 1] = min(max(tried[best, t, 1], -limits[2]), limits[2])
+        return costs[best]
+    return costs[count]

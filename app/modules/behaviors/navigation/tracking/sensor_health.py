@@ -1,0 +1,94 @@
+"""Whether the sensors may be driven by: fresh, and depth pictures alive (the thesis's silent failure of the Kinect)."""
+
+from __future__ import annotations
+
+import math
+import zlib
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.base.geometry import CameraModel
+from app.messages import Image, LaserScan
+
+#: Every so many rows and columns are looked at.
+_STEP = 8
+#: A depth camera may be blind up to here (m along the floor).
+_BLIND_M = 0.7
+
+
+@dataclass(frozen=True, slots=True)
+class DepthWatch:
+    """What became of the depth pictures: ``good`` is the stamp of the newest that was alive, None before the first;
+    ``problem`` says what is wrong with the newest, "" if nothing; ``digest`` of its pixels."""
+
+    good: float | None = None
+    problem: str = ""
+    digest: int = 0
+
+
+def watch_depth(watch: DepthWatch, image: Image, scan: LaserScan | None = None) -> DepthWatch:
+    """Look at one more picture: all zero, all the same, or the one before over again is not alive.
+
+    A wall so near that a depth camera is blind to it leaves zeros too: ``scan``, if it shows one there, excuses them.
+    """
+    if image.depth is None:
+        return DepthWatch(watch.good, "pictures come without depth", watch.digest)
+    pixels = np.ascontiguousarray(image.depth[::_STEP, ::_STEP])
+    digest = zlib.crc32(pixels.tobytes())
+    problem = ""
+    if not pixels.any():
+        if scan is None or not _stands_before_a_wall(image, scan):
+            problem = "depth pictures are all zero"
+    elif int(pixels.min()) == int(pixels.max()):
+        problem = "depth pictures show one and the same distance everywhere"
+    elif watch.good is not None and digest == watch.digest:
+        problem = "the same depth picture comes over and over"
+    return DepthWatch(watch.good if problem else image.stamp, problem, digest)
+
+
+def unfit(
+    now: float,
+    scan_stamp: float | None,
+    depth: DepthWatch | None,
+    limit_s: float = 0.3,
+) -> str:
+    """Why the robot must not be driven, in words that stay while it is so; "" if it may. ``depth`` None: a body without
+    such a camera.
+
+    Sensors must not be older than ``limit_s``: the laser's newest scan, and the newest depth picture that was alive.
+    """
+    if scan_stamp is None:
+        return "no laser scan has come yet"
+    if not now - scan_stamp >= -limit_s:
+        return "the laser's stamps are not of the robot's clock"
+    if now - scan_stamp > limit_s:
+        return f"the laser scan is too old: the laser or this computer is too slow; {limit_s:g} s is the limit"
+    if depth is None:
+        return ""
+    if depth.good is None:
+        return depth.problem or "no depth picture has come yet"
+    if not now - depth.good >= -limit_s:
+        return "the depth camera's stamps are not of the robot's clock"
+    if now - depth.good > limit_s:
+        if depth.problem:
+            return depth.problem
+        return f"the depth picture is too old: the camera or this computer is too slow; {limit_s:g} s is the limit"
+    return ""
+
+
+def _stands_before_a_wall(image: Image, scan: LaserScan) -> bool:
+    """Whether all that the laser sees in the camera's field of view is too near for the camera."""
+    if not isinstance(image.camera, CameraModel):
+        return False
+    half = math.atan(0.5 * image.camera.width / image.camera.fx)
+    ahead = image.X_BC.rotation[:, 2]
+    angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
+    # A ray that measured nothing shows no wall.
+    measured = np.isfinite(scan.ranges) & (scan.ranges >= scan.range_min)
+    ranges = np.where(measured, scan.ranges, np.float32(1e3))
+    at = np.stack((ranges * np.cos(angles), ranges * np.sin(angles), np.zeros_like(ranges)), axis=-1)
+    rays = scan.X_BL.transform(at.astype(np.float64)) - image.X_BC.translation
+    off = np.arctan2(rays[:, 1], rays[:, 0]) - math.atan2(ahead[1], ahead[0])
+    seen = np.abs((off + math.pi) % (2.0 * math.pi) - math.pi) < 0.9 * half
+    return bool(seen.any() and (np.hypot(rays[seen, 0], rays[seen, 1]) < _BLIND_M).all())

@@ -1,0 +1,173 @@
+"""Keeping, loading and beginning maps for whoever asks: the MapKeeper of a module that follows the robot on them."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+
+from app.base.geometry import Pose2
+from app.maps.control import MapUnavailable
+from app.maps.library import MapLibrary
+from app.maps.zones import checked
+from app.messages import Zone
+
+if TYPE_CHECKING:  # it is compiled, or loaded, when it is imported
+    from app.modules.perception.slam.session import KeptMap, MapSession
+
+T = TypeVar("T")
+
+
+class MapHost(Protocol):
+    """What the keeper needs of the module; all on the event loop."""
+
+    @property
+    def session(self) -> MapSession:
+        """The map in use."""
+        ...
+
+    @property
+    def X_OB(self) -> Pose2:
+        """Where odometry says that the robot is now."""
+        ...
+
+    @property
+    def map_name(self) -> str:
+        """The name of the map in use; "" while it has none."""
+        ...
+
+    def call(self, name: str) -> None:
+        """The map in use has this name from now on."""
+        ...
+
+    @property
+    def known_zones(self) -> tuple[Zone, ...]:
+        """The zones of the map in use."""
+        ...
+
+    def use(self, session: MapSession, name: str, zones: tuple[Zone, ...]) -> None:
+        """Take a map into use and tell it."""
+        ...
+
+    def mark(self, zones: tuple[Zone, ...]) -> None:
+        """Tell the zones of the map in use."""
+        ...
+
+    def placed(self) -> None:
+        """The robot was placed: it is not looked for any more."""
+        ...
+
+    def search(self) -> None:
+        """Look for the robot on the map in use."""
+        ...
+
+    def new_session(self, kept: KeptMap | None, X_MO: Pose2 | None, grows: bool) -> MapSession:
+        """*Behind.* A session on a map that was kept, or an empty one."""
+        ...
+
+    async def finish(self, session: MapSession) -> None:
+        """Correct and draw all that is known by now."""
+        ...
+
+    async def compute(self, function: Callable[..., T], *args: Any) -> T:
+        """See :class:`app.runtime.module.Module`."""
+        ...
+
+    async def compute_behind(self, function: Callable[..., T], *args: Any) -> T:
+        """See :class:`app.runtime.module.Module`."""
+        ...
+
+
+class Keeper:
+    """Implements :class:`app.maps.control.MapKeeper`: one thing at a time, in the order asked."""
+
+    def __init__(self, host: MapHost, library: MapLibrary) -> None:
+        self._host = host
+        self._library = library
+        self._one = asyncio.Lock()
+
+    @property
+    def name(self) -> str:
+        """The name of the map in use; "" while it has none."""
+        return self._host.map_name
+
+    async def save(self, name: str, others: Mapping[str, Callable[[Path], None]] | None = None) -> None:
+        """Keep the map under ``name``."""
+        from app.modules.perception.slam.session import keep
+
+        host = self._host
+        self._checked(name)
+        async with self._one:
+            session = host.session
+            await host.finish(session)
+            grid = session.grid
+            if grid is None or not (grid.cells >= 0).any():
+                raise MapUnavailable("there is nothing to keep yet: let the robot see something with SLAM in force")
+            state = await host.compute(session.state)
+            await host.compute_behind(
+                keep, self._library, name, grid, host.known_zones, state, others or {}, host.map_name
+            )
+            host.call(name)
+
+    async def load(self, name: str, X_MB: Pose2 | None = None, extend: bool = False) -> None:
+        """Take the map ``name`` into use."""
+        from app.modules.perception.slam.session import kept_map
+
+        host = self._host
+        self._checked(name)
+        async with self._one:
+            kept = await host.compute_behind(kept_map, self._library, name)
+            if extend and kept.state is None:
+                raise MapUnavailable(
+                    f"the map {name!r} was kept without its graph: the robot can find itself on it, but it cannot grow"
+                )
+            X_MO = None if X_MB is None else X_MB @ host.X_OB.inverse()
+            session = await host.compute_behind(host.new_session, kept, X_MO, extend)
+            host.use(session, name, kept.zones)
+
+    async def begin(self) -> None:
+        """Begin an empty map."""
+        async with self._one:
+            X_MO = self._host.X_OB.inverse()
+            session = await self._host.compute_behind(self._host.new_session, None, X_MO, True)
+            self._host.use(session, "", ())
+
+    async def place(self, X_MB: Pose2) -> None:
+        """The robot is about there."""
+        async with self._one:
+            session = self._host.session
+            if session.grid is None:
+                raise MapUnavailable("there is no map yet to place the robot on: drive a little first, or load one")
+            await self._host.compute(session.place, X_MB @ self._host.X_OB.inverse())
+            self._host.placed()
+
+    async def search(self) -> None:
+        """Look for the robot."""
+        async with self._one:
+            session = self._host.session
+            if session.grid is None:
+                raise MapUnavailable("there is no map yet to look on: drive a little first, or load one that was kept")
+            await self._host.compute(session.lose)
+            self._host.search()
+
+    async def mark(self, zones: tuple[Zone, ...]) -> None:
+        """These are the zones from now on."""
+        try:
+            zones = checked(zones)
+        except ValueError as mistake:
+            raise MapUnavailable(f"these zones cannot be: {mistake}") from None
+        async with self._one:
+            name = self._host.map_name
+            if name:
+                try:
+                    await self._host.compute_behind(self._library.keep_zones, name, zones)
+                except OSError as failure:
+                    raise MapUnavailable(f"the disk refuses the zones: {failure.strerror or failure}") from None
+            self._host.mark(zones)
+
+    def _checked(self, name: str) -> None:
+        try:
+            self._library.path(name)
+        except ValueError as mistake:
+            raise MapUnavailable(str(mistake)) from None

@@ -1,0 +1,83 @@
+"""When sound of a direction reaches which microphone, and the directions worth looking at."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.modules.perception.voices.microphone_array import MicrophoneArray
+
+#: In air of about 20 degrees Celsius (m/s).
+SPEED_OF_SOUND = 343.0
+_LINE_STEP_DEG = 2.0
+
+
+def sphere(points: int) -> NDArray[np.float64]:
+    """``points`` directions (points, 3), evenly over the sphere (Fibonacci's lattice)."""
+    index = np.arange(points) + 0.5
+    height = 1 - 2 * index / points
+    turn = np.pi * (1 + 5**0.5) * index
+    radius = np.sqrt(1 - height**2)
+    return np.column_stack([radius * np.cos(turn), radius * np.sin(turn), height])
+
+
+def search_grid(array: MicrophoneArray, points: int, lowest_deg: float) -> NDArray[np.float64]:
+    """The directions (G, 3) that ``array`` can tell apart, out of ``points`` on the whole sphere.
+
+    An array in space tells all of them, those below an elevation of ``lowest_deg`` left out. One in a plane hears
+    mirror images alike: of each pair, the direction on the side of the plane that looks up, or forward if it stands
+    upright. One on a line hears the angle to the line alone: the directions of the level half circle in front of it
+    (to the left if the line itself points forward).
+    """
+    _, axes = array.extents
+    if array.dimensions == 1:
+        line = axes[0]
+        aside = next(
+            level - (level @ line) * line for level in np.eye(3) if np.linalg.norm(level - (level @ line) * line) > 0.5
+        )
+        aside /= np.linalg.norm(aside)
+        angles = np.radians(np.arange(0, 180 + _LINE_STEP_DEG, _LINE_STEP_DEG))[:, None]
+        return np.asarray(np.cos(angles) * line + np.sin(angles) * aside)
+    grid = sphere(points)
+    grid = grid[grid[:, 2] > np.sin(np.radians(lowest_deg))]
+    if array.dimensions == 2:
+        normal = axes[2]
+        facing = normal[2] if abs(normal[2]) > 0.1 else normal[0] if abs(normal[0]) > 0.1 else normal[1]
+        grid = grid[grid @ normal * np.sign(facing) >= 0]
+    return np.asarray(grid)
+
+
+def arrivals(
+    offsets: NDArray[np.float64], directions: NDArray[np.float64], range_m: float, body_m: float = 0.0
+) -> NDArray[np.float64]:
+    """How much later (s) than in the middle sound of ``directions`` (G, 3), ``range_m`` away, comes to each microphone.
+
+    ``offsets`` (M, 3) m about the middle; the result is (G, M). An infinite range makes the waves plane. Behind a body
+    (a sphere of radius ``body_m``) sound comes by the shortest way round it: straight to its edge, along its surface
+    and on (Woodworth 1938).
+    """
+    radius = body_m
+    if np.isinf(range_m):
+        if not radius:
+            return np.asarray(-directions @ offsets.T / SPEED_OF_SOUND)
+        range_m = 1e3
+    ways = np.linalg.norm(range_m * directions[:, None] - offsets, axis=2)
+    if radius:
+        away = np.maximum(np.linalg.norm(offsets, axis=1), 1e-6)
+        on_body = np.minimum(radius, away)
+        angles = np.arccos(np.clip(directions @ (offsets / away[:, None]).T, -1, 1))
+        arc = angles - np.arccos(on_body / range_m) - np.arccos(on_body / away)
+        round_it = np.sqrt(range_m**2 - on_body**2) + np.sqrt(away**2 - on_body**2) + on_body * arc
+        ways = np.where(arc > 0, round_it, ways)
+    return np.asarray((ways - range_m) / SPEED_OF_SOUND)
+
+
+def tangents(directions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Two unit vectors at right angles to each of ``directions`` (K, 3) and to one another: (K, 2, 3)."""
+    x, y, z = directions.T
+    # Duff et al. 2017, "Building an orthonormal basis, revisited": no branch, no division by little.
+    sign = np.where(z >= 0, 1.0, -1.0)
+    a = -1 / (sign + z)
+    b = x * y * a
+    pairs = np.stack([1 + sign * x * x * a, sign * b, -sign * x, b, sign + y * y * a, -y], axis=1)
+    return np.asarray(pairs.reshape(-1, 2, 3))

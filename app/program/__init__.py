@@ -1,0 +1,1 @@
+"""The program put together from its configuration, and what it publishes about itself."""

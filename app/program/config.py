@@ -1,0 +1,123 @@
+"""Configuration of the whole program: the models of ``config/*.yaml``, read with file and line in every error."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict, Field, RootModel
+
+from app.attention.calibration import Calibration, calibration_file, load_calibration
+from app.base import paths
+from app.base.errors import ConfigError
+from app.base.yaml_source import Document, load_yaml
+from app.runtime.channel_table import ChannelSpec
+from app.runtime.graph import ModuleSpec
+
+log = logging.getLogger("hbba.config")
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class AttentionConfig(_Model):
+    """How intentions are chosen."""
+
+    safe_strategies: tuple[str, ...] = Field(
+        (), description="strategies kept while the solver has not answered yet, or cannot"
+    )
+    solve_time_limit_s: float = Field(0.5, gt=0, le=10, description="the solver keeps the best it has found by then")
+    history: int = Field(20_000, ge=100, description="events the timeline remembers")
+    hysteresis_gain: float = Field(0.0, ge=0, description="a switch must gain more than this in Ω ...")
+    hysteresis_dwell_s: float = Field(0.0, ge=0, description="... or last for longer than this; 0 and 0: at once")
+
+
+class ConsoleConfig(_Model):
+    """Where the console listens."""
+
+    host: str = "127.0.0.1"
+    port: int = Field(8080, ge=0, le=65535, description="0: any free port")
+    # Its token is no part of this: a configuration is attached to every recording.
+    host_names: tuple[str, ...] = Field((), description="names it is reached by beside the computer's own")
+    command_validity_s: float = Field(
+        0.4, ge=0.1, le=2, description="a drive command that is older when it comes moves nothing"
+    )
+
+
+class ProgramConfig(_Model):
+    """One robot program, as it stands in its file; paths are relative to the file."""
+
+    robot: Path
+    channels: Path
+    strategies: tuple[Path, ...] = Field(min_length=1)
+    calibration: Path = Field(Path("calibration"), description="folder of what modules cost, a file for each computer")
+    attention: AttentionConfig = AttentionConfig()
+    console: ConsoleConfig = ConsoleConfig()
+    modules: dict[str, ModuleSpec] = Field(min_length=1)
+
+
+class ChannelTable(RootModel[dict[str, ChannelSpec]]):
+    """The table of channels, as it stands in its file."""
+
+
+@dataclass(frozen=True, slots=True)
+class Configuration:
+    """A program's configuration with the documents it came from, so that later errors can still name their line."""
+
+    program: ProgramConfig
+    channels: dict[str, ChannelSpec]
+    program_document: Document
+    channels_document: Document
+    #: What modules cost on the computer it runs on; None where that was never measured.
+    calibration: Calibration | None = None
+
+    @property
+    def folder(self) -> Path:
+        """The folder that the program's paths are relative to."""
+        return Path(self.program_document.file).resolve().parent
+
+    @property
+    def calibration_file(self) -> Path:
+        """Where the calibration of this computer is or would be."""
+        return calibration_file(self.path(self.program.calibration), paths.host_name())
+
+    def path(self, relative: Path) -> Path:
+        """A path of the configuration as an absolute one."""
+        return self.folder / relative
+
+    def where(self, *key: str) -> str:
+        """File and line of ``key`` of the program."""
+        return f"{self.program_document.file}:{self.program_document.line(key)}"
+
+    def wiring_error(self, message: str, key: tuple[str, ...]) -> ConfigError:
+        """The ConfigError for a mistake in the graph, pointing into the file where ``key`` stands."""
+        if key[0] == "channels":
+            return self.channels_document.error(f"{'.'.join(key[1:])}: {message}", key[1:])
+        return self.program_document.error(f"{'.'.join(key)}: {message}", key)
+
+
+def load_configuration(path: Path, *, host: str | None = None) -> Configuration:
+    """Read a program's configuration, its table of channels and the calibration of ``host`` (None: this computer).
+
+    Raises ConfigError for anything that cannot be.
+    """
+    document = load_yaml(path)
+    program = document.validate(ProgramConfig)
+    folder = Path(path).resolve().parent
+    for key, relative in [
+        (("robot",), program.robot),
+        (("channels",), program.channels),
+        *((("strategies", number), file) for number, file in enumerate(program.strategies)),
+    ]:
+        if not (folder / relative).is_file():
+            raise document.error(f"there is no file {relative} beside {path}", key)
+    channels_document = load_yaml(folder / program.channels)
+    channels = channels_document.validate(ChannelTable).root
+    host = host or paths.host_name()
+    calibration = load_calibration(folder / program.calibration, host)
+    if calibration is not None:
+        measured = ", ".join(sorted(calibration.relations))
+        log.info("costs as calibrated", extra={"host": host, "made": calibration.made, "filters": measured})
+    return Configuration(program, channels, document, channels_document, calibration)

@@ -1,0 +1,295 @@
+"""The whole program put together from its configuration: link, modules, attention.
+
+The console and the commands see the program only through this file. Everything is built, and every mistake in the
+configuration found, before anything starts.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Mapping
+from contextlib import AsyncExitStack
+from dataclasses import replace
+from pathlib import Path
+from types import TracebackType
+
+from app.attention.cached_solver import CachedSolver
+from app.attention.desires import DesireClasses
+from app.attention.explaining import EXPLAIN_S
+from app.attention.hysteresis import Hysteresis
+from app.attention.strategies import StrategyTable, load_strategies, trimmed
+from app.attention.timeline import Timeline
+from app.attention.translator import IntentionTranslator
+from app.attention.workspace import IntentionWorkspace, random_id
+from app.link import LinkFailed, RobotLink
+from app.logs.control import RecorderControl
+from app.logs.library import RecordingLibrary, default_folder
+from app.logs.manifest import Manifest
+from app.maps.control import MapControl
+from app.maps.library import MapLibrary
+from app.maps.library import default_folder as default_maps_folder
+from app.modules.desire_classes import desire_classes
+from app.program.attachments import snapshot
+from app.program.body_restart import Revival
+from app.program.config import Configuration, load_configuration
+from app.program.self_report import SelfReport
+from app.program.timeline_feed import TimelineFeed
+from app.robots.factory import Body, create_link, load_body
+from app.runtime.channel_table import ChannelTable
+from app.runtime.clock import Clock, RealClock
+from app.runtime.filter import CLOSED
+from app.runtime.freshness import FreshnessWatch
+from app.runtime.graph import Graph, Pin
+from app.runtime.load import LoadMeter
+from app.runtime.module import Caution
+from app.runtime.replay_clock import ReplayClock
+from app.runtime.supervisor import Supervisor
+from app.runtime.watchdog import LoopWatchdog
+
+log = logging.getLogger("hbba.system")
+
+LOAD_WINDOW_S = 1.0
+#: Real seconds for the solver and for reasons where nothing may depend on how fast this computer is.
+PATIENT_S = 60.0
+
+
+class System:
+    """A robot program: ``async with System.from_file(path) as system: ...``."""
+
+    def __init__(
+        self,
+        configuration: Configuration,
+        *,
+        link: RobotLink | None = None,
+        body: Body | None = None,
+        clock: Clock | None = None,
+        pins: Mapping[str, Pin] | None = None,
+        recordings: RecordingLibrary | None = None,
+        maps: MapLibrary | None = None,
+        new_id: Callable[[], str] = random_id,
+        partial: bool = False,
+        reproducible: bool = False,
+    ) -> None:
+        """Build everything; ``link`` and ``clock`` replace the body that the configuration names and the real clock.
+
+        ``body`` tells what ``link`` is, where its file does not tell all of it; recordings carry it. ``pins`` fixes
+        filters (``Module.port``), whatever strategies say of them. ``recordings`` is where recordings are kept, by
+        default the user's folder. ``new_id`` makes the ids of desires. ``partial``: strategies may name modules that
+        are not there, and serve without them. ``reproducible``: what happens may not depend on how fast this computer
+        is, so that two runs in virtual time are equal: the solver finds the optimum however long it takes and does not
+        tell how long, nobody watches the loop's real time, no load is reported. Raises ConfigError.
+        """
+        program = configuration.program
+        self.config = configuration
+        self._partial = partial
+        self._reproducible = reproducible
+        real = RealClock()
+        self.clock: Clock = clock or real
+        #: What paces work for people, which goes on while a recording's time stands; else the robot's clock itself.
+        self.pace: Clock = self.clock.pace if isinstance(self.clock, ReplayClock) else self.clock
+        self.link = link or create_link(load_body(configuration.path(program.robot)), real.offset)
+        self.classes = DesireClasses(desire_classes())
+        self.workspace = IntentionWorkspace(self.classes, self.clock.now, new_id=new_id)
+        self.timeline = Timeline(program.attention.history, self.clock.now)
+        self.recordings = recordings or RecordingLibrary(default_folder())
+        self.recorder = RecorderControl()
+        self.maps = maps or MapLibrary(default_maps_folder())
+        self.map = MapControl()
+        services: dict[type[object], object] = {
+            RobotLink: self.link,
+            IntentionWorkspace: self.workspace,
+            Timeline: self.timeline,
+            RecordingLibrary: self.recordings,
+            RecorderControl: self.recorder,
+            MapLibrary: self.maps,
+            MapControl: self.map,
+            ChannelTable: ChannelTable(configuration.channels),
+        }
+        self.graph = Graph(
+            clock=self.clock,
+            channels=configuration.channels,
+            modules=program.modules,
+            services=services,
+            error=configuration.wiring_error,
+        )
+        services[Manifest] = snapshot(configuration, self.graph, self.link.description.name, body)
+        self.table = self._load_table()
+        #: What people must know of how it is configured.
+        self.cautions = self._attend()
+        for name, pin in (pins or {}).items():
+            self.graph.filters.pin(name, pin)
+        self.supervisor = Supervisor(self.graph.modules, self.clock, self.pace)
+        meters = {name: slot.context.meter for name, slot in self.graph.modules.items()}
+        self.freshness = FreshnessWatch(self.graph, self.supervisor.states)
+        self.load = LoadMeter(meters, self.clock.now)
+        self.watchdog = LoopWatchdog(meters)
+        self.translator = self._make_translator()
+        self.revival = Revival(self.link, self.supervisor, self._forget, self.timeline, self.clock)
+        self._stack = AsyncExitStack()
+        self._tasks: list[asyncio.Task[None]] = []
+        self._report = SelfReport(self.graph.channels, self.clock.now, self.graph.filters.divisors)
+        self._feed = TimelineFeed(
+            self.timeline, {n: spec.cpu_budget for n, spec in program.modules.items() if spec.cpu_budget is not None}
+        )
+
+    @classmethod
+    def from_file(cls, path: Path) -> System:
+        """The program that the configuration file at ``path`` describes. Raises ConfigError."""
+        return cls(load_configuration(path))
+
+    async def __aenter__(self) -> System:
+        """Bring the body up, then attention, then the modules. Raises LinkFailed, having released everything."""
+        async with AsyncExitStack() as stack:
+            for caution in self.cautions:
+                log.warning("%s", caution)
+            stack.push_async_callback(self.link.stop)
+            await self.link.start()
+            self.revival.up()
+            self.supervisor.observe(self._feed.module)
+            self.supervisor.observe(self._report.module)
+            self._report.open(self.workspace, self.translator, self.timeline)
+            stack.callback(self._report.close)
+            stack.callback(self.link.attach("status", self._feed.guard))
+            if not self._reproducible:
+                await stack.enter_async_context(self.watchdog)
+            await stack.enter_async_context(self.supervisor)
+            for name, coroutine in {
+                "translator": self.translator.run(),
+                "sampling": self._sample(),
+                "exploitation": self._follow_exploitation(),
+            }.items():
+                task = asyncio.create_task(coroutine, name=name)
+                self._tasks.append(task)
+                stack.push_async_callback(_cancelled, task)
+            self._stack = stack.pop_all()
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Stop the modules, then the wheels, then the body."""
+        await self._stack.aclose()
+
+    async def begin_anew(self, jump: Callable[[], None]) -> None:
+        """End every module, forget all that was said, have ``jump`` move clock and body, and start all afresh.
+
+        Desires of others than the modules, budgets and measured costs stay. Returns with the modules about to start.
+        """
+        await self.supervisor.stop_modules()
+        self._forget()
+        self.timeline.clear()
+        jump()
+        self.supervisor.start_modules()
+
+    def _forget(self) -> None:
+        self.graph.forget()
+        self.freshness.forget()
+        self._feed.forget()
+
+    async def keep_going(self) -> Exception:
+        """As :meth:`wait_failed`, but a failed body is started again where it can be, unless it keeps dying."""
+        while True:
+            failure = await self.wait_failed()
+            if not isinstance(failure, LinkFailed) or not self.link.description.restartable:
+                return failure
+            final = await self.revival.revive(failure)
+            if final is not None:
+                return final
+
+    async def wait_failed(self) -> Exception:
+        """Wait until the program cannot go on, and return why.
+
+        LinkFailed, in words for people, when the body is lost; any other error is a mistake of ours in what runs
+        beside the modules (those are restarted), and better met with a stop than with an attention that stands still.
+        """
+        body = asyncio.create_task(self.link.wait_failed(), name="body's failure")
+        try:
+            await asyncio.wait({body, *self._tasks}, return_when=asyncio.FIRST_COMPLETED)
+            if body.done():
+                return body.result()
+            ended = next(task for task in self._tasks if task.done())
+            error = ended.exception()
+            return error if isinstance(error, Exception) else RuntimeError(f"{ended.get_name()} ended by itself")
+        finally:
+            body.cancel()
+
+    def _attend(self) -> tuple[Caution, ...]:
+        """Hand filters over to attention, and with them every output that can move the body: one that no strategy
+        opens stays closed. Returns what people must know of that, and of the modules."""
+        moving = self.graph.moving()
+        self.graph.attend(self.table.filters | moving.keys())
+        opened = {name for each in self.table.strategies for name, phi in each.filters.items() if phi != CLOSED}
+        cautions = []
+        for name, slot in self.graph.modules.items():
+            where = self.config.where("modules", name)
+            cautions += [replace(caution, where=where) for caution in slot.module.cautions()]
+        for output in sorted(moving.keys() - opened):
+            module, port = output.split(".", 1)
+            text = (
+                f"no strategy opens {output}, which leads to {moving[output]} and can move the robot: it stays closed; "
+                "name it in `filters` of a strategy, and the file of that strategy in `strategies` of the program"
+            )
+            where = self.config.where("modules", module, "outputs", port)
+            cautions.append(Caution(f"{self.graph.modules[module].title} stays closed", text, where))
+        return tuple(cautions)
+
+    def _load_table(self) -> StrategyTable:
+        table = load_strategies(
+            [self.config.path(file) for file in self.config.program.strategies],
+            classes=self.classes,
+            ports=None if self._partial else self.graph.ports(),
+            undivided=self.graph.undivided(),
+            calibration=self.config.calibration,
+        )
+        return trimmed(table, self.graph.ports()) if self._partial else table
+
+    def _make_translator(self) -> IntentionTranslator:
+        settings = self.config.program.attention
+        safe = settings.safe_strategies
+        if self._partial:
+            there = {strategy.name for strategy in self.table.strategies}
+            safe = tuple(name for name in safe if name in there)
+        limit_s = PATIENT_S if self._reproducible else settings.solve_time_limit_s
+        try:
+            return IntentionTranslator(
+                self.workspace,
+                self.table,
+                self.graph.filters,
+                self.graph,
+                self.timeline,
+                self.clock,
+                safe=safe,
+                solver=CachedSolver(time_limit_s=limit_s, timed=not self._reproducible),
+                explain_limit_s=PATIENT_S if self._reproducible else EXPLAIN_S,
+                hysteresis=Hysteresis(settings.hysteresis_gain, settings.hysteresis_dwell_s),
+            )
+        except ValueError as failure:
+            raise self.config.program_document.error(str(failure), ("attention", "safe_strategies")) from None
+
+    async def _sample(self) -> None:
+        while True:
+            await self.pace.sleep(LOAD_WINDOW_S)
+            if not self._reproducible:
+                self._sample_load()
+            self._feed.freshness(self.freshness.sample(self.clock.now()))
+
+    def _sample_load(self) -> None:
+        load = self.load.sample()
+        if self.pace is self.clock:  # budgets are of the robot's time
+            self._feed.load(load)
+        self._report.load(load)
+
+    async def _follow_exploitation(self) -> None:
+        channel = self.graph.channels.get("exploitation")
+        if channel is None:  # a program that drives nothing
+            await asyncio.Event().wait()
+            return
+        async for message in channel.subscribe("timeline"):
+            self._feed.exploitation(message)
+
+
+async def _cancelled(task: asyncio.Task[None]) -> None:
+    """Cancel ``task`` and wait for its end; a failure of its own is told by :meth:`System.wait_failed`."""
+    task.cancel()
+    await asyncio.wait({task})

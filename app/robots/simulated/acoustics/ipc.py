@@ -1,0 +1,73 @@
+"""What goes between the link's process and the process of its microphones."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.base.geometry import Pose2, Pose3
+from app.messages import Audio
+from app.robots.config import LoudspeakerConfig, MicrophonesConfig
+from app.robots.simulated.acoustics.sounds import Key
+from app.robots.simulated.world_config import WorldConfig
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Setup:
+    """All that does not change: ``X_BM`` and ``X_BS`` are the poses of the microphones' and the loudspeaker's links.
+
+    ``clips`` are samples (N,) float32 with their levels; ``p_BW`` the middles of the left and the right wheel.
+    """
+
+    config: MicrophonesConfig
+    loudspeaker: LoudspeakerConfig | None
+    world: WorldConfig
+    X_BM: Pose3
+    X_BS: Pose3
+    p_BW: tuple[Vector, Vector]
+    clips: Mapping[Key, tuple[NDArray[np.float32], float]]
+    seed: int
+
+
+@dataclass(frozen=True, slots=True)
+class Sounding:
+    """A scripted sound as it is now: ``p_W`` m; ``looks`` (rad), the heading of the mouth it comes from, or None."""
+
+    name: str
+    key: Key
+    begin_s: float
+    gain_db: float
+    loop: bool
+    p_W: Vector
+    looks: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """The world at ``time_s`` (simulated), ``stamp`` by the robot's clock. ``rims_mps``: left and right wheel."""
+
+    time_s: float
+    stamp: float
+    X_WB: Pose2
+    rims_mps: tuple[float, float]
+    sounds: tuple[Sounding, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Played:
+    """Sound for the loudspeaker."""
+
+    audio: Audio
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Heard:
+    """One frame of the microphones; ``lost`` frames were left out just before it."""
+
+    audio: Audio
+    lost: int

@@ -1,0 +1,35 @@
+"""The cameras of a configured body: their lenses and pictures, by stream. Both processes read it, without OpenGL."""
+
+from __future__ import annotations
+
+import math
+
+from app.base.geometry import CameraModel, FisheyeModel
+from app.robots.config import ImvConfig, RobotConfig
+from app.robots.simulated.image_ring import PictureFormat
+from app.robots.simulated.kinect import camera_model
+
+
+def fisheye_model(config: ImvConfig) -> FisheyeModel:
+    """The configured lens."""
+    horizontal, vertical = (math.radians(angle) for angle in config.fov_deg)
+    return FisheyeModel.from_fov(config.width, config.height, horizontal, vertical)
+
+
+def lenses(robot: RobotConfig) -> dict[str, tuple[str, CameraModel | FisheyeModel]]:
+    """Optical frame and lens of each camera."""
+    kinect, imv = robot.streams.kinect, robot.streams.imv
+    found: dict[str, tuple[str, CameraModel | FisheyeModel]] = {}
+    if kinect is not None:
+        found["kinect"] = (kinect.link, camera_model(kinect))
+    if imv is not None:
+        found["imv"] = (imv.link, fisheye_model(imv))
+    return found
+
+
+def picture_formats(robot: RobotConfig) -> dict[str, PictureFormat]:
+    """What each camera's pictures are."""
+    return {
+        stream: PictureFormat(lens.width, lens.height, has_depth=isinstance(lens, CameraModel))
+        for stream, (_, lens) in lenses(robot).items()
+    }

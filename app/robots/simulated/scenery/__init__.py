@@ -1,0 +1,1 @@
+"""Scenery of the simulated lab: furniture, textures, people and their scripts."""

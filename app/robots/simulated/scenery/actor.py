@@ -1,0 +1,259 @@
+"""One person playing a script: where they stand and walk, where they look, how limbs swing, when they clap.
+
+Plain kinematics: speeds and turns are limited so that it looks right, nobody walks through the robot, and everything
+follows from the script, the time and where the robot is.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from app.base.geometry import Pose2, wrap_angle
+from app.messages import PersonTruth
+from app.robots.simulated.scenery import gait
+from app.robots.simulated.scenery.gait import Posture
+from app.robots.simulated.scenery.scenario_config import Look, PersonConfig, StepConfig
+
+ROBOT_FACE_M = 1.30
+ACCELERATION_MPS2 = 1.5
+TURN_RADPS, HEAD_RADPS = math.radians(110), math.radians(140)
+HEAD_YAW, HEAD_PITCH = math.radians(65), math.radians(20)
+CLAP_RAISE_S = 0.35
+REACHED_M = 0.004
+BACK_M, BACK_S = 1.0, 5.0
+"""Who gives way to the robot goes back so far along the way they came, and tries again after so long."""
+ALMOST_THERE_M = 0.4
+"""Nearer than that to where a walk began, going back there makes no room."""
+
+
+@dataclass(frozen=True, slots=True)
+class Happening:
+    """Something heard that a person begins to do: ``kind`` and ``clip`` as in ``Cue``."""
+
+    kind: str
+    clip: str
+    gain_db: float
+    begin_s: float
+
+
+class Actor:
+    """A person; :meth:`tick` goes on by a little time. ``x``, ``y`` (m), ``heading`` (rad) of the body in the world."""
+
+    def __init__(self, config: PersonConfig, height_m: float) -> None:
+        self.config = config
+        self.name = config.name
+        self.height_m = height_m
+        self.x, self.y = config.at
+        self.heading = math.radians(config.heading_deg)
+        self.speed = 0.0
+        self._step = 0
+        self._since: float | None = None
+        self._done = not config.script
+        self._gait = 0.0
+        self._stride = 0.0
+        self._head_yaw = 0.0
+        self._head_pitch = 0.0
+        self._turning = False
+        self._claps: list[float] = []
+        self._now = 0.0
+        self.waiting_for_robot = False
+        self._came = (config.at, config.at)
+        self._waited_s = 0.0
+        self._back: tuple[float, float] | None = None
+        self._back_until = 0.0
+        self._going: tuple[float, float] = config.at
+
+    @property
+    def posture(self) -> Posture:
+        """How the limbs are held now."""
+        raised, apart = self._clapping()
+        return Posture(self._gait, self._stride, raised, apart, self._head_yaw, self._head_pitch)
+
+    @property
+    def gaze(self) -> float:
+        """Direction (rad) in which the face looks, in the world."""
+        return wrap_angle(self.heading + self._head_yaw)
+
+    @property
+    def mouth(self) -> tuple[float, float, float]:
+        """Where the mouth is in the world (m)."""
+        ahead, up = (self.height_m * share for share in gait.mouth(self.posture))
+        return (self.x + ahead * math.cos(self.gaze), self.y + ahead * math.sin(self.gaze), up)
+
+    @property
+    def hands(self) -> tuple[float, float, float]:
+        """Where the palms meet when clapping (m, world)."""
+        ahead = gait.HANDS_AHEAD * self.height_m
+        return (
+            self.x + ahead * math.cos(self.heading),
+            self.y + ahead * math.sin(self.heading),
+            gait.HANDS_SHARE * self.height_m,
+        )
+
+    @property
+    def truth(self) -> PersonTruth:
+        """As the program's tests are told."""
+        return PersonTruth(self.name, self.x, self.y, self.gaze, self.height_m, self.mouth)
+
+    def clap_at(self, time_s: float) -> None:
+        """Have the palms meet at ``time_s``, which should not be nearer than the arms take to be raised."""
+        self._claps.append(time_s)
+
+    def tick(self, dt: float, now: float, X_WB: Pose2, before: Sequence[Actor]) -> list[Happening]:
+        """Go on by ``dt`` to ``now``; ``before`` are those whom this person lets pass. Returns what begins to sound."""
+        self._now = now
+        self._claps = [time for time in self._claps if now - time < 2 * CLAP_RAISE_S]
+        happenings: list[Happening] = []
+        look: Look = "ahead"
+        wanted_speed = 0.0
+        for _ in range(len(self.config.script) + 1):  # steps that take no time are done in one tick
+            if self._done:
+                look = self.config.script[-1].look if self.config.script else "ahead"
+                break
+            step = self.config.script[self._step]
+            if self._since is None:
+                self._since = now
+                if math.dist(self._came[-1], (self.x, self.y)) > ALMOST_THERE_M:
+                    self._came = (self._came[-1], (self.x, self.y))
+                self._back = None
+                happenings += self._begin(step, now)
+            look = step.look
+            if not self._finished(step, now, X_WB):
+                if step.walk is not None:
+                    self._going = self._place_to_go(step.walk, dt, now)
+                    wanted_speed = self._steer(self._going, step.speed, dt, X_WB, before)
+                break
+            self._next()
+        change = ACCELERATION_MPS2 * dt
+        braking = 3 * change  # one stops quicker than one sets off
+        self.speed += min(max(wanted_speed - self.speed, -braking), change)
+        if self.speed > 0 and not self._done and self.config.script[self._step].walk is not None:
+            happenings += self._walk(self._going, dt, now)
+        else:
+            self.speed = 0.0
+        self._stride += min(max(min(1.0, self.speed / 1.3) - self._stride, -3 * dt), 3 * dt)
+        self._look(look, dt, X_WB)
+        return happenings
+
+    def _begin(self, step: StepConfig, now: float) -> list[Happening]:
+        if step.say is not None:
+            return [Happening("speech", step.say, step.gain_db, now)]
+        if step.clap is not None:
+            times = [now + CLAP_RAISE_S + number * step.every for number in range(step.clap)]
+            self._claps += times
+            return [Happening("clap", "clap", step.gain_db, time) for time in times]
+        return []
+
+    def _finished(self, step: StepConfig, now: float, X_WB: Pose2) -> bool:
+        assert self._since is not None
+        if step.walk is not None:
+            return math.dist(step.walk, (self.x, self.y)) < REACHED_M
+        if step.wait is not None:
+            return now - self._since >= step.wait
+        if step.wait_for_robot is not None:
+            near = math.dist(step.wait_for_robot, (X_WB.x, X_WB.y)) <= step.within
+            return near or now - self._since >= step.at_most
+        if step.clap is not None:
+            return now - self._since >= 2 * CLAP_RAISE_S + (step.clap - 1) * step.every
+        return True
+
+    def _next(self) -> None:
+        self._since = None
+        self._step += 1
+        if self._step == len(self.config.script):
+            self._step = 0
+            self._done = not self.config.repeat
+
+    def _place_to_go(self, walk: tuple[float, float], dt: float, now: float) -> tuple[float, float]:
+        """The step's point ``walk``, or a place back along the way they came, for who gives way to the robot."""
+        if self._back is not None and now < self._back_until:
+            return self._back
+        self._back = None
+        self._waited_s = self._waited_s + dt if self.waiting_for_robot else 0.0
+        patience = self.config.gives_way_s
+        if patience is None or self._waited_s < patience:
+            return walk
+        before, last = self._came  # from the last turn, or, just round that, from the one before
+        came = last if math.dist(last, (self.x, self.y)) > ALMOST_THERE_M else before
+        way = math.dist(came, (self.x, self.y))
+        if way < ALMOST_THERE_M:
+            return walk
+        share = min(1.0, BACK_M / way)
+        self._back = (self.x + share * (came[0] - self.x), self.y + share * (came[1] - self.y))
+        self._back_until, self._waited_s = now + BACK_S, 0.0
+        return self._back
+
+    def _steer(
+        self, place: tuple[float, float], speed: float, dt: float, X_WB: Pose2, before: Sequence[Actor]
+    ) -> float:
+        """Turn towards ``place``; return the speed to walk at now, ``speed`` at most."""
+        dx, dy = place[0] - self.x, place[1] - self.y
+        left = math.hypot(dx, dy)
+        direction = math.atan2(dy, dx)
+        error = wrap_angle(direction - self.heading)
+        turn = TURN_RADPS * dt
+        self.heading = wrap_angle(self.heading + min(max(error, -turn), turn))
+        self.waiting_for_robot = self._in_the_way(direction, (X_WB.x, X_WB.y), ahead=1.15, aside=0.62)
+        if self.waiting_for_robot or abs(error) > math.radians(50):
+            return 0.0
+        if any(self._in_the_way(direction, (other.x, other.y), ahead=0.9, aside=0.45) for other in before):
+            return 0.0
+        return min(speed, math.sqrt(2 * ACCELERATION_MPS2 * left) + 0.02)
+
+    def _in_the_way(self, direction: float, other: tuple[float, float], ahead: float, aside: float) -> bool:
+        dx, dy = other[0] - self.x, other[1] - self.y
+        along = dx * math.cos(direction) + dy * math.sin(direction)
+        across = dy * math.cos(direction) - dx * math.sin(direction)
+        return 0.0 < along < ahead and abs(across) < aside
+
+    def _walk(self, target: tuple[float, float], dt: float, now: float) -> list[Happening]:
+        left = math.dist(target, (self.x, self.y))
+        if left < 1e-9:
+            return []
+        way = min(self.speed * dt, left)
+        self.x += way * (target[0] - self.x) / left
+        self.y += way * (target[1] - self.y) / left
+        step_m = gait.STEP * self.height_m * (0.4 + 0.6 * min(1.0, self.speed / 1.3))
+        before = math.floor(self._gait / math.pi)
+        self._gait += math.pi * way / step_m
+        return [Happening("steps", "", 0.0, now)] if math.floor(self._gait / math.pi) > before else []
+
+    def _look(self, look: Look, dt: float, X_WB: Pose2) -> None:
+        yaw = pitch = 0.0
+        if look != "ahead":
+            at = X_WB @ Pose2(0.05, 0.0, 0.0) if look == "robot" else Pose2(*look, 0.0)
+            dx, dy = at.x - self.x, at.y - self.y
+            whole = wrap_angle(math.atan2(dy, dx) - self.heading)
+            if self.speed == 0.0:
+                whole = self._turn_body(whole, dt)
+            yaw = min(max(whole, -HEAD_YAW), HEAD_YAW) if abs(whole) < math.radians(120) else 0.0
+            if look == "robot" and yaw:
+                rise = ROBOT_FACE_M - 0.93 * self.height_m
+                pitch = min(max(math.atan2(rise, math.hypot(dx, dy)), -HEAD_PITCH), HEAD_PITCH)
+        turn = HEAD_RADPS * dt
+        self._head_yaw += min(max(yaw - self._head_yaw, -turn), turn)
+        self._head_pitch += min(max(pitch - self._head_pitch, -turn / 2), turn / 2)
+
+    def _turn_body(self, error: float, dt: float) -> float:
+        """Let the body follow the eyes where the neck alone would have to turn far; return what is left to turn."""
+        if abs(error) > math.radians(35):
+            self._turning = True
+        elif abs(error) < math.radians(5):
+            self._turning = False
+        if not self._turning:
+            return error
+        turn = 0.6 * TURN_RADPS * dt
+        by = min(max(error, -turn), turn)
+        self.heading = wrap_angle(self.heading + by)
+        return wrap_angle(error - by)
+
+    def _clapping(self) -> tuple[float, float]:
+        """How far the arms are raised, and how far the palms are apart."""
+        if not self._claps:
+            return 0.0, 1.0
+        until, since = self._claps[0] - self._now, self._now - self._claps[-1]
+        raised = 1.0 - max(0.0, until, since) / CLAP_RAISE_S
+        nearest = min(abs(self._now - time) for time in self._claps)
+        return min(max(raised, 0.0), 1.0), min(1.0, nearest / 0.15)

@@ -1,0 +1,244 @@
+"""The world with the robot in it, as it lives: commands in, guard, physics, people, what is sensed out.
+
+One turn of the world is the same whoever keeps its time: the link's process in real time (``world_loop.py``), or the
+program's own clock (``lockstep.py``). Nothing here waits, draws or reads a clock; pictures and sound, which need
+threads and processes of their own, are the keeper's, who is called back at every step.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from app.messages import GroundTruth, JointState, LinkStatus, Odometry, SceneTruth, Twist
+from app.robots import guard
+from app.robots.config import RobotConfig
+from app.robots.model import load_model
+from app.robots.simulated import wire
+from app.robots.simulated.acoustics.soundscape import Soundscape
+from app.robots.simulated.body import TIMESTEP_S, build_simulation
+from app.robots.simulated.camera_models import lenses
+from app.robots.simulated.laser import Laser
+from app.robots.simulated.odometry import WheelOdometry, draw_true_base
+from app.robots.simulated.renderer import Snapshot, mocap_poses
+from app.robots.simulated.scenery.people import People
+from app.robots.simulated.scenery.scenario_config import ScenarioConfig
+from app.robots.simulated.scenery.scenario_state import Stage
+from app.robots.simulated.world_config import WorldConfig
+
+STEPS_PER_TURN = 2
+"""So many physical steps between two decisions of the guard: 250 a second."""
+
+
+class Schedule:
+    """When a stream of ``rate_hz`` is next due, in simulated seconds."""
+
+    def __init__(self, rate_hz: float) -> None:
+        self.period_s = 1.0 / rate_hz
+        self._next_s = 0.0
+
+    def ready(self, time_s: float) -> bool:
+        """Whether it is due now."""
+        return time_s + 1e-9 >= self._next_s
+
+    def due(self, time_s: float) -> bool:
+        """Whether it is due now; then the next time is a period on (a stream that fell behind skips, not hurries)."""
+        if not self.ready(time_s):
+            return False
+        self._next_s = max(self._next_s + self.period_s, time_s + 0.5 * self.period_s)
+        return True
+
+
+class LivingWorld:
+    """Builds the world with ``robot`` and the people of ``scenario`` in it. Stamps are the robot's clock (s).
+
+    ``send(stream, message)`` is given what is sensed, of the streams in ``wanted`` and those that always run.
+    ``soundscape`` is what a body with microphones is among; the keeper has it heard. Raises ConfigError for a body that
+    cannot be simulated, and for a sound there is not.
+    """
+
+    def __init__(
+        self,
+        robot: RobotConfig,
+        world: WorldConfig,
+        scenario: ScenarioConfig | None,
+        send: Callable[[str, object], None],
+        *,
+        wanted: Iterable[str] = (),
+        e_stop: str | None = None,
+    ) -> None:
+        streams = robot.streams
+        seeds = np.random.SeedSequence(robot.seed).spawn(8)
+        rngs = [np.random.default_rng(s) for s in seeds]  # one each, in an order that stays: new ones at the end
+        base_rng, odometry_rng, laser_rng, kinect_rng, self._joint_rng, imv_rng = rngs[:6]
+        self.robot = robot
+        self.eye_rngs = {"kinect": kinect_rng, "imv": imv_rng}
+        self.stage = Stage(scenario or ScenarioConfig(name="nobody"))
+        self._inhabited = scenario is not None
+        self.wanted = set(wanted)
+        self._send_out = send
+        base = draw_true_base(robot.base, base_rng)
+        self.simulation = build_simulation(robot, world, base, self.stage.actors)
+        self._people = People(self.simulation.model, self.stage.actors)
+        self.kinematics = load_model(robot.model)
+        self.soundscape: Soundscape | None = None
+        if streams.microphones is not None:
+            wheels = (robot.base.left_wheel_joint, robot.base.right_wheel_joint)
+            self.soundscape = Soundscape(
+                streams.microphones, robot.loudspeaker, world, self.kinematics, scenario, wheels, robot.seed
+            )
+        self._limits = robot.limits.guard()
+        self.state = guard.GuardState(e_stop=e_stop)
+        self._odometry = WheelOdometry(robot.base, odometry_rng)
+        names = self.simulation.joints
+        self._wheel_joints = (names.index(robot.base.left_wheel_joint), names.index(robot.base.right_wheel_joint))
+        rates = {
+            "odometry": streams.odometry.rate_hz,
+            "joints": streams.joints.rate_hz,
+            "status": streams.status.rate_hz,
+            "ground_truth": streams.odometry.rate_hz,
+            "scene_truth": streams.status.rate_hz,
+        }
+        self._laser: Laser | None = None
+        if streams.hokuyo is not None:
+            X_BL = self.kinematics.pose(streams.hokuyo.link)
+            self._laser = Laser(self.simulation, streams.hokuyo, X_BL, laser_rng)
+            rates["hokuyo"] = streams.hokuyo.rate_hz
+        for stream, camera in (("kinect", streams.kinect), ("imv", streams.imv)):
+            if camera is not None:
+                rates[stream] = camera.rate_hz
+        self._eyes = {stream: frame for stream, (frame, _) in lenses(robot).items()}
+        self._schedules = {name: Schedule(rate) for name, rate in rates.items()}
+        self._last_odometry_s = 0.0
+        self._last_seen: dict[str, float] = {}
+
+    @property
+    def eyes(self) -> tuple[str, ...]:
+        """The streams of the body's cameras."""
+        return tuple(self._eyes)
+
+    def accept(self, frame: object) -> None:
+        """Take one of ``wire``'s commands to the guard or demands of streams; anything else is passed over."""
+        match frame:
+            case wire.Drive(stamp, linear, angular):
+                self.state = guard.accept(self.state, guard.Command(stamp, guard.Velocity(linear, angular)))
+            case wire.EStop(reason):
+                self.state = guard.e_stop(self.state, reason)
+            case wire.ClearEStop():
+                self.state = guard.clear_e_stop(self.state)
+            case wire.Demand(stream, wanted):
+                (self.wanted.add if wanted else self.wanted.discard)(stream)
+                self._last_seen.pop(stream, None)
+
+    def turn(self, now: float, stamps: Iterable[float], also: Callable[[float], None]) -> guard.GuardAction:
+        """Decide at ``now`` what the wheels may be given, then step once for each of ``stamps``, sensing after each.
+
+        ``also(stamp)`` is called after each step, for what the keeper senses itself. Without a step a stop is given to
+        the wheels at once.
+        """
+        action = guard.decide(now, self.state, self._sensor_ages(now), self._limits)
+        simulation, steps = self.simulation, 0
+        for stamp in stamps:
+            steps += 1
+            self.state = guard.step(self.state, action, self._limits, TIMESTEP_S)
+            simulation.drive(self.state.applied)
+            simulation.step()
+            if self._inhabited and self.stage.advance(simulation.time_s, simulation.true_pose()):
+                self._people.pose(simulation.data)
+            self._sense(stamp)
+            also(stamp)
+        if steps == 0 and action.immediate:  # do not let a stop wait for the next step
+            self.state = guard.step(self.state, action, self._limits, 0.0)
+            simulation.drive(self.state.applied)
+        return action
+
+    def report(self, now: float, action: guard.GuardAction, world_rate: Callable[[], float]) -> None:
+        """Send the status if it is due."""
+        if not self._schedules["status"].due(self.simulation.time_s):
+            return
+        applied = self.state.applied
+        status = LinkStatus(
+            stamp=now,
+            guard=action.mode.value,
+            reason=action.reason,
+            e_stopped=self.state.e_stop is not None,
+            command_age_s=guard.command_age(self.state, now),
+            applied=Twist(now, applied.linear_mps, applied.angular_radps),
+            world_rate=world_rate(),
+        )
+        self.send("status", status, now)
+
+    def end(self) -> None:
+        """Stop the wheels."""
+        self.simulation.drive(guard.ZERO)
+        self.simulation.step()
+
+    def send(self, stream: str, message: object, seen: float) -> None:
+        """Give out ``message``, its stream last having spoken at ``seen``."""
+        self.saw(stream, seen)
+        self._send_out(stream, message)
+
+    def saw(self, stream: str, seen: float) -> None:
+        """Note that ``stream`` has spoken at ``seen``: the guard watches the age of sensors."""
+        self._last_seen[stream] = seen
+
+    def looks(self, stream: str) -> bool:
+        """Whether a picture of ``stream`` is wanted and due."""
+        return stream in self.wanted and self._schedules[stream].ready(self.simulation.time_s)
+
+    def look(self, stream: str, stamp: float) -> Snapshot | None:
+        """What the camera of ``stream`` is to draw now, None where no picture is wanted or due."""
+        if stream not in self.wanted or not self._schedules[stream].due(self.simulation.time_s):
+            return None
+        measured = dict(zip(self.simulation.joints, self._measured_joints(), strict=True))
+        X_BC = self.kinematics.pose(self._eyes[stream], measured)
+        data = self.simulation.data
+        return Snapshot(stamp, data.qpos.copy(), mocap_poses(data), X_BC)
+
+    def rims(self) -> tuple[float, float]:
+        """Speeds (m/s) of the left and the right wheel's rim."""
+        base, velocity = self.robot.base, self.simulation.true_velocity()
+        turn = velocity.angular_radps * base.track_m / 2
+        return velocity.linear_mps - turn, velocity.linear_mps + turn
+
+    def _sensor_ages(self, now: float) -> dict[str, float]:
+        """Ages (s) of the sensors the base must not drive without, of those that are wanted and have spoken once."""
+        return {
+            name: now - self._last_seen[name] for name in self.robot.limits.required_sensors if name in self._last_seen
+        }
+
+    def _sense(self, stamp: float) -> None:
+        time_s, schedules, wanted = self.simulation.time_s, self._schedules, self.wanted
+        if schedules["odometry"].due(time_s):
+            self._send_odometry(stamp, time_s)
+        if schedules["joints"].due(time_s):
+            positions = tuple(float(p) for p in self._measured_joints())
+            self.send("joints", JointState(stamp, self.simulation.joints, positions), stamp)
+        if "ground_truth" in wanted and schedules["ground_truth"].due(time_s):
+            speed = self.simulation.true_velocity()
+            truth = GroundTruth(stamp, self.simulation.true_pose(), speed.linear_mps, speed.angular_radps)
+            self.send("ground_truth", truth, stamp)
+        if "scene_truth" in wanted and schedules["scene_truth"].due(time_s):
+            sounds = () if self.soundscape is None else self.soundscape.truth(time_s, stamp, self.stage)
+            self.send("scene_truth", SceneTruth(stamp, self.stage.people, sounds), stamp)
+        if self._laser is not None and "hokuyo" in wanted:
+            if not self._laser.sweeping and schedules["hokuyo"].due(time_s):
+                self._laser.begin(stamp)
+            if self._laser.sweeping and (scan := self._laser.advance(stamp)) is not None:
+                self.send("hokuyo", scan, stamp)
+
+    def _measured_joints(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+        true = self.simulation.joint_positions()
+        return true + self.robot.streams.joints.noise_rad * self._joint_rng.standard_normal(true.size)
+
+    def _send_odometry(self, stamp: float, time_s: float) -> None:
+        positions = self.simulation.joint_positions()
+        left, right = (float(positions[index]) for index in self._wheel_joints)
+        if not (math.isfinite(left) and math.isfinite(right)):
+            return  # broken encoders: the guard sees the stream age
+        self._odometry.update(left, right, time_s - self._last_odometry_s)
+        self._last_odometry_s = time_s
+        odometry = Odometry(stamp, self._odometry.X_OB, self._odometry.linear_mps, self._odometry.angular_radps)
+        self.send("odometry", odometry, stamp)

@@ -1,0 +1,70 @@
+"""Kernels are found, compiled once, and known to be compiled."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.base import compiled
+
+
+def test_files_with_kernels_are_found() -> None:
+    names = compiled.kernel_modules()
+    assert "app.modules.perception.slam.scan_matching" in names
+    assert "app.base.compiled" not in names
+
+
+@pytest.mark.parametrize(
+    ("text", "has"),
+    [
+        ("from app.base.compiled import kernel", True),
+        ("if True:\n    from app.base.compiled import kernel as k, make_ready", True),
+        ("from app.base.compiled import (\n    kernel,\n    make_ready,\n)", True),
+        ("from app.base.compiled import make_ready", False),
+        ("from app.base.compiled import (\n    kernel_modules,\n)\nkernel = 1", False),
+        ("from app.base.compiled import kernel_modules, make_ready  # and no other\n", False),
+        ('"""Not so: from app.base.compiled import kernel"""', False),
+    ],
+)
+def test_a_file_with_kernels_imports_what_makes_them(text: str, has: bool, tmp_path: Path) -> None:
+    (tmp_path / "file.py").write_text(text)
+    assert compiled._has_kernel(tmp_path / "file.py") is has
+
+
+def test_what_changed_is_compiled_again_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compiled, "_stamp_file", lambda: tmp_path / "made" / "kernels.sha256")
+    names = ["app.modules.perception.slam.scan_matching", "app.modules.perception.slam.correlative_matching"]
+    monkeypatch.setattr(compiled, "kernel_modules", lambda: names)
+    told: list[str] = []
+    assert not compiled.is_ready()
+    compiled.compile_all(told.append)
+    assert compiled.is_ready()
+    assert sorted(text.split()[1] for text in told) == names
+    digest = compiled._digest
+    monkeypatch.setattr(compiled, "_digest", lambda name: "other" if name == names[1] else digest(name))
+    assert not compiled.is_ready()
+    compiled.compile_all(told.append)
+    assert told[2:] == [f"compiled {names[1]} (1 of 1)"]
+
+
+def test_a_file_that_cannot_be_compiled_keeps_no_other_from_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compiled, "_stamp_file", lambda: tmp_path / "kernels.sha256")
+    names = ["app.no_such_file", "app.modules.perception.slam.correlative_matching"]
+    monkeypatch.setattr(compiled, "kernel_modules", lambda: names)
+    monkeypatch.setattr(compiled, "_digest", lambda name: "now")
+    told: list[str] = []
+    with pytest.raises(ModuleNotFoundError, match="no_such_file"):
+        compiled.compile_all(told.append)
+    assert [text.split()[1] for text in told] == names[1:]
+    assert compiled._missing() == names[:1]
+
+
+def test_kernels_leave_the_interpreters_lock_and_are_kept() -> None:
+    from app.modules.perception.slam import scan_matching
+
+    dispatcher: Any = scan_matching._fit
+    assert dispatcher.targetoptions["nogil"]
+    assert len(dispatcher.signatures) == 1
+    assert Path(dispatcher._cache.cache_path).is_dir()

@@ -1,0 +1,253 @@
+"""The lease, by stepping time."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.console.drive.drive_lease import (
+    HOLD_GAP_S,
+    IDLE_AFTER_S,
+    LOST_AFTER_S,
+    Action,
+    Command,
+    Connected,
+    Drive,
+    EmergencyStop,
+    Event,
+    Garbled,
+    Gone,
+    Heard,
+    Lease,
+    ReleaseControl,
+    TakeControl,
+    Tell,
+    Tick,
+    deadline,
+    step,
+)
+
+STOP_ANN = Command("Ann", False, 0.0, 0.0)
+
+
+class Story:
+    """Two pages, Ann's and Bob's, and what happened."""
+
+    def __init__(self) -> None:
+        self.lease = Lease()
+        self.now = 100.0
+        self.sequence = 0
+        self.do(Connected("a", "Ann"))
+        self.do(Connected("b", "Bob"))
+
+    def do(self, event: Event, after: float = 0.0) -> tuple[Action, ...]:
+        self.now += after
+        self.lease, actions = step(self.lease, self.now, event)
+        return actions
+
+    def hold(self, session: str = "a", linear: float = 0.5, angular: float = 0.0, after: float = 0.05) -> list[Action]:
+        self.sequence += 1
+        return list(self.do(Drive(session, self.sequence, True, linear, angular), after))
+
+    def release(self, session: str = "a") -> list[Action]:
+        self.sequence += 1
+        return list(self.do(Drive(session, self.sequence, False, 0.0, 0.0), 0.05))
+
+
+def commands(actions: tuple[Action, ...] | list[Action]) -> list[Command]:
+    return [action for action in actions if isinstance(action, Command)]
+
+
+def told(actions: tuple[Action, ...] | list[Action]) -> list[str]:
+    return [action.session for action in actions if isinstance(action, Tell)]
+
+
+def test_the_first_held_drive_takes_the_wheel() -> None:
+    story = Story()
+    assert story.release() == []
+    assert story.lease.driver is None
+    assert story.hold() == [Command("Ann", True, 0.5, 0.0)]
+    assert story.lease.driver == "a"
+    assert story.release() == [STOP_ANN]
+    assert story.release() == []
+    assert story.lease.driver == "a"
+
+
+def test_another_is_refused_and_told_once_for_each_hold() -> None:
+    story = Story()
+    story.hold()
+    first = story.hold("b")
+    assert commands(first) == []
+    assert told(first) == ["b"]
+    assert story.hold("b") == []
+    story.release("b")
+    assert told(story.hold("b")) == ["b"]
+    assert story.hold() == [Command("Ann", True, 0.5, 0.0)]
+
+
+def test_a_refused_hold_does_not_drive_off_when_the_wheel_falls_free() -> None:
+    story = Story()
+    story.hold()
+    story.hold("b")
+    assert commands(story.do(ReleaseControl("a"))) == [STOP_ANN]
+    assert story.hold("b") == []
+    story.release("b")
+    assert commands(story.hold("b")) == [Command("Bob", True, 0.5, 0.0)]
+
+
+def test_taking_control_stops_first_then_tells() -> None:
+    story = Story()
+    story.hold()
+    actions = story.do(TakeControl("b"))
+    assert actions[0] == STOP_ANN
+    assert told(actions) == ["a", "b"]
+    assert story.lease.driver == "b"
+    assert commands(story.hold("a")) == []
+    assert story.hold("b") == [Command("Bob", True, 0.5, 0.0)]
+
+
+def test_the_end_of_the_connection_stops_at_once() -> None:
+    story = Story()
+    story.hold()
+    assert story.do(Gone("a")) == (STOP_ANN,)
+    assert story.lease.driver is None
+    assert "a" not in story.lease.operators
+
+
+def test_a_spectator_who_leaves_stops_nobody() -> None:
+    story = Story()
+    story.hold()
+    assert story.do(Gone("b")) == ()
+    assert story.lease.driver == "a"
+
+
+def test_silence_while_held_stops_and_words_go_on() -> None:
+    story = Story()
+    story.hold()
+    assert deadline(story.lease) == pytest.approx(story.now + HOLD_GAP_S)
+    assert story.do(Tick(), HOLD_GAP_S - 0.01) == ()
+    assert story.do(Tick(), 0.01) == (STOP_ANN,)
+    assert story.lease.driver == "a"
+    assert story.hold() == [Command("Ann", True, 0.5, 0.0)]
+
+
+def test_a_driver_who_says_nothing_at_all_is_lost() -> None:
+    story = Story()
+    story.hold()
+    story.release()
+    assert deadline(story.lease) == pytest.approx(story.now + LOST_AFTER_S)
+    story.do(Heard("a"), 0.9)
+    story.do(Tick(), 0.9)
+    assert story.lease.driver == "a"
+    story.do(Tick(), 0.1)
+    assert story.lease.driver is None
+
+
+def test_a_driver_who_holds_nothing_for_long_gives_up_the_wheel() -> None:
+    story = Story()
+    story.hold()
+    story.release()
+    held = story.lease.last_held
+    while story.now + 0.5 < held + IDLE_AFTER_S:
+        story.do(Heard("a"), 0.5)
+        story.do(Tick())
+        assert story.lease.driver == "a"
+    story.do(Heard("a"), 0.5)
+    story.do(Tick(), 0.2)
+    assert story.lease.driver is None
+    assert deadline(story.lease) == math.inf
+
+
+@pytest.mark.parametrize(("linear", "angular"), [(1.01, 0), (0, -2), (math.nan, 0), (0, math.inf)])
+def test_what_is_out_of_range_is_refused_and_stops(linear: float, angular: float) -> None:
+    story = Story()
+    assert commands(story.hold(linear=linear, angular=angular)) == []
+    assert story.lease.driver is None
+    story.release()
+    story.hold()
+    actions = story.hold(linear=linear, angular=angular)
+    assert commands(actions) == [STOP_ANN]
+    assert told(actions) == ["a"]
+    # That hold is over.
+    assert story.hold() == []
+
+
+def test_what_cannot_be_read_stops_who_drives() -> None:
+    story = Story()
+    story.hold()
+    assert commands(story.do(Garbled("b"))) == []
+    actions = story.do(Garbled("a"))
+    assert commands(actions) == [STOP_ANN]
+    assert told(actions) == ["a"]
+
+
+def test_the_emergency_stop_ends_the_hold_until_pressed_again() -> None:
+    story = Story()
+    story.hold()
+    actions = story.do(EmergencyStop(True))
+    assert commands(actions) == [STOP_ANN]
+    assert told(actions) == ["a"]
+    assert story.hold() == []
+    assert told(story.hold("b")) == ["b"]
+    assert story.do(EmergencyStop(True)) == ()
+    assert story.do(EmergencyStop(False)) == ()
+    assert story.hold() == []
+    story.release()
+    assert story.hold() == [Command("Ann", True, 0.5, 0.0)]
+
+
+def test_an_older_command_does_not_come_back() -> None:
+    story = Story()
+    story.hold(linear=1.0)
+    assert story.do(Drive("a", 0, True, -1.0, 0.0)) == ()
+
+
+sessions = st.sampled_from(["a", "b", "c"])
+axis = st.one_of(st.floats(-1, 1), st.sampled_from([math.nan, 1.5, -math.inf]))
+events = st.one_of(
+    st.builds(Connected, sessions, st.just("somebody")),
+    st.builds(Gone, sessions),
+    st.builds(Heard, sessions),
+    st.builds(Drive, sessions, st.integers(0, 50), st.booleans(), axis, axis),
+    st.builds(Garbled, sessions),
+    st.builds(TakeControl, sessions),
+    st.builds(ReleaseControl, sessions),
+    st.builds(EmergencyStop, st.booleans()),
+    st.just(Tick()),
+)
+
+
+@given(st.lists(st.tuples(events, st.floats(0, 2)), max_size=60))
+def test_whatever_happens_nothing_moves_without_a_fresh_hold(story: list[tuple[Event, float]]) -> None:
+    """The robot was told to move only by its driver, in range, and is stopped by each deadline and each change."""
+    lease, now = Lease(), 0.0
+    moving = False
+    for event, wait in story:
+        # Ticks come when they are due, as the shell's timer has it.
+        while (due := deadline(lease)) <= now + wait:
+            now = max(now, due)
+            lease, actions = step(lease, now, Tick())
+            moving = commands(actions)[-1].held if commands(actions) else moving
+            assert deadline(lease) > now
+        now += wait
+        if not isinstance(event, Connected | EmergencyStop | Tick) and event.session not in lease.operators:
+            continue
+        before = lease
+        lease, actions = step(lease, now, event)
+        for command in commands(actions):
+            moving = command.held
+            assert abs(command.linear) <= 1
+            assert abs(command.angular) <= 1
+            if command.held:
+                assert isinstance(event, Drive)
+                assert event.held
+                assert lease.driver == event.session
+                assert not lease.e_stopped
+        assert moving == lease.moving
+        assert not (lease.moving and lease.e_stopped)
+        assert lease.driver is None or lease.driver in lease.operators
+        if before.driver != lease.driver and before.moving:
+            assert any(not command.held for command in commands(actions))

@@ -1,0 +1,132 @@
+"""What the camera knows of a place goes with its map."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.base.geometry import Pose2
+from app.maps.control import Files, MapControl, MapUnavailable
+from app.maps.library import MapLibrary
+from app.messages import Zone
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import ThingsMemory
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_store import THINGS, ThingsKept
+from tests.modules.behaviors.driven_world import box, mapped
+from tests.modules.behaviors.navigation.maps import ROUND
+
+GRID = mapped(box(0.1, 0.1, 3.9, 3.9), (0.0, 0.0, 4.0, 4.0))
+
+
+class Keeper:
+    """Keeps maps in ``library`` and does nothing else."""
+
+    def __init__(self, library: MapLibrary) -> None:
+        self.library = library
+        self.name = ""
+
+    async def save(self, name: str, others: Files | None = None) -> None:
+        await compute(self.library.keep, name, GRID, (), others, self.name)
+        self.name = name
+
+    async def load(self, name: str, X_MB: Pose2 | None = None, extend: bool = False) -> None:
+        if name not in await compute(self.library.names):
+            raise MapUnavailable(f"there is no map {name}")
+        self.name = name
+
+    async def begin(self) -> None:
+        self.name = ""
+
+    async def place(self, X_MB: Pose2) -> None: ...
+
+    async def search(self) -> None: ...
+
+    async def mark(self, zones: tuple[Zone, ...]) -> None: ...
+
+
+async def compute(function: Callable[..., Any], *args: Any) -> Any:
+    return await asyncio.to_thread(function, *args)
+
+
+def layer_of(things: ThingsMemory, library: MapLibrary) -> ThingsKept:
+    return ThingsKept(things, library, compute, compute, logging.getLogger("test"))
+
+
+def there(x: float, y: float) -> ThingsMemory:
+    things = ThingsMemory(ROUND, 1.4)
+    things.felt(np.array([[x, y]]), 1.0)
+    return things
+
+
+async def test_it_is_kept_loaded_and_forgotten_with_the_map(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    library, control = MapLibrary(tmp_path), MapControl()
+    control.attach(Keeper(library))
+    things = ThingsMemory(ROUND, 1.4)
+    leave = await control.add(layer_of(things, library))
+    things.felt(np.array([[1.0, 2.0]]), 1.0)
+    await control.keeper.save("hall")
+    await control.keeper.begin()
+    assert not len(things.points)
+    await control.keeper.save("empty")
+    with pytest.raises(MapUnavailable, match="attic"):
+        await control.keeper.load("attic")
+    await control.keeper.load("hall")
+    assert things.points == pytest.approx(np.array([[1.0, 2.0]]), abs=0.05)
+    await control.keeper.load("empty")
+    assert not len(things.points)
+    await compute((library.path("hall") / THINGS).write_bytes, b"broken")
+    await control.keeper.load("hall")
+    assert control.keeper.name == "hall"
+    leave()
+    things.felt(np.array([[1.0, 2.0]]), 1.0)
+    await control.keeper.begin()
+    assert len(things.points), "who left is asked no more"
+    assert "low things on the map hall are not known" in caplog.text
+
+
+async def test_after_a_restart_it_is_read_again_whoever_is_there_first(tmp_path: Path) -> None:
+    library = MapLibrary(tmp_path)
+    keeper = Keeper(library)
+    await keeper.save("hall", await layer_of(there(1.0, 2.0), library).files())
+    for keeper_first in (True, False):
+        control, anew = MapControl(), ThingsMemory(ROUND, 1.4)
+        if keeper_first:
+            await control.resume("hall", same=False)
+            control.attach(keeper)
+        await control.add(layer_of(anew, library))
+        if not keeper_first:
+            await control.resume("hall", same=False)
+            control.attach(keeper)
+        assert len(anew.points) == 1
+
+
+async def test_it_is_not_lost_by_saving_without_whoever_knows_it_nor_by_a_full_disk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    library, control = MapLibrary(tmp_path), MapControl()
+    control.attach(Keeper(library))
+    leave = await control.add(layer_of(things := ThingsMemory(ROUND, 1.4), library))
+    things.felt(np.array([[1.0, 2.0]]), 1.0)
+    await control.keeper.save("hall")
+    whole = (library.path("hall") / THINGS).read_bytes()
+
+    def full(*_: Any, **__: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("numpy.savez_compressed", full)
+        with pytest.raises(OSError, match="No space"):
+            await control.keeper.save("hall")
+    assert (library.path("hall") / THINGS).read_bytes() == whole
+    leave()
+    await control.keeper.save("hall")
+    await control.keeper.save("ground-floor")
+    assert (library.path("ground-floor") / THINGS).read_bytes() == whole
+    await control.keeper.begin()
+    await control.keeper.save("hall")
+    assert not (library.path("hall") / THINGS).exists(), "it is another map"

@@ -1,0 +1,108 @@
+"""The program's configuration: what cannot be is named with file, line and key, before anything is built."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from app.base import paths
+from app.base.errors import ConfigError
+from app.program.config import Configuration, load_configuration
+from app.runtime.graph import Graph
+from app.runtime.module import Module
+
+PROGRAM = """\
+robot: robot.yaml
+channels: channels.yaml
+strategies: [strategies.yaml]
+modules:
+  Echo:
+    class: tests.program.test_config:Echo
+    inputs: {}
+"""
+
+
+class Echo(Module):
+    """A module without ports."""
+
+
+def written(folder: Path, program: str = PROGRAM, channels: str = "scan: {type: LaserScan, rate_hz: 40}\n") -> Path:
+    """A program's files in ``folder``."""
+    for name, text in {
+        "program.yaml": program,
+        "channels.yaml": channels,
+        "robot.yaml": "",
+        "strategies.yaml": "",
+    }.items():
+        (folder / name).write_text(text)
+    return folder / "program.yaml"
+
+
+def refused(folder: Path, program: str = PROGRAM, channels: str | None = None) -> ConfigError:
+    """The error that loading raises."""
+    path = written(folder, program) if channels is None else written(folder, program, channels)
+    with pytest.raises(ConfigError) as raised:
+        load_configuration(path)
+    return raised.value
+
+
+def test_the_lab_is_in_order() -> None:
+    configuration = load_configuration(paths.config_dir() / "lab.yaml")
+    assert {"Kinect", "Teleop", "MobileBaseControl"} <= set(configuration.program.modules)
+    assert configuration.channels["scan"].rate_hz == 40
+    assert configuration.path(configuration.program.robot).is_file()
+
+
+def test_every_module_of_the_lab_has_a_budget() -> None:
+    modules = load_configuration(paths.config_dir() / "lab.yaml").program.modules
+    assert [name for name, spec in modules.items() if spec.cpu_budget is None] == []
+
+
+def test_a_misspelt_key_is_found_at_its_line(tmp_path: Path) -> None:
+    error = refused(tmp_path, PROGRAM.replace("    inputs: {}", "    input: {}"))
+    assert (error.line, error.key) == (7, "modules.Echo.input")
+    assert "inputs" in error.message
+
+
+def test_a_missing_file_is_named_where_it_is_asked_for(tmp_path: Path) -> None:
+    error = refused(tmp_path, PROGRAM.replace("[strategies.yaml]", "[strategies.yaml, more.yaml]"))
+    assert error.line == 3
+    assert "more.yaml" in error.message
+
+
+def test_a_channel_that_cannot_be_is_found_in_its_own_file(tmp_path: Path) -> None:
+    error = refused(tmp_path, channels="scan:\n  type: LaserScan\n  rate_hz: -1\n")
+    assert (Path(error.file).name, error.line) == ("channels.yaml", 3)
+    assert "greater than 0" in error.message
+
+
+@pytest.mark.parametrize(
+    ("program", "channels", "file", "line", "words"),
+    [
+        (PROGRAM.replace(":Echo", ":Ecco"), "{}", "program.yaml", 6, "is not a module class"),
+        (PROGRAM.replace("inputs: {}", "inputs: {ear: scan}"), "{}", "program.yaml", 7, "no input 'ear'"),
+        (PROGRAM, "scan:\n  type: LaserScam\n", "channels.yaml", 2, "LaserScam"),
+    ],
+)
+def test_a_wiring_mistake_is_found_in_the_file_it_stands_in(
+    tmp_path: Path, program: str, channels: str, file: str, line: int, words: str
+) -> None:
+    configuration = load_configuration(written(tmp_path, program, channels))
+    with pytest.raises(ConfigError) as raised:
+        built(configuration)
+    assert (Path(raised.value.file).name, raised.value.line) == (file, line)
+    assert words in raised.value.message
+
+
+def built(configuration: Configuration) -> Graph:
+    """The graph of a configuration."""
+    from app.runtime.clock import RealClock
+
+    return Graph(
+        clock=RealClock(),
+        channels=configuration.channels,
+        modules=configuration.program.modules,
+        services={},
+        error=configuration.wiring_error,
+    )

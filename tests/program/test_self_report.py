@@ -1,0 +1,102 @@
+"""What the program tells of itself, channel by channel."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import logging
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.attention.desires import Source
+from app.messages import DesiresRecord, Divisors, EventRecord, IntentionRecord, LoadRecord, LogLine, ModuleRecord
+from app.program.config import load_configuration
+from app.program.self_report import SelfReport
+from app.program.system import System
+from app.runtime.channel import Subscription
+from app.runtime.load import Load
+from tests.console.program import Body, build
+from tests.patience import PATIENCE_S
+
+CHANNELS = """\
+workspace: {type: DesiresRecord, external: true}
+intention: {type: IntentionRecord, external: true}
+divisors: {type: Divisors, external: true}
+load: {type: LoadRecord, external: true}
+module_states: {type: ModuleRecord, external: true}
+events: {type: EventRecord, external: true}
+log: {type: LogLine, external: true}
+"""
+OPERATOR = Source("operator", "a person")
+
+
+@pytest.fixture
+def system(tmp_path: Path) -> System:
+    build(tmp_path)
+    table = tmp_path / "channels.yaml"
+    table.write_text(table.read_text(encoding="utf-8") + CHANNELS, encoding="utf-8")
+    return System(load_configuration(tmp_path / "program.yaml"), link=Body())
+
+
+def listen(system: System, channel: str) -> Subscription[Any]:
+    return system.graph.channel(channel).subscribe("test", capacity=100)
+
+
+async def until(subscription: Subscription[Any], wanted: Any) -> Any:
+    """The first message that ``wanted`` says yes to."""
+    async with asyncio.timeout(PATIENCE_S):
+        while not wanted(message := await subscription.receive()):
+            pass
+        return message
+
+
+async def test_a_desire_is_told_with_the_intention_and_the_divisors_that_follow(system: System) -> None:
+    desires, intentions, divisors, events = (
+        listen(system, n) for n in ("workspace", "intention", "divisors", "events")
+    )
+    async with system:
+        system.workspace.add("Telepresence", intensity=4, utility=1, params={"max_points": 2000}, source=OPERATOR)
+        told = await until(desires, lambda m: m.desires)
+        assert isinstance(told, DesiresRecord)
+        (desire,) = told.desires
+        assert (desire.cls, desire.source_kind, desire.expires) == ("Telepresence", "operator", math.inf)
+        assert json.loads(desire.params)["max_points"] == 2000
+        intention = await until(intentions, lambda m: "picture-fast" in m.strategies)
+        assert isinstance(intention, IntentionRecord)
+        assert dict(zip(intention.resources, intention.used, strict=True)) == {"cpu": 40.0}
+        assert {r.cls: r.state for r in intention.reasons} == {"Telepresence": "fulfilled"}
+        moved = await until(divisors, lambda m: sum(map(math.isfinite, m.divisors)) == 2)
+        assert isinstance(moved, Divisors)
+        now = dict(zip(moved.filters, moved.divisors, strict=True))
+        opened = {"CameraStream.images": 1, "PointCloudBuilder.images": 3}
+        assert now == {"AudioStream.audio": math.inf, "Teleop.twist": math.inf, **opened}
+        event = await until(events, lambda m: m.kind == "intention")
+        assert isinstance(event, EventRecord)
+        assert json.loads(event.data)["on"] == ["picture-fast"]
+
+
+async def test_modules_load_and_log_lines_are_told(system: System) -> None:
+    modules, loads, lines = (listen(system, n) for n in ("module_states", "load", "log"))
+    async with system:
+        running = await until(modules, lambda m: m.module == "Teleop" and m.status == "running")
+        assert isinstance(running, ModuleRecord)
+        await asyncio.to_thread(logging.getLogger("hbba.Teleop").warning, "heard in a %s", "thread")
+        line = await until(lines, lambda m: m.source == "hbba.Teleop")
+        assert line == LogLine(line.stamp, logging.WARNING, "hbba.Teleop", "heard in a thread")
+        load = await until(loads, lambda m: True)
+        assert isinstance(load, LoadRecord)
+        assert len(load.modules) == len(load.cpu) == len(system.graph.modules)
+
+
+async def test_after_its_end_nothing_is_told_and_no_logger_remembers_it(system: System) -> None:
+    before = list(logging.getLogger().handlers)
+    async with system:
+        assert len(logging.getLogger().handlers) == len(before) + 1
+    assert logging.getLogger().handlers == before
+
+
+def test_channels_that_are_not_there_are_not_missed() -> None:
+    SelfReport({}, lambda: 0.0, dict).load(Load(1.0, 1.0, {"A": 2.0}, 3.0))

@@ -1,0 +1,89 @@
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from app.messages import Twist
+from app.runtime.channel import Channel
+from app.runtime.hang_detector import ProgressWatch
+from app.runtime.ports import Input
+
+
+class Stage:
+    """An input port, timers and a clock turned by hand."""
+
+    def __init__(self, limit_s: float = 1.0) -> None:
+        self.now = 100.0
+        channel = Channel("numbers", Twist, lambda: self.now)
+        self.port: Input[Any] = Input("M", "numbers", Twist, 1, False, False)
+        self.port.connect(channel, 1)
+        self.channel = channel
+        self.ticks: dict[str, tuple[float, float]] = {}
+        unwired: Input[Any] = Input("M", "other", Twist, 1, False, False)
+        self.watch = ProgressWatch((self.port, unwired), self.ticks, limit_s, self.now)
+
+    def pass_time(self, seconds: float, step_s: float = 0.1) -> str | None:
+        stuck = None
+        for _ in range(round(seconds / step_s)):
+            self.now += step_s
+            stuck = stuck or self.watch.look(self.now)
+        return stuck
+
+    def publish(self) -> None:
+        self.channel.publish(Twist(self.now, 0.0, 0.0))
+
+
+def test_waiting_messages_that_nobody_takes_mean_stuck() -> None:
+    stage = Stage()
+    assert stage.pass_time(10) is None
+    stage.publish()
+    assert stage.pass_time(1.0) is None
+    stuck = stage.pass_time(0.3)
+    assert stuck is not None
+    assert stuck.startswith("messages wait at numbers and none was taken for 1.")
+
+
+def test_a_slow_consumer_that_takes_now_and_then_is_not_stuck() -> None:
+    stage = Stage()
+    for _ in range(20):
+        stage.publish()
+        assert stage.pass_time(0.9) is None
+        stage.port.subscription.receive_nowait()
+
+
+def test_a_newer_message_does_not_hide_that_none_is_taken() -> None:
+    stage = Stage()
+    stuck = None
+    for _ in range(15):
+        stage.publish()
+        stuck = stuck or stage.pass_time(0.1)
+    assert stuck is not None
+
+
+def test_closing_the_filter_is_not_progress_and_not_a_fault() -> None:
+    stage = Stage()
+    stage.publish()
+    assert stage.pass_time(0.9) is None
+    stage.port.subscription.filter.divisor = float("inf")
+    assert stage.pass_time(10) is None
+
+
+def test_nobody_is_blamed_for_time_in_which_the_loop_stood_still() -> None:
+    stage = Stage()
+    stage.publish()
+    assert stage.pass_time(0.1) is None
+    # Another module blocked the loop for 5 s: nobody could have taken anything.
+    assert stage.pass_time(5, step_s=5) is None
+    assert stage.pass_time(0.7) is None
+    assert stage.pass_time(0.4) is not None
+
+
+@pytest.mark.parametrize(("period_s", "limit_s"), [(0.01, 1.0), (0.5, 5.0)])
+def test_a_timer_is_stuck_after_ten_periods_but_not_before_the_limit(period_s: float, limit_s: float) -> None:
+    stage = Stage()
+    stage.ticks["beat-0"] = (stage.now, period_s)
+    assert stage.pass_time(limit_s) is None
+    stuck = stage.pass_time(0.3)
+    assert stuck is not None
+    assert stuck.startswith("its periodic beat-0 did not come round for")
