@@ -65,7 +65,7 @@ class Subscription(Generic[M]):
     __slots__ = (
         "_age_s", "_attended", "_capacity", "_closed", "_discarded", "_dropped", "_inbox", "_now",
         "_on_close", "_on_filter", "_overflowed", "_passed", "_received", "_senders", "_waiter",
-        "filter", "lossless", "name", "taken",
+        "demands", "filter", "lossless", "name", "taken",
     )  # fmt: skip
 
     def __init__(
@@ -85,6 +85,8 @@ class Subscription(Generic[M]):
         self._now = now
         self._capacity = capacity
         self.lossless = lossless
+        #: Whether the channel is wanted while the filter is open; see :meth:`demand`.
+        self.demands = True
         self._on_filter = on_filter
         self._on_close = on_close
         self._inbox: deque[M] = deque()
@@ -198,6 +200,12 @@ class Subscription(Generic[M]):
             timer.cancel()
             self._senders.pop(sender, None)
 
+    def demand(self, demands: bool) -> None:
+        """Whether the channel is ``wanted`` for this consumer; it is given what is published either way."""
+        if demands != self.demands:
+            self.demands = demands
+            self._on_filter()
+
     def close(self) -> None:
         """Leave the channel; what waits can still be received, then ChannelClosed is raised. May be called twice."""
         if not self._closed:
@@ -310,16 +318,20 @@ class Channel(Generic[M]):
             if not in_time and (full := ", ".join(s.name for s in self._lossless if not s.has_room())):
                 raise InboxOverflow(f"{self.name}: no room within {deadline_s} s at {full}")
 
-    def subscribe(self, name: str, *, capacity: int = 1, lossless: bool = False, divisor: float = 1) -> Subscription[M]:
+    def subscribe(
+        self, name: str, *, capacity: int = 1, lossless: bool = False, divisor: float = 1, demands: bool = True
+    ) -> Subscription[M]:
         """Add a consumer called ``name`` with an inbox of ``capacity`` messages behind a filter of ``divisor``.
 
-        Raises ChannelClosed after :meth:`close`: nothing would ever come.
+        Without ``demands`` the channel is not :attr:`wanted` for it (see :meth:`Subscription.demand`). Raises
+        ChannelClosed after :meth:`close`: nothing would ever come.
         """
         if self._closed:
             raise ChannelClosed(f"{self.name}: {name} subscribed to a closed channel")
         subscription: Subscription[M] = Subscription(
             name, self._now, capacity, lossless, divisor, self._update_wanted, self.unsubscribe
         )
+        subscription.demands = demands
         self._set_subscriptions((*self._subscriptions, subscription))
         return subscription
 
@@ -360,7 +372,7 @@ class Channel(Generic[M]):
 
     @property
     def wanted(self) -> bool:
-        """Whether any subscription's filter is open: a source that nobody wants may rest."""
+        """Whether the filter of any subscription that demands it is open: a source may rest otherwise."""
         return self._wanted
 
     def on_wanted(self, callback: Callable[[bool], None]) -> Callable[[], None]:
@@ -383,7 +395,7 @@ class Channel(Generic[M]):
         self._update_wanted()
 
     def _update_wanted(self) -> None:
-        wanted = any(s.filter.is_open for s in self._subscriptions)
+        wanted = any(s.demands and s.filter.is_open for s in self._subscriptions)
         if wanted != self._wanted:
             self._wanted = wanted
             for callback in tuple(self._wanted_callbacks):

@@ -235,6 +235,8 @@ class Graph:
             self._wire_outputs(slot)
         for slot in self.modules.values():
             self._wire_inputs(slot)
+        for slot in self.modules.values():
+            _follow_demand(slot)
         self._refuse_cycles()
         for name, slot in self.modules.items():
             try:
@@ -400,6 +402,20 @@ class Graph:
                 f"modules feed each other in a circle: {path}; mark one of its channels `feedback: true` if meant",
                 ("modules", cycle[0]),
             )
+
+
+def _follow_demand(slot: ModuleSlot) -> None:
+    """Have the inputs of ``slot`` that are declared so want their channels while one of its outputs is wanted."""
+    inputs = [port for port in slot.context.inputs.values() if port.connected and port.wants == "if_wanted"]
+    outputs = [port.channel for port in slot.context.outputs.values() if port.channel is not None]
+
+    def follow(_: bool) -> None:
+        wanted = any(channel.wanted for channel in outputs)
+        for port in inputs:
+            port.subscription.demand(wanted)
+
+    for channel in outputs if inputs else ():
+        channel.on_wanted(follow)
 
 
 def load_class(path: str) -> type[Module] | None:

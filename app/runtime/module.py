@@ -21,7 +21,7 @@ from app.runtime.clock import Clock
 from app.runtime.errors import InboxOverflow, ModuleFailed
 from app.runtime.load import CpuMeter, MeteredCoroutine
 from app.runtime.pending_work import Activity
-from app.runtime.ports import Input, Output
+from app.runtime.ports import Input, Output, Wants
 from app.runtime.worker import ModuleWorker
 
 __all__ = ["Caution", "Input", "Module", "ModuleContext", "Output", "Settings"]
@@ -131,15 +131,26 @@ class Module:
         lossless: bool = False,
         always_open: bool = False,
         moves: bool = False,
+        wants: Wants = "always",
     ) -> Input[M]:
         """Declare an input port of ``message_type`` with an inbox of ``capacity`` messages.
 
         ``moves``: what comes in by it can move the body. The output of another module that leads to it stays closed
-        unless a strategy names it.
+        unless a strategy names it. ``wants``: whether the source works for this input ``always``, ``if_wanted`` (only
+        while an output of this module is wanted), or ``never``; what is published comes in at any rate.
         """
         port = self._context.inputs.get(name)
         if port is None:
-            port = Input(self.name, name, message_type, capacity, lossless, always_open, moves)
+            port = Input(
+                self.name,
+                name,
+                message_type,
+                capacity=capacity,
+                lossless=lossless,
+                always_open=always_open,
+                moves=moves,
+                wants=wants,
+            )
             self._context.inputs[name] = port
         return port
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from typing import Generic, TypeVar
+from typing import Generic, Literal, TypeVar
 
 from app.messages import Message
 from app.runtime.channel import Channel, Subscription
@@ -15,12 +15,17 @@ M = TypeVar("M", bound=Message)
 
 log = logging.getLogger("hbba.module")
 
+#: When an input wants its channel, so that the source must work: always; only while an output of its module is wanted;
+#: or never, what others made the source publish being enough. What is published comes in at any rate.
+Wants = Literal["always", "if_wanted", "never"]
+
 
 class Input(Generic[M]):
     """An input port. Once wired, ``subscription`` is the module's end of a channel.
 
     ``always_open`` inputs are not attention's to decimate: safety and self-motion, where a gap is a fault. What comes
-    in by an input that ``moves`` can move the body.
+    in by an input that ``moves`` can move the body. ``wants`` says when the source must work for it; see
+    :data:`Wants`.
     """
 
     def __init__(
@@ -28,10 +33,12 @@ class Input(Generic[M]):
         module: str,
         name: str,
         message_type: type[M],
-        capacity: int,
-        lossless: bool,
-        always_open: bool,
+        *,
+        capacity: int = 1,
+        lossless: bool = False,
+        always_open: bool = False,
         moves: bool = False,
+        wants: Wants = "always",
     ) -> None:
         self.module = module
         self.name = name
@@ -40,6 +47,7 @@ class Input(Generic[M]):
         self.lossless = lossless
         self.always_open = always_open
         self.moves = moves
+        self.wants = wants
         self.channel: Channel[M] | None = None
         self._subscription: Subscription[M] | None = None
 
@@ -59,7 +67,11 @@ class Input(Generic[M]):
         """Subscribe this port to ``channel`` (done once, by the graph)."""
         self.channel = channel
         self._subscription = channel.subscribe(
-            f"{self.module}.{self.name}", capacity=self.capacity, lossless=self.lossless, divisor=divisor
+            f"{self.module}.{self.name}",
+            capacity=self.capacity,
+            lossless=self.lossless,
+            divisor=divisor,
+            demands=self.wants == "always",
         )
 
 

@@ -455,3 +455,17 @@ async def test_forgetting_makes_room_for_who_waits_to_send(make: Make) -> None:
     numbers.forget()
     await sending
     assert (await safe.receive()).linear_mps == 2
+
+
+def test_a_subscription_that_does_not_demand_gets_what_is_published_and_keeps_no_source_awake() -> None:
+    channel = Channel("scan", Twist, lambda: 0.0)
+    told: list[bool] = []
+    channel.on_wanted(told.append)
+    observing = channel.subscribe("observing", demands=False)
+    channel.publish(Twist(1.0, 0.0, 0.0))
+    assert observing.receive_nowait().stamp == 1.0
+    assert not channel.wanted
+    observing.demand(True)
+    observing.demand(True)
+    observing.demand(False)
+    assert told == [False, True, False]
