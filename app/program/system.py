@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from contextlib import AsyncExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -18,6 +18,7 @@ from app.attention.cached_solver import CachedSolver
 from app.attention.desires import DesireClasses
 from app.attention.explaining import EXPLAIN_S
 from app.attention.hysteresis import Hysteresis
+from app.attention.lanes import LaneMonitor, LaneSampler
 from app.attention.strategies import StrategyTable, load_strategies, trimmed
 from app.attention.timeline import Timeline
 from app.attention.translator import IntentionTranslator
@@ -70,6 +71,7 @@ class System:
         new_id: Callable[[], str] = random_id,
         partial: bool = False,
         reproducible: bool = False,
+        recorded: Collection[str] = (),
     ) -> None:
         """Build everything; ``link`` and ``clock`` replace the body that the configuration names and the real clock.
 
@@ -78,7 +80,8 @@ class System:
         default the user's folder. ``new_id`` makes the ids of desires. ``partial``: strategies may name modules that
         are not there, and serve without them. ``reproducible``: what happens may not depend on how fast this computer
         is, so that two runs in virtual time are equal: the solver finds the optimum however long it takes and does not
-        tell how long, nobody watches the loop's real time, no load is reported. Raises ConfigError.
+        tell how long, nobody watches the loop's real time, no load is reported. ``recorded``: channels that come from a
+        recording, so that the program does not publish on them what it knows of itself. Raises ConfigError.
         """
         program = configuration.program
         self.config = configuration
@@ -125,6 +128,7 @@ class System:
         self.load = LoadMeter(meters, self.clock.now)
         self.watchdog = LoopWatchdog(meters)
         self.translator = self._make_translator()
+        self._lanes = None if "lanes" in recorded else self._lane_monitor()
         self.revival = Revival(self.link, self.supervisor, self._forget, self.timeline, self.clock)
         self._stack = AsyncExitStack()
         self._tasks: list[asyncio.Task[None]] = []
@@ -158,6 +162,7 @@ class System:
                 "translator": self.translator.run(),
                 "sampling": self._sample(),
                 "exploitation": self._follow_exploitation(),
+                **({} if self._lanes is None else {"lanes": self._lanes.run()}),
             }.items():
                 task = asyncio.create_task(coroutine, name=name)
                 self._tasks.append(task)
@@ -186,6 +191,8 @@ class System:
         self.graph.forget()
         self.freshness.forget()
         self._feed.forget()
+        if self._lanes is not None:
+            self._lanes.forget()
 
     async def keep_going(self) -> Exception:
         """As :meth:`wait_failed`, but a failed body is started again where it can be, unless it keeps dying."""
@@ -266,6 +273,13 @@ class System:
             )
         except ValueError as failure:
             raise self.config.program_document.error(str(failure), ("attention", "safe_strategies")) from None
+
+    def _lane_monitor(self) -> LaneMonitor | None:
+        channel = self.graph.channels.get("lanes")
+        if channel is None:
+            return None
+        sampler = LaneSampler(self.graph, self.classes, self.table.strategies)
+        return LaneMonitor(channel, sampler, self.workspace, self.translator, now=self.clock.now, pace=self.pace)
 
     async def _sample(self) -> None:
         while True:

@@ -45,7 +45,7 @@ def _place(now: float, track: int, azimuth: float, elevation: float, range_m: fl
 
 
 def _face(now: float, track: int, azimuth: float, elevation: float, range_m: float, box: list[float]) -> dict[str, Any]:
-    seen = {"camera": "kinect_optical_frame", "score": 0.93, "box": box, "image": [640, 480]}
+    seen = {"camera": "kinect_optical_frame", "towards_O": None, "score": 0.93, "box": box, "image": [640, 480]}
     return _place(now, track, azimuth, elevation, range_m) | seen
 
 
@@ -53,7 +53,8 @@ def _sound(
     now: float, track: int, azimuth: float, elevation: float, level_db: float, speech: float | None, last: float
 ) -> dict[str, Any]:
     heard = {"power": 0.6, "level_db": level_db, "active": last >= now - 0.3, "last_active": last, "speech": speech}
-    return _place(now, track, azimuth, elevation, 1.9 if speech and speech > 0.5 else None) | heard
+    place = _place(now, track, azimuth, elevation, 1.9 if speech and speech > 0.5 else None)
+    return place | {"p_OA": None, "v_O": None} | heard
 
 
 def panorama(mock: Mock, seq: int) -> bytes:

@@ -261,7 +261,7 @@ async def beat(mock: Mock, recorder: MockRecorder, playback: MockPlayback | None
             recorder.tell()
         for viewer in list(mock.viewers.values()):
             viewer.send(mock.status(viewer, seq))
-            viewer.send({"type": "lanes", "seq": seq, "stamp": mock.now(), "rows": mock.lanes()})
+            viewer.send({"type": "lanes", "stamp": mock.now(), "rows": mock.lanes()})
             if seq % 20 == 0:
                 viewer.send(mock.load())
             seen = mock.share()["Telepresence"][0] is not None

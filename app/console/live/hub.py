@@ -1,7 +1,7 @@
 """All viewers of the live stream. Frames are built once and shared; nobody's slowness delays anyone else.
 
-While nobody watches, nothing is subscribed to or encoded; the lanes alone are sampled, slowly, so that whoever comes
-sees what was.
+While nobody watches, nothing is subscribed to or encoded; the lanes alone are remembered, so that whoever comes sees
+what was.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
-from app.attention.serialize import desire_to_json, event_to_json, intention_to_json
+from app.attention.serialize import desire_to_json, intention_to_json
 from app.console import reports
 from app.console.drive import drive_lease
 from app.console.drive.command_age import CommandAge
@@ -21,20 +21,19 @@ from app.console.drive.drive_controller import Driving, hands
 from app.console.drive.goals import withdraw_all
 from app.console.drive.telepresence_desire import LISTEN, WATCH, Presence, Spectators
 from app.console.live.feeds import GRIDS, PICTURES, SOUND_CHANNEL, Feeds, comes
+from app.console.live.lane_history import LaneHistory
+from app.console.live.page_channels import PageChannels
 from app.console.live.protocol import CAMERA, COSTMAP, MAP, PANORAMA, PROTOCOL
 from app.console.live.sampler import Sampler
 from app.console.live.speech import Speech
 from app.console.live.viewer import Viewer
-from app.console.percepts import Percepts
 from app.console.playback import PERIOD_S, playback_json
 from app.console.recordings import RecorderReport
 from app.console.taps import Tap
-from app.console.way import WayReport
 from app.console.wire import encode_text
-from app.messages import LinkStatus
+from app.messages import Lanes, LinkStatus
 
 if TYPE_CHECKING:
-    from app.attention.timeline import TimelineEvent
     from app.logs.replay.playback import Playback
     from app.program.system import System
 
@@ -53,17 +52,14 @@ class Hub:
         self._viewers: dict[str, Viewer] = {}
         self._presence = self._attention(WATCH)
         self._feeds = Feeds(system.graph, system.pace, self._viewers.values, self._attention(LISTEN))
-        #: What the robot perceives of people.
-        self.percepts = Percepts(system.graph)
-        #: Where the robot is on the map, and where it goes.
-        self.way = WayReport(system)
-        self._sampler = Sampler(system, self, self.percepts, self.way)
+        self._channels = PageChannels(system.graph, system.pace, self)
+        self._lanes = LaneHistory(system.classes)
+        self._sampler = Sampler(system, self)
         self._recorder = RecorderReport(system)
         self._stack = ExitStack()
         self._watching = ExitStack()
         self._sampling: asyncio.Task[None] | None = None
         self._stale: set[str] = set()
-        self._new_events: list[str] = []
         self.link_status: LinkStatus | None = None
         self.driving = Driving(
             system.clock,
@@ -94,12 +90,25 @@ class Hub:
         """Begin to follow the guard's reports and to remember the lanes."""
         self._stack.callback(self._system.link.attach("status", self._on_status))
         self._stack.callback(self._system.revival.observe(self._on_body))
-        self._stack.callback(self.percepts.open())
-        self._stack.callback(self.way.open())
-        self._stack.callback(asyncio.create_task(self._sampler.remember(), name="console lanes").cancel)
+        self._remember_lanes()
         if self._playback is not None:
             self._stack.callback(self._playback.observe(lambda _: self._mark_stale("playback")))
             self._stack.callback(self._playback.on_jump(self._on_jump))
+
+    def _remember_lanes(self) -> None:
+        for channel in self._system.graph.channels.values():
+            if channel.message_type is Lanes:
+                if self._playback is None:
+                    self._stack.callback(channel.observe(self._on_lanes))
+                else:
+                    # A recording gives what is wanted alone.
+                    self._stack.callback(Tap(channel, "console.history", self._on_lanes).close)
+                if channel.latest is not None:
+                    self._on_lanes(channel.latest)
+
+    def _on_lanes(self, lanes: Lanes) -> None:
+        if not self.moving:
+            self._lanes.add(lanes)
 
     def close(self) -> None:
         """Stop whoever drives and forget everybody."""
@@ -117,14 +126,15 @@ class Hub:
 
     def _on_jump(self, position: float) -> None:
         self.link_status = None
-        self.percepts.forget()
-        self.way.forget()
         self._feeds.forget()
+        self._channels.forget()
+        self._sampler.forget()
         assert self._playback is not None
-        self._sampler.begin_anew(position, self._playback.attention, self._playback.spoke)
-        self._new_events.clear()
+        self._lanes.forget()
+        for lanes in self._playback.lanes:
+            self._lanes.add(lanes)
         jump = encode_text({"type": "jump", "stamp": position})
-        frames = {kind: frame for kind, frame in self._standing_frames().items() if kind != "load"}
+        frames = {**self._past_and_present(), **self._channels.states()}
         for viewer in self._viewers.values():
             viewer.outbox.begin_anew(jump)
             for kind, frame in frames.items():
@@ -136,12 +146,10 @@ class Hub:
         for session in self._viewers:
             self.notify(session, "error" if problem else "info", problem or REVIVED)
         if not problem:
-            self.percepts.forget()
-            self.way.forget()
             self._feeds.forget()
-            for kind, frame in self._standing_frames().items():
-                if kind in ("landmarks", "perceived"):
-                    self.broadcast(kind, frame)
+            self._channels.forget()
+            for kind, frame in self._channels.standing().items():
+                self.broadcast(kind, frame)
 
     # --- Viewers -----------------------------------------------------------------------------------------------------
 
@@ -217,6 +225,11 @@ class Hub:
         for viewer in self._viewers.values():
             viewer.outbox.put(kind, frame)
 
+    def broadcast_each(self, kind: str, item: str) -> None:
+        """Give everybody ``item`` in a list of ``kind``, after those before it."""
+        for viewer in self._viewers.values():
+            viewer.outbox.put_each(kind, (item,))
+
     def broadcast_status(self, status: dict[str, Any]) -> None:
         """Send ``status`` to every viewer. It differs by viewer only in ``mine`` of driver and speaker and in
         ``waits``: it is encoded once for all viewers with the same three."""
@@ -250,14 +263,11 @@ class Hub:
         keep = self._watching.callback
         keep(system.workspace.observe(lambda _: self._mark_stale("desires")))
         keep(system.translator.observe(lambda _: self._mark_stale("intention")))
-        keep(system.timeline.observe(self._on_event))
         if self._recorder.channel is not None:
             keep(Tap(self._recorder.channel, "console.recorder", lambda _: self._on_recorder()).close)
             for source in (system.workspace, system.translator, system.supervisor):
                 keep(source.observe(lambda _: self._on_recorder()))
-        for channel in (*self.percepts.channels, *self.way.channels):
-            # It is told of them anyway, but what nobody wants might rest.
-            keep(Tap(system.graph.channel(channel), f"console.{channel}", lambda _: None).close)
+        keep(self._channels.open())
         for channel, handler in self._sampler.channels().items():
             if channel in system.graph.channels:
                 keep(Tap(system.graph.channel(channel), f"console.{channel}", handler).close)
@@ -288,11 +298,6 @@ class Hub:
         self.link_status = status
         self.driving.on_guard_status(status)
 
-    def _on_event(self, event: TimelineEvent) -> None:
-        if not self.moving:
-            self._new_events.append(encode_text(event_to_json(event)))
-            self._mark_stale("events")
-
     def _on_recorder(self) -> None:
         if self._recorder.news():
             self._mark_stale("recorder")
@@ -311,10 +316,6 @@ class Hub:
         for kind, build in self._builders().items():
             if kind in stale:
                 self.broadcast(kind, build())
-        events, self._new_events = self._new_events, []
-        if events:
-            for viewer in self._viewers.values():
-                viewer.outbox.put_events(events)
 
     # --- Frames ------------------------------------------------------------------------------------------------------
 
@@ -326,16 +327,11 @@ class Hub:
 
     def _standing_frames(self) -> dict[str, str]:
         """What a newcomer must know that is otherwise told on change only."""
-        landmarks = reports.landmarks_json(reports.latest(self._system.graph, "landmarks"))
-        return {
-            # First, so that the page has the past before the present.
-            "lanes_history": self._sampler.history_frame(),
-            **{kind: build() for kind, build in self._builders().items()},
-            "landmarks": encode_text({"type": "landmarks", "landmarks": landmarks}),
-            "perceived": self._sampler.perceived_frame(),
-            **self._sampler.way_frames(),
-            "load": self._sampler.load_frame(),
-        }
+        return {**self._past_and_present(), **self._channels.standing(), "load": self._sampler.load_frame()}
+
+    def _past_and_present(self) -> dict[str, str]:
+        # The history first, so that the page has the past before the present.
+        return {"lanes_history": self._lanes.frame(), **{kind: build() for kind, build in self._builders().items()}}
 
     def _hello(self, viewer: Viewer) -> str:
         system = self._system

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
+from app.console.page_forms import lanes_json
 from app.console.wire import encode_text
+from app.messages import Lanes
 
 PERIOD_S = 0.5
+#: A sample that comes so much early (s) is noted, or of those that come twice a second every other one would not be.
+_EARLY_S = 0.02
 SPAN_S = 600.0
 MOST_SAMPLES = round(SPAN_S / PERIOD_S)
 #: The frame stays under this; of a past too eventful for that, the older part is left out.
@@ -18,6 +23,13 @@ MOST_BYTES = 200_000
 
 #: What a row keeps for as long as it stays the same.
 HELD = ("intensity", "utility", "divisor", "divisors", "state", "text")
+
+_ABSENT: Mapping[str, Any] = {
+    **dict.fromkeys(("rate", "intensity", "utility", "divisor")),
+    "divisors": {},
+    "state": "undesired",
+    "text": "",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,17 +51,24 @@ class LaneHistory:
     def forget(self) -> None:
         """Begin with no past."""
         self._count = 0
+        self._due = -math.inf
         self._stamps: deque[float] = deque(maxlen=self._most)
         self._rates: dict[str, deque[float | None]] = {cls: deque(maxlen=self._most) for cls in self._classes}
         self._spells: dict[str, deque[Spell]] = {cls: deque() for cls in self._rates}
 
-    def add(self, stamp: float, rows: Sequence[Mapping[str, Any]]) -> None:
-        """Note the ``rows`` of a ``lanes`` message, one for each class, at ``stamp`` (s)."""
-        self._stamps.append(stamp)
+    def add(self, lanes: Lanes) -> None:
+        """Note ``lanes``, unless others were noted a moment ago."""
+        if lanes.stamp < self._due:
+            return
+        self._due = lanes.stamp + PERIOD_S - _EARLY_S
+        self._stamps.append(lanes.stamp)
         oldest = self._count + 1 - len(self._stamps)
-        for row in rows:
-            self._rates[row["class"]].append(row["rate"])
-            spells = self._spells[row["class"]]
+        rows = {row["class"]: row for row in lanes_json(lanes)}
+        for cls in self._classes:
+            # A recording may have other classes than the program that it is replayed with.
+            row = rows.get(cls, _ABSENT)
+            self._rates[cls].append(row["rate"])
+            spells = self._spells[cls]
             values = tuple(row[name] for name in HELD)
             if not spells or spells[-1].values != values:
                 spells.append(Spell(self._count, values))

@@ -149,7 +149,6 @@ class Lanes(Answer):
     """20 times a second: one row for each desire class."""
 
     type: Literal["lanes"]
-    seq: Sequence
     stamp: Stamp
     rows: list[LaneRow]
 

@@ -15,7 +15,9 @@ from pydantic import ValidationError
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
 from app.base.yaml_source import validation_message
-from app.console.drive.goals import withdraw_all
+from app.console import reports
+from app.console.drive.goals import dismiss_given_up, withdraw_all
+from app.console.page_forms import localization_json, zones_json
 from app.console.problems import Problem
 from app.console.rest.answers import BYTES, Json, problems
 from app.console.rest.map_models import (
@@ -29,11 +31,10 @@ from app.console.rest.map_models import (
     ZonesModel,
 )
 from app.console.rest.routing import router as api_router
-from app.console.way import WayReport, zones_json
 from app.maps.control import MapKeeper, MapUnavailable
 from app.maps.library import MapFacts, MapNameTaken, UnknownMap
 from app.maps.zones import ZoneEntry, checked
-from app.messages import Zone, read_only
+from app.messages import Localization, Zone, Zones, read_only
 
 if TYPE_CHECKING:
     from app.program.system import System
@@ -45,7 +46,7 @@ Name = Annotated[
 PNG = "image/png"
 
 
-def maps_router(system: System, way: WayReport) -> APIRouter:
+def maps_router(system: System) -> APIRouter:
     """Routes of ``/maps`` and ``/map``."""
     router = api_router("maps")
     library = system.maps
@@ -54,7 +55,7 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
 
     def forget_goals() -> None:
         withdraw_all(system.workspace)
-        way.dismiss()
+        dismiss_given_up(system)
 
     system.map.on_change(forget_goals)
 
@@ -169,7 +170,8 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
 
     @router.get("/map/zones", response_model=ZonesModel, summary="Zones of the map in use")
     async def get_zones() -> Response:
-        return Json(way.zones() or {"zones": []})
+        zones: Zones | None = reports.latest(system.graph, "zones")
+        return Json({"zones": [] if zones is None else zones_json(zones.zones)})
 
     @router.put(
         "/map/zones",
@@ -185,7 +187,8 @@ def maps_router(system: System, way: WayReport) -> APIRouter:
         return Json({"zones": zones_json(marked)})
 
     def current() -> dict[str, Any]:
-        localization = way.localization()
+        newest: Localization | None = reports.latest(system.graph, "localization")
+        localization = None if newest is None else localization_json(newest)
         known = localization is not None and system.map.available
         return {
             "available": system.map.available,

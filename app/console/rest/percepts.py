@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from fastapi import APIRouter
 from fastapi.responses import Response
 from pydantic import Field
 
-from app.console.perceived import perceived_json
-from app.console.percepts import Percepts
+from app.console import reports
 from app.console.rest.answers import Json
 from app.console.rest.models import Answer, Stamp
 from app.console.rest.routing import router as api_router
-from app.runtime.clock import Clock
+from app.messages import PlacedPercepts
+
+if TYPE_CHECKING:
+    from app.program.system import System
 
 
 class FaceModel(Answer):
@@ -28,6 +32,7 @@ class FaceModel(Answer):
     x: float | None = Field(description="In `odom`.")
     y: float | None
     z: float | None
+    towards_O: float | None = Field(description="The heading in `odom` in which it has the robot.")
     score: float
     box: tuple[float, float, float, float] = Field(description="Left, top, width, height in the image (px).")
     image: tuple[int, int] = Field(description="Width and height of the image (px).")
@@ -46,6 +51,8 @@ class SoundModel(Answer):
     x: float | None
     y: float | None
     z: float | None
+    p_OA: tuple[float, float, float] | None = Field(description="The microphones' middle, in `odom`.")
+    v_O: tuple[float, float, float] | None = Field(description="Its direction in `odom`, a unit vector.")
     power: float = Field(description="How strongly the microphones agree, 0 to 1.")
     level_db: float
     active: bool
@@ -81,13 +88,14 @@ class PerceptsModel(Answer):
     codes: list[CodeModel]
 
 
-def percepts_router(percepts: Percepts, clock: Clock) -> APIRouter:
+def percepts_router(system: System) -> APIRouter:
     """Routes of ``/percepts``."""
     router = api_router("robot")
 
     @router.get("/percepts", response_model=PerceptsModel, summary="Faces, sounds, loud noises, codes")
     async def get_percepts() -> Response:
         """The same as `perceived` on the live stream. What attention has closed is not perceived."""
-        return Json(perceived_json(percepts.at(clock.now())))
+        percepts = reports.latest(system.graph, "placed_percepts")
+        return Json(percepts or PlacedPercepts(system.clock.now()))
 
     return router

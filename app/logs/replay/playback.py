@@ -15,6 +15,7 @@ from app.logs.mcap.damage import LogDamaged, missing
 from app.logs.replay.playback_state import Phase, PlaybackState, checked_speed
 from app.logs.replay.replay_body import ReplayBody
 from app.logs.replay.seek import Places
+from app.messages import Lanes
 from app.program.system import System
 from app.runtime.channel import Channel
 from app.runtime.filter import CLOSED
@@ -148,19 +149,9 @@ class Playback:
         return self._places.moving
 
     @property
-    def attention(self) -> Sequence[Any]:
-        """What the recording tells of its attention in the minute before the last jump: DesiresRecord, IntentionRecord
-        and Divisors in their order, first those that stood when that minute began."""
-        return self._places.attention
-
-    def spoke(self, channel: str, begin: float, end: float) -> bool:
-        """Whether ``channel`` said anything from ``begin`` to ``end`` (s), in the minute before the last jump.
-
-        True where the recording cannot tell without being gone through.
-        """
-        if (spoken := self._places.spoken) is None:
-            return True
-        return any(first <= end and last >= begin for first, last in spoken.get(channel, ()))
+    def lanes(self) -> Sequence[Lanes]:
+        """The recorded lanes of the minute before the last jump, two a second; none where none were recorded."""
+        return self._places.lanes
 
     # --- What it can be told -----------------------------------------------------------------------------------------
 

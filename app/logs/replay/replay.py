@@ -75,6 +75,7 @@ class Replay:
                     new_id=ids,
                     partial=True,
                     reproducible=reproducible,
+                    recorded=self.program.fed,
                 )
                 if not (more := deaf_modules(self.program, self.system.graph)):
                     break

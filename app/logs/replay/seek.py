@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Coroutine, Mapping, Sequence, Set
+from collections.abc import Callable, Coroutine, Set
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
 
-from app.logs.log import Indexed, Log, Logged
+from app.logs.log import Log, Logged
 from app.logs.replay.replay_body import ReplayBody
 from app.logs.replay.state_at import ACCUMULATED, Past
 from app.messages import (
     Audio,
     DesiresRecord,
-    Divisors,
     EventRecord,
     Image,
-    IntentionRecord,
+    Lanes,
     LaserScan,
     LogLine,
     LoudNoise,
@@ -33,9 +32,9 @@ T = TypeVar("T")
 #: These were meant for their moment: what was commanded, noted or heard is not said again at a jump. A frame of sound
 #: by itself is a click, and to whoever listens for noises an event.
 OF_THE_MOMENT = (OperatorDrive, Twist, EventRecord, LogLine, Audio, SeparatedSound, LoudNoise)
-#: What a recording tells of its attention; and for how long (s) before a jump it is told again.
-OF_ATTENTION = (DesiresRecord, IntentionRecord, Divisors)
-ATTENTION_S = 60.0
+#: For how long (s) before a jump the recorded lanes are looked up, one in so many seconds.
+LANES_S = 60.0
+LANES_PERIOD_S = 0.5
 #: A step where the recording has neither images nor scans.
 STEP_S = 0.1
 #: After a jump, modules get this long (real s) to start, and then to work on what they are shown.
@@ -57,12 +56,8 @@ class Places:
         self._reader: ThreadPoolExecutor | None = None
         #: Between two places: from the end of all modules until the jump is told.
         self.moving = False
-        #: What the recording tells of its attention in the minute before the last jump: the messages of
-        #: ``OF_ATTENTION``, in order, from those that stood when that minute began.
-        self.attention: list[Any] = []
-        self._log = log
-        #: When channels spoke in that minute, where the recording's index tells (see ``Indexed``).
-        self.spoken: Mapping[str, Sequence[tuple[float, float]]] | None = None
+        #: The recorded lanes of the minute before the last jump, two a second, in order.
+        self.lanes: list[Lanes] = []
 
     def open(self) -> None:
         """Be ready to read."""
@@ -80,7 +75,7 @@ class Places:
         LogError; where the place itself cannot be read, all is left as it is.
         """
         system, body = self._system, self._body
-        known, wishes, attention = await self._read(self._standing, position)
+        known, wishes, lanes = await self._read(self._standing, position)
         self.moving = True
         try:
             await system.begin_anew(lambda: self._jump(position, known))
@@ -90,7 +85,7 @@ class Places:
             # What is wanted there decides what is shown there; how attention came to it is no event of the recording.
             await _patiently(system.translator.settled(), START_WITHIN_S)
             system.timeline.clear()
-            self.attention = attention
+            self.lanes = lanes
         finally:
             self.moving = False
         jumped(position)
@@ -137,13 +132,11 @@ class Places:
             if channel is not None and channel.message_type is type(logged.message):
                 channel.publish(logged.message)
 
-    def _standing(self, position: float) -> tuple[list[Logged], list[Logged], list[Any]]:
-        """What modules that begin at ``position`` must know at once, what was desired there, and attention before."""
+    def _standing(self, position: float) -> tuple[list[Logged], list[Logged], list[Lanes]]:
+        """What modules that begin at ``position`` must know at once, what was desired there, and the lanes before."""
         past = self._past
-        attention = [logged.message for logged in past.since(position - ATTENTION_S, position, OF_ATTENTION)]
-        if isinstance(self._log, Indexed):
-            self.spoken = self._log.spoken(position - ATTENTION_S, position)
-        return past.of_types(ACCUMULATED, position), past.of_types((DesiresRecord,), position), attention
+        lanes: list[Lanes] = past.now_and_then(Lanes, position - LANES_S, position, LANES_PERIOD_S)
+        return past.of_types(ACCUMULATED, position), past.of_types((DesiresRecord,), position), lanes
 
     def _scene(self, position: float, channels: Set[str]) -> list[Logged]:
         shown = {c.name for c in self._info.channels.values() if c.message_type not in (DesiresRecord, *OF_THE_MOMENT)}

@@ -5,6 +5,7 @@ import { directionWords, FADE_S, faceMarks, flash, soundMarks, summary } from ".
 const nowhere = { azimuth: 0, elevation: 0, panorama: null, range_m: null, range_sigma_m: null, x: null, y: null, z: null };
 const face = (some: Partial<SeenFace>): SeenFace => ({
   ...nowhere,
+  towards_O: null,
   track: 1,
   stamp: 10,
   camera: "kinect_optical_frame",
@@ -15,6 +16,8 @@ const face = (some: Partial<SeenFace>): SeenFace => ({
 });
 const sound = (some: Partial<HeardSound>): HeardSound => ({
   ...nowhere,
+  p_OA: null,
+  v_O: null,
   track: 1,
   stamp: 10,
   power: 0.5,

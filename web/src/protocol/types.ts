@@ -199,7 +199,6 @@ export type Divisors = Readonly<Record<string, number | null>>;
 
 export interface Lanes {
   type: "lanes";
-  seq: number;
   stamp: number;
   rows: LaneRow[];
 }
@@ -345,6 +344,8 @@ interface Percept {
 export interface SeenFace extends Percept {
   /** The frame of the image it was seen in. */
   camera: string;
+  /** The heading in `odom` in which it has the robot. */
+  towards_O: number | null;
   score: number;
   /** Left, top, width and height, px of `image`. */
   box: [number, number, number, number];
@@ -352,6 +353,9 @@ export interface SeenFace extends Percept {
 }
 
 export interface HeardSound extends Percept {
+  /** The microphones' middle and the direction from there (a unit vector), in `odom`. */
+  p_OA: [number, number, number] | null;
+  v_O: [number, number, number] | null;
   power: number;
   level_db: number;
   /** Whether it sounds now. */
