@@ -18,7 +18,7 @@ from app.runtime.graph import Graph
 
 #: Relative rates are measured over this long.
 WINDOW_S = 1.0
-#: Between two samples while the channel is wanted, and while it is not: those who come later see what was.
+#: Between two samples while the channel is wanted, and while it is not: a page that comes later shows the past, too.
 PERIOD_S = 0.05
 UNWANTED_PERIOD_S = 0.5
 
