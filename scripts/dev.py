@@ -158,7 +158,7 @@ def install(extras: set[str]) -> None:
 
 def compile_kernels() -> None:
     """Compile the numerical kernels unless they stand in the cache as they are now."""
-    asked = [PYTHON, "-c", "import sys; from app import compiled; sys.exit(0 if compiled.is_ready() else 1)"]
+    asked = [PYTHON, "-c", "import sys; from app.base import compiled; sys.exit(0 if compiled.is_ready() else 1)"]
     if run(asked) == 0:
         return
     say("compiling the numerical kernels (a minute the first time)")
