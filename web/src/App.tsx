@@ -97,7 +97,9 @@ function NoScene() {
     <div class="scene" data-testid="scene" data-state="off">
       {store.hello.value?.channels.camera === false && (
         <p class="scene-note">
-          {store.replay.value ? "This recording has no pictures." : `This robot has no camera. See ${body.maps ? "its map, or " : ""}3D.`}
+          {store.replay.value
+            ? "This recording has no pictures."
+            : `This robot has no camera. See ${body.maps ? "its map, or " : ""}3D.`}
         </p>
       )}
     </div>
@@ -179,7 +181,12 @@ function Side({ phone }: { phone: boolean }) {
     items.push({ id: "recordings", title: "Recordings", alarm, content: () => <Recordings /> });
   }
   if (store.body.value.maps) items.splice(1, 0, { id: "map", title: "Map", content: () => <MapTab /> });
-  if (phone) items.splice(items.findIndex(({ id }) => id === "found"), 0, { id: "lanes", title: "Lanes", content: () => <Lanes /> });
+  if (phone)
+    items.splice(
+      items.findIndex(({ id }) => id === "found"),
+      0,
+      { id: "lanes", title: "Lanes", content: () => <Lanes /> },
+    );
   return <Tabs items={items} />;
 }
 

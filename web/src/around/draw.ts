@@ -1,7 +1,7 @@
 /** Draws the strip of all directions: the picture ahead, a grid where there is none, and what was perceived. */
 
 import type { FaceMark, SoundKind, SoundMark } from "./marks";
-import { pictureBox, place, type Point, scale, type Strip } from "./projection";
+import { type Point, pictureBox, place, type Strip, scale } from "./projection";
 
 export interface Shown {
   /** Null: there is none. */
@@ -43,11 +43,15 @@ export function draw(context: Context, strip: Strip, shown: Shown): void {
   if (shown.picture) drawPicture(context, strip, shown.picture, shown.old);
   drawFoot(context, strip, shown.large);
   // Names keep off what they name.
-  const taken = [...shown.faces.map((face) => frameOf(strip, face)), ...shown.sounds.map((sound) => boxOf(strip, sound, shown.large))];
+  const taken = [
+    ...shown.faces.map((face) => frameOf(strip, face)),
+    ...shown.sounds.map((sound) => boxOf(strip, sound, shown.large)),
+  ];
   for (const sound of shown.sounds) drawSound(context, strip, sound, shown.large);
   for (const face of shown.faces) drawFrame(context, strip, face);
   for (const face of [...shown.faces].reverse()) drawFaceName(context, strip, face, taken);
-  if (shown.large && strip.width >= NUMBERED) for (const sound of shown.sounds) drawSoundName(context, strip, sound, taken);
+  if (shown.large && strip.width >= NUMBERED)
+    for (const sound of shown.sounds) drawSoundName(context, strip, sound, taken);
   if (shown.flash > 0) drawFlash(context, strip, shown.flash);
 }
 
@@ -142,7 +146,10 @@ function boxOf(strip: Strip, sound: SoundMark, large: boolean): Box {
 function drawFrame(context: Context, strip: Strip, face: FaceMark): void {
   const { x, y, width, height } = frameOf(strip, face);
   context.lineJoin = "round";
-  for (const [color, thick] of [["rgb(0 0 0 / 0.6)", 4], [FACE, 2]] as const) {
+  for (const [color, thick] of [
+    ["rgb(0 0 0 / 0.6)", 4],
+    [FACE, 2],
+  ] as const) {
     context.strokeStyle = color;
     context.lineWidth = thick;
     context.strokeRect(x, y, width, height);
@@ -204,8 +211,16 @@ function drawFlash(context: Context, strip: Strip, left: number): void {
 }
 
 function onBothEnds(strip: Strip, { x, y }: Point, reach: number): Point[] {
-  if (x < reach) return [{ x, y }, { x: x + strip.width, y }];
-  if (x > strip.width - reach) return [{ x, y }, { x: x - strip.width, y }];
+  if (x < reach)
+    return [
+      { x, y },
+      { x: x + strip.width, y },
+    ];
+  if (x > strip.width - reach)
+    return [
+      { x, y },
+      { x: x - strip.width, y },
+    ];
   return [{ x, y }];
 }
 

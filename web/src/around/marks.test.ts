@@ -2,7 +2,16 @@ import { expect, test } from "vitest";
 import type { HeardSound, Perceived, SeenFace } from "../protocol/types";
 import { directionWords, FADE_S, faceMarks, flash, soundMarks, summary } from "./marks";
 
-const nowhere = { azimuth: 0, elevation: 0, panorama: null, range_m: null, range_sigma_m: null, x: null, y: null, z: null };
+const nowhere = {
+  azimuth: 0,
+  elevation: 0,
+  panorama: null,
+  range_m: null,
+  range_sigma_m: null,
+  x: null,
+  y: null,
+  z: null,
+};
 const face = (some: Partial<SeenFace>): SeenFace => ({
   ...nowhere,
   track: 1,
@@ -47,7 +56,9 @@ test("a person that both cameras see is one, at the better known distance", () =
 });
 
 test("marks lie where the panorama has them, else where their own sensor has them", () => {
-  const marks = faceMarks(perceived({ faces: [face({ azimuth: 0.2, panorama: [0.3, 0.1] }), face({ track: 2, azimuth: 0.2 })] }));
+  const marks = faceMarks(
+    perceived({ faces: [face({ azimuth: 0.2, panorama: [0.3, 0.1] }), face({ track: 2, azimuth: 0.2 })] }),
+  );
   expect(marks.map(({ azimuth }) => azimuth)).toEqual([0.3, 0.2]);
 });
 

@@ -40,7 +40,10 @@ test("the panorama lies under its own directions: docs/live-stream.md's formula 
   const [w, h] = [640, 384];
   const box = pictureBox(strip, w, h);
   expect(box).toEqual({ x: 180, y: 12, width: 360, height: 216 });
-  for (const [azimuth, elevation] of [[0.5, 0.2], [-1.2, -0.6]] as const) {
+  for (const [azimuth, elevation] of [
+    [0.5, 0.2],
+    [-1.2, -0.6],
+  ] as const) {
     const { x, y } = place(strip, azimuth, elevation);
     const [px, py] = [w * (0.5 - azimuth / Math.PI), h / 2 - (w * elevation) / Math.PI];
     expect(x).toBeCloseTo(box.x + (px * box.width) / w);

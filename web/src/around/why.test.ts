@@ -19,7 +19,11 @@ test("nothing is closed where all is open", () => {
 });
 
 test("attention's own reason is told", () => {
-  const rows = [row("Telepresence", 1), row("LocateFaces", null, "unfulfilled: needs 20 % more cpu"), row("LocateVoices", 1)];
+  const rows = [
+    row("Telepresence", 1),
+    row("LocateFaces", null, "unfulfilled: needs 20 % more cpu"),
+    row("LocateVoices", 1),
+  ];
   expect(whyClosed(hello, rows, false, true)).toEqual([
     { what: "faces", text: "Not looking for faces", reason: "Needs 20 % more CPU." },
   ]);
@@ -37,7 +41,11 @@ test("a robot without these senses says so, and without a camera all around", ()
 test("what no strategy serves is missing, whether or not anybody desires it", () => {
   const classes = [{ name: "LocateVoices", served: false }];
   const deaf = { ...hello, classes } as Hello;
-  const rows = [row("Telepresence", 1), row("LocateFaces", 1), row("LocateVoices", null, "undesired: nobody desires it")];
+  const rows = [
+    row("Telepresence", 1),
+    row("LocateFaces", 1),
+    row("LocateVoices", null, "undesired: nobody desires it"),
+  ];
   expect(whyClosed(deaf, rows, false, true)).toEqual([
     { what: "voices", text: "This robot does not locate sounds", reason: "" },
   ]);

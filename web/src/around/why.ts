@@ -12,7 +12,12 @@ export interface Closed {
 }
 
 const PERCEPTIONS = [
-  { what: "faces", kind: "LocateFaces", closed: "Not looking for faces", missing: "This robot does not look for faces" },
+  {
+    what: "faces",
+    kind: "LocateFaces",
+    closed: "Not looking for faces",
+    missing: "This robot does not look for faces",
+  },
   { what: "voices", kind: "LocateVoices", closed: "Not locating sounds", missing: "This robot does not locate sounds" },
 ] as const;
 

@@ -2,8 +2,8 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import type { DesireClass } from "../protocol/types";
 import { idempotencyKey, Problem } from "../protocol/rest";
+import type { DesireClass } from "../protocol/types";
 import { useApp } from "../state/context";
 import { nameAndTitle, spaced } from "../ui/format";
 import { LockIcon, PlusIcon } from "../ui/icons";

@@ -1,8 +1,8 @@
 /** The desires there are: changed in place, removed, with who asked and how long they last. */
 
 import { useSignal } from "@preact/signals";
-import type { Desire } from "../protocol/types";
 import { Problem } from "../protocol/rest";
+import type { Desire } from "../protocol/types";
 import { useApp } from "../state/context";
 import { left, number, spaced } from "../ui/format";
 import { LockIcon, TrashIcon } from "../ui/icons";

@@ -4,10 +4,10 @@ import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import type { PlaybackController } from "../playback/controller";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
-import { type PadReading, readPads } from "./gamepad";
 import type { Axes } from "./axes";
+import { type PadReading, readPads } from "./gamepad";
 import { DRIVE_KEYS, OVERRIDE_KEYS, SLOW_KEYS } from "./keys";
-import { type DriveState, flush, initialDrive, type Input, step, TICK_MS } from "./machine";
+import { type DriveState, flush, type Input, initialDrive, step, TICK_MS } from "./machine";
 
 export const PRESETS = [
   { name: "Slow", factor: 0.35 },

@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { type Command, type DriveState, flush, initialDrive, type Input, step } from "./machine";
+import { type Command, type DriveState, flush, type Input, initialDrive, step } from "./machine";
 
 const down = (code: string, repeat = false): Input => ({ type: "key", code, down: true, repeat });
 const up = (code: string): Input => ({ type: "key", code, down: false });

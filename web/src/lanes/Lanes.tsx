@@ -9,8 +9,8 @@ import { narrow } from "../ui/media";
 import { type Hit, LaneChart } from "./chart";
 import { AXIS_PX } from "./draw";
 import { gestures } from "./gestures";
-import { laneRows } from "./rows";
 import { LaneTable } from "./LaneTable";
+import { laneRows } from "./rows";
 import { Tooltip } from "./Tooltip";
 import { span, stepZoom, togglePause, type Viewport } from "./viewport";
 
@@ -142,7 +142,9 @@ export function Lanes() {
                 <span class="lane-figures">
                   <b title="Intensity">{number(row.intensity)}</b>
                   <em title="Desired utility">{number(row.utility)}</em>
-                  <i title={["Messages let through", ...divisorLines(row.divisors)].join("\n")}>{divisor(row.divisor)}</i>
+                  <i title={["Messages let through", ...divisorLines(row.divisors)].join("\n")}>
+                    {divisor(row.divisor)}
+                  </i>
                 </span>
               </li>
             ))}

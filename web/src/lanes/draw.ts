@@ -113,7 +113,7 @@ export class LanePainter {
   private bars(columns: Columns, ratio: number, floor: number, reach: number): void {
     const { context: c } = this;
     c.fillStyle = COLORS.rate;
-    for (let i = 0; i < columns.length;) {
+    for (let i = 0; i < columns.length; ) {
       const mean = columns.mean[i]!;
       let j = i;
       while (j + 1 < columns.length && columns.mean[j + 1] === mean && columns.x[j + 1]! - columns.end[j]! < 1) j++;

@@ -1,6 +1,6 @@
 /** What the lanes showed in the last ten minutes: one bounded ring of stamps, one column of values per class. */
 
-import type { Divisors, LaneRow, LanesHistory, LaneState } from "../protocol/types";
+import type { Divisors, LaneRow, LaneState, LanesHistory } from "../protocol/types";
 
 /** 20 messages a second for 10 minutes and a little. */
 export const CAPACITY = 12_600;

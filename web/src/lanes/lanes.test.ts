@@ -11,8 +11,8 @@ import {
   placeBeside,
   SHORTEST_S,
   stepZoom,
-  togglePause,
   TRAIL_S,
+  togglePause,
   zoom,
 } from "./viewport";
 

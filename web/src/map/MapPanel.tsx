@@ -2,8 +2,8 @@
 
 import type { ComponentChildren } from "preact";
 import { useApp } from "../state/context";
-import { narrow } from "../ui/media";
 import { CloseIcon, FlagIcon, HomeIcon, KeepOutIcon, PlaceIcon, SearchIcon, SlowIcon, WarnIcon } from "../ui/icons";
+import { narrow } from "../ui/media";
 import type { Tool } from "./hands";
 import { Stage, ViewButtons } from "./Stage";
 import { goalOf, hintWords, wayWords } from "./words";

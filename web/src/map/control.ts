@@ -6,9 +6,9 @@ import { inWords } from "../protocol/rest";
 import type { Desire, Localization, Place, Zone } from "../protocol/types";
 import type { Session } from "../state/session";
 import type { MapPlace, Store } from "../state/store";
-import { AT_REST, busy, type Hands, type Input, type Sight, step, type Tool, type Wish } from "./hands";
 import type { GridPicture } from "./feed";
 import { around, freeOf } from "./fitting";
+import { AT_REST, busy, type Hands, type Input, type Sight, step, type Tool, type Wish } from "./hands";
 import {
   composed,
   FIRST_VIEW,

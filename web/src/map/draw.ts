@@ -20,14 +20,14 @@ import {
 import { type Context, FONT, outlined, stroke, trace } from "./pen";
 import {
   composed,
-  matrix,
   type MapView,
+  matrix,
   NORTH,
   type Point,
   type Pose,
+  type Size,
   scaleBar,
   screenAngle,
-  type Size,
   toScreen,
 } from "./projection";
 import { lengthWords } from "./words";

@@ -1,5 +1,5 @@
-import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import { signal } from "@preact/signals";
+import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import { Problem, type Rest } from "../protocol/rest";
 import type { Hello, KeptMaps, Localization } from "../protocol/types";
 import { createStore } from "../state/store";
@@ -32,7 +32,16 @@ function page({ name = "third", map = true, shown = true } = {}) {
   store.link.value = { phase: "live", retryAt: 0 };
   const scan = (on: string) => (store.localization.value = { map: on } as Localization);
   const settle = () => vi.advanceTimersByTimeAsync(0);
-  return { robot, rest, store, looks, library, scan, settle, notices: () => store.notices.value.map(({ text }) => text) };
+  return {
+    robot,
+    rest,
+    store,
+    looks,
+    library,
+    scan,
+    settle,
+    notices: () => store.notices.value.map(({ text }) => text),
+  };
 }
 
 describe("the map in use", () => {

@@ -36,7 +36,15 @@ test("the robot is drawn by its own outline: x ahead, y to the left, as large as
 });
 
 test("seen from far it keeps its shape, and is drawn large enough to be seen", () => {
-  const { corners } = drawn([[0.2, 0.1], [-0.2, 0.1], [-0.2, -0.1], [0.2, -0.1]], 5);
+  const { corners } = drawn(
+    [
+      [0.2, 0.1],
+      [-0.2, 0.1],
+      [-0.2, -0.1],
+      [0.2, -0.1],
+    ],
+    5,
+  );
   expect(Math.hypot(...corners[0]!)).toBeCloseTo(9);
   expect(corners[0]![0] / -corners[0]![1]).toBeCloseTo(2);
 });

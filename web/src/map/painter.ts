@@ -2,8 +2,8 @@
 
 import { effect } from "@preact/signals";
 import type { App } from "../state/context";
-import type { MapPlace } from "../state/store";
 import { showsNow } from "../state/freshness";
+import type { MapPlace } from "../state/store";
 import { narrow } from "../ui/media";
 import { draw } from "./draw";
 import { sketch } from "./hands";

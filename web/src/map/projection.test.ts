@@ -1,8 +1,8 @@
 import { describe, expect, test } from "vitest";
 import {
   composed,
-  fitted,
   FIRST_VIEW,
+  fitted,
   matrix,
   NORTH,
   panned,

@@ -242,7 +242,11 @@ describe("what the keys do on the map", () => {
   test("never advises Escape where that would stop the robot", () => {
     expect(hintWords(hands({ cursor }), true), "nothing is begun").not.toContain("Esc");
     const act = { kind: "aim", place: cursor, heading: null, by: "keys" } as const;
-    for (const some of [{ cursor, tool: "goal", act }, { cursor, tool: "goal" }, { cursor, tool: "slow" }] as const) {
+    for (const some of [
+      { cursor, tool: "goal", act },
+      { cursor, tool: "goal" },
+      { cursor, tool: "slow" },
+    ] as const) {
       expect(hintWords(hands(some), true)).toContain("Esc");
       expect(hintWords(hands(some), false)).not.toContain("Esc");
     }

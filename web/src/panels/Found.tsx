@@ -3,8 +3,8 @@
 import type { Landmark, Status } from "../protocol/types";
 import { useApp } from "../state/context";
 import { ago, number } from "../ui/format";
-import { noneFound } from "./words";
 import { QrIcon } from "../ui/icons";
+import { noneFound } from "./words";
 
 export function Found() {
   const { store } = useApp();

@@ -1,8 +1,8 @@
 /** CPU by module against the budget, and how each module is. */
 
+import type { Load as LoadMessage, ModuleLoad } from "../protocol/types";
 import { useApp } from "../state/context";
 import { attendedCpu } from "../state/load";
-import type { Load as LoadMessage, ModuleLoad } from "../protocol/types";
 import { divisor, millis, number, spaced } from "../ui/format";
 import { ChevronIcon, WarnIcon } from "../ui/icons";
 import { Meter } from "../ui/Meter";

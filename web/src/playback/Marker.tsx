@@ -17,7 +17,9 @@ export function Marker() {
       <FilmIcon />
       <span>
         <b>{named ? `Recording of ${robot}` : robot}</b>
-        <small>{[isDated(begin) ? dayTime(begin) : "", named ? file : "a recording"].filter(Boolean).join(" · ")}</small>
+        <small>
+          {[isDated(begin) ? dayTime(begin) : "", named ? file : "a recording"].filter(Boolean).join(" · ")}
+        </small>
       </span>
     </p>
   );

@@ -4,7 +4,7 @@ import type { ComponentChildren } from "preact";
 import { useApp } from "../state/context";
 import { clockSpan, clockTime, number } from "../ui/format";
 import { BackIcon, PauseIcon, PlayIcon, ReplayIcon, StepIcon } from "../ui/icons";
-import { isDated, slowerThanAsked, SPEEDS, speedWord, spokenSpan } from "./transport";
+import { isDated, SPEEDS, slowerThanAsked, speedWord, spokenSpan } from "./transport";
 
 export function Transport() {
   const { store, playback } = useApp();

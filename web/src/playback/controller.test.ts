@@ -30,7 +30,10 @@ test("plays, pauses, and from the end begins again", () => {
   for (const [state, change] of [
     [{}, { playing: false }],
     [{ playing: false, phase: "paused" }, { playing: true }],
-    [{ playing: false, phase: "ended", position: 160 }, { position: 100, playing: true }],
+    [
+      { playing: false, phase: "ended", position: 160 },
+      { position: 100, playing: true },
+    ],
   ] as const) {
     const { control, asked } = replay(state);
     control.act("toggle");

@@ -83,7 +83,11 @@ test("everything has its turn in the order of the hand, and only seeks in a row 
     await new Promise((resolve) => setTimeout(resolve));
     done.push(what);
   };
-  const turns = new Turns((position) => takes(`seek ${position}`)(), () => undefined, (error) => done.push(String(error)));
+  const turns = new Turns(
+    (position) => takes(`seek ${position}`)(),
+    () => undefined,
+    (error) => done.push(String(error)),
+  );
   turns.seek(1);
   turns.ask(takes("pause"));
   turns.ask(() => Promise.reject(new Error("no such speed")));

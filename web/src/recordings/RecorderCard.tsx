@@ -1,8 +1,8 @@
 /** What the Recorder does now, and the form that begins a recording. */
 
 import { useSignal } from "@preact/signals";
-import type { Recorder } from "../protocol/types";
 import { Labelled } from "../desires/FieldInput";
+import type { Recorder } from "../protocol/types";
 import { useApp } from "../state/context";
 import { clockSpan, number, sentence, size } from "../ui/format";
 import { RecordIcon, RingIcon, SquareIcon, WarnIcon } from "../ui/icons";
@@ -106,7 +106,9 @@ function Actions({ recorder }: { recorder: Recorder }) {
             class="button accent"
             data-testid="ring-save"
             disabled={!store.live.value || pending !== null || wrong !== ""}
-            onClick={() => void recordings.save(name.value.trim() || undefined).then((kept) => kept && (name.value = ""))}
+            onClick={() =>
+              void recordings.save(name.value.trim() || undefined).then((kept) => kept && (name.value = ""))
+            }
           >
             {pending === "save" ? "Saving…" : `Save the last ${clockSpan(recordedFor(recorder, store.now.value))}`}
           </button>
@@ -143,7 +145,10 @@ function Form() {
     event.preventDefault();
     if (wrongName || typeof minutes === "string") return;
     const typed = name.value.trim();
-    await recordings.record({ ...(typed ? { name: typed } : {}), ...(minutes === null ? {} : { keep_minutes: minutes }) });
+    await recordings.record({
+      ...(typed ? { name: typed } : {}),
+      ...(minutes === null ? {} : { keep_minutes: minutes }),
+    });
   };
   return (
     <form class="recorder-form" noValidate onSubmit={(event) => void submit(event)} data-testid="recorder-form">
@@ -160,7 +165,12 @@ function Form() {
             />
           )}
         </Labelled>
-        <Labelled name="record-keep" title="Keep only the last" hint="minutes; empty: all of it" error={wrongKeep || undefined}>
+        <Labelled
+          name="record-keep"
+          title="Keep only the last"
+          hint="minutes; empty: all of it"
+          error={wrongKeep || undefined}
+        >
           {(props) => (
             <input
               {...props}

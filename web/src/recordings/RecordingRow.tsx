@@ -44,9 +44,7 @@ export function RecordingRow({ recording, onGone }: { recording: Recording; onGo
       </p>
       <p class="recording-facts">
         <span>{facts.join(" · ")}</span>
-        <span data-testid="recording-length">
-          {seconds === null ? "length unknown" : clockSpan(seconds)}
-        </span>
+        <span data-testid="recording-length">{seconds === null ? "length unknown" : clockSpan(seconds)}</span>
         <span data-testid="recording-size">{size(bytes)}</span>
       </p>
       {state === "unfinished" && <p class="muted small">{`${told!.hint} ${name}`}</p>}

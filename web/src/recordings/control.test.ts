@@ -25,7 +25,11 @@ const RECORDING: Recorder = { ...IDLE, state: "recording", name: "a", began: 100
 function page(rest: Partial<Rest> = {}) {
   const store = createStore();
   const list = { folder: "", free_bytes: 1, recorder: null, replay: null, recordings: [] };
-  const asked = { recordings: vi.fn(async () => list), record: vi.fn(async () => {}), stopRecording: vi.fn(async () => {}) };
+  const asked = {
+    recordings: vi.fn(async () => list),
+    record: vi.fn(async () => {}),
+    stopRecording: vi.fn(async () => {}),
+  };
   const control = new RecordingControl(store, { ...asked, ...rest } as unknown as Rest);
   control.start();
   store.recorder.value = IDLE;

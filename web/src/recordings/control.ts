@@ -144,7 +144,8 @@ export class RecordingControl {
   private lostPatience(): void {
     const what = this.pending.peek();
     this.pending.value = null;
-    if (what === "start") this.problem.value = `The recording has not begun. ${sentence(this.store.recorder.peek()?.reason ?? "")}`.trim();
+    if (what === "start")
+      this.problem.value = `The recording has not begun. ${sentence(this.store.recorder.peek()?.reason ?? "")}`.trim();
     else if (what === "stop") this.problem.value = "Still recording: somebody else desires it. See the desires.";
     if (this.problem.peek() && !this.shown.peek()) this.store.notify("warning", this.problem.peek());
   }

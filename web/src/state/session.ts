@@ -1,11 +1,11 @@
 /** Joins the connection to the store: newest message of each kind once per frame, staleness, login, clocks. */
 
 import { batch } from "@preact/signals";
+import { GAP_S } from "../lanes/history";
 import { LiveConnection } from "../protocol/live";
 import { Problem, Rest } from "../protocol/rest";
 import { tokenIn } from "../protocol/token";
 import type { FromRobot, GridInfo, ToRobot } from "../protocol/types";
-import { GAP_S } from "../lanes/history";
 import { isFresh } from "./freshness";
 import type { Store } from "./store";
 

@@ -1,6 +1,7 @@
 /** The page's one store: what the robot last said, and what this page is showing. Fed by `session.ts`. */
 
 import { computed, type ReadonlySignal, signal } from "@preact/signals";
+import { LaneHistory } from "../lanes/history";
 import type {
   Desire,
   Hello,
@@ -19,7 +20,6 @@ import type {
   Status,
   Zone,
 } from "../protocol/types";
-import { LaneHistory } from "../lanes/history";
 import { bodyOf } from "./body";
 import { attendedCpu } from "./load";
 import { PageClock } from "./pageClock";

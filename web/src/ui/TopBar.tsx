@@ -1,12 +1,12 @@
 /** Always visible: who, what, how fresh, and the stop. */
 
 import type { ComponentChildren } from "preact";
-import { useApp } from "../state/context";
 import { Marker } from "../playback/Marker";
 import { RecordButton } from "../recordings/RecordButton";
+import { useApp } from "../state/context";
 import { cautionWords } from "./cautions";
-import { EStop } from "./EStop";
 import { driverName, driverWords } from "./driver";
+import { EStop } from "./EStop";
 import { millis } from "./format";
 import { LinkIcon, WarnIcon } from "./icons";
 import { Operator } from "./Operator";
@@ -74,7 +74,11 @@ export function TopBar({ narrow }: { narrow: boolean }) {
           </p>
         )}
         {slow && (
-          <p class="chip warn world-rate" data-testid="world-rate" title="The simulated world runs slower than real time">
+          <p
+            class="chip warn world-rate"
+            data-testid="world-rate"
+            title="The simulated world runs slower than real time"
+          >
             <WarnIcon />
             <span>
               <span class="roomy">World runs at </span>

@@ -3,8 +3,8 @@
 import { useEffect, useRef } from "preact/hooks";
 import { useApp } from "../state/context";
 import { number, reasonText } from "../ui/format";
-import { FaceFrames } from "./FaceFrames";
 import { CameraIcon, CloseIcon, EnlargeIcon, ShrinkIcon } from "../ui/icons";
+import { FaceFrames } from "./FaceFrames";
 
 const OLD_S = 1;
 /** The desire class whose filters let the camera through to people. */

@@ -30,7 +30,12 @@ export function FaceFrames() {
 function FaceFrame({ face }: { face: SeenFace }) {
   const [name, range] = personWords(face).split(", ");
   return (
-    <div class={`face-frame ${nearTop(face.box[1], face)}`} data-testid="face-frame" data-track={face.track} style={placed(face.box, face)}>
+    <div
+      class={`face-frame ${nearTop(face.box[1], face)}`}
+      data-testid="face-frame"
+      data-track={face.track}
+      style={placed(face.box, face)}
+    >
       <span>
         {name}
         {range && <i>{`, ${range}`}</i>}
@@ -45,7 +50,12 @@ function CodeFrame({ code }: { code: SeenCode }) {
   const [left, top] = [Math.min(...us), Math.min(...vs)];
   const box: Box = [left, top, Math.max(...us) - left, Math.max(...vs) - top];
   return (
-    <div class={`face-frame code ${nearTop(top, code)}`} data-testid="code-frame" data-text={code.text} style={placed(box, code)}>
+    <div
+      class={`face-frame code ${nearTop(top, code)}`}
+      data-testid="code-frame"
+      data-text={code.text}
+      style={placed(box, code)}
+    >
       <span>{code.text.length > 24 ? `${code.text.slice(0, 23)}…` : code.text}</span>
     </div>
   );

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Perceived, SeenFace } from "../protocol/types";
-import { codesOn, facesOn, trailed, type Trails } from "./faces";
+import { codesOn, facesOn, type Trails, trailed } from "./faces";
 
 const face = (camera: string, stamp: number, left = 100) =>
   ({ track: 1, camera, stamp, image: [640, 480], box: [left, 50, 40, 40] }) as SeenFace;
@@ -8,7 +8,10 @@ const told = (...faces: SeenFace[]) => ({ faces }) as Perceived;
 
 test("only faces of the camera that is shown", () => {
   const all = told(face("kinect_optical_frame", 10), face("imv_optical_frame", 10), face("camera_optical_frame", 10));
-  expect(facesOn(trailed(new Map(), all), 10, 0).map(({ camera }) => camera)).toEqual(["kinect_optical_frame", "camera_optical_frame"]);
+  expect(facesOn(trailed(new Map(), all), 10, 0).map(({ camera }) => camera)).toEqual([
+    "kinect_optical_frame",
+    "camera_optical_frame",
+  ]);
 });
 
 test("only with a picture of about the same time, the nearer the faster the robot turns", () => {

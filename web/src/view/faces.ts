@@ -79,7 +79,5 @@ export function codesOn(perceived: Perceived | null, stamp: number | null, turni
 function together<T extends SeenFace | SeenCode>(seen: T[], stamp: number | null, turning: number): T[] {
   if (stamp === null) return [];
   const apart = Math.min(APART_S, turning > 0 ? TURNED / turning : APART_S);
-  return seen.filter(
-    (one) => CAMERAS.has(one.camera) && Math.abs(one.stamp - stamp) <= Math.max(0.1, apart),
-  );
+  return seen.filter((one) => CAMERAS.has(one.camera) && Math.abs(one.stamp - stamp) <= Math.max(0.1, apart));
 }

@@ -1,7 +1,7 @@
 /** Pictures of one kind from the stream; each is acknowledged when drawn, which asks for the next. */
 
 import { effect, type ReadonlySignal, signal } from "@preact/signals";
-import { CAMERA, type PANORAMA, parsePicture, type Picture } from "../protocol/picture";
+import { CAMERA, type PANORAMA, type Picture, parsePicture } from "../protocol/picture";
 import type { Session } from "../state/session";
 
 const KEPT_MS = 1500;
