@@ -275,7 +275,7 @@ def run_hbba(arguments: list[str]) -> None:
 
 def lint() -> int:
     """Everything that reads the sources without running them."""
-    return first_failure(
+    status = first_failure(
         [
             ["ruff", "check", "--quiet", "--output-format=concise", "."],
             ["ruff", "format", "--quiet", "--output-format=concise", "--check", "."],
@@ -283,6 +283,9 @@ def lint() -> int:
             ["lint-imports", "--no-logo"],
         ]
     )
+    say("running biome and tsc on the page")
+    web = web_script("lint", "check")
+    return status or web
 
 
 def test(arguments: list[str]) -> int:
@@ -332,10 +335,15 @@ def patient_tests() -> int:
 def web_tests() -> int:
     """The page's unit tests."""
     say("running the page's tests")
+    return web_script("test")
+
+
+def web_script(*scripts: str) -> int:
+    """Run ``scripts`` of ``web/package.json`` one after another; 0, or 1 if one failed, which says why."""
     try:
         node = node_or_install()
         page.install_packages(node)
-        output = page.run_npm(node, "test")
+        output = "".join(page.run_npm(node, "run", script) for script in scripts)
     except page.PageFailed as failure:
         sys.stderr.write(f"{failure}\n")
         return 1

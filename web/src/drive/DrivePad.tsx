@@ -22,7 +22,7 @@ export function DrivePad() {
     <section class="drive-pad" data-testid="drive-pad" data-source={source ?? ""} aria-label="Drive">
       <Stick drive={drive} words={words} />
       <div class="drive-side">
-        <p class="drive-speed" aria-label={`Wheels: ${words}`}>
+        <p class="drive-speed" role="group" aria-label={`Wheels: ${words}`}>
           <span>
             <b>{number(live ? applied?.linear_mps : null, 2)}</b> m/s
           </span>
@@ -91,7 +91,10 @@ function Hint() {
         type="button"
         class="drive-hint link"
         data-testid="focus-hint"
-        onClick={() => (document.querySelector<HTMLElement>("[data-testid=stick]")?.focus(), window.focus())}
+        onClick={() => {
+          document.querySelector<HTMLElement>("[data-testid=stick]")?.focus();
+          window.focus();
+        }}
       >
         <KeyboardIcon /> Click here to drive with the keyboard
       </button>

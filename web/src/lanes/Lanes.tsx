@@ -152,6 +152,7 @@ export function Lanes() {
           <div
             class="lane-area"
             ref={area}
+            // biome-ignore lint/a11y/noNoninteractiveTabindex: its keys move a cursor over the lanes
             tabIndex={0}
             data-own-arrows
             role="group"

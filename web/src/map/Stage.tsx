@@ -48,6 +48,7 @@ export function Stage({ place, buttons, children }: Props) {
   const robot = map.robot.value;
   return (
     <div class={`map-stage tool-${tool}`}>
+      {/* biome-ignore lint/a11y/noInteractiveElementToNoninteractiveRole: an application takes keys, as this map does */}
       <canvas
         ref={canvas}
         class="map-canvas"

@@ -80,7 +80,7 @@ export function wayWords(
   if (!to) return null;
   const where = placeWords(to);
   // Of a new goal the behavior has not spoken yet, or attention has given it nothing.
-  if (goal && (!told || !told.goal || apart(told.goal, goal) > NEAR_M)) {
+  if (goal && (!told?.goal || apart(told.goal, goal) > NEAR_M)) {
     if (lane && (lane.state === "unfulfilled" || lane.state === "inhibited"))
       return {
         tone: "warn",

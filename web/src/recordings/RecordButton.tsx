@@ -27,7 +27,10 @@ export function RecordButton() {
         disabled={!live}
         aria-label={`Stop recording. ${length} recorded, ${size(recorder.bytes)}`}
         title="Stop recording"
-        onClick={(event) => (leave(event), void recordings.stop())}
+        onClick={(event) => {
+          leave(event);
+          void recordings.stop();
+        }}
       >
         <SquareIcon />
         <span data-testid="record-time">{length}</span>
@@ -43,7 +46,10 @@ export function RecordButton() {
         disabled={!live || pending === "save"}
         aria-label={`Save the last ${length}`}
         title="Save what the ring holds as a recording"
-        onClick={(event) => (leave(event), void recordings.save())}
+        onClick={(event) => {
+          leave(event);
+          void recordings.save();
+        }}
       >
         <RingIcon />
         <span class="record-word">{pending === "save" ? "Saving…" : "Save last"}</span>
@@ -56,7 +62,10 @@ export function RecordButton() {
         {...common}
         class="record stopped"
         title={sentence(recorder.reason)}
-        onClick={(event) => (leave(event), (store.tab.value = "recordings"))}
+        onClick={(event) => {
+          leave(event);
+          store.tab.value = "recordings";
+        }}
       >
         <WarnIcon /> <span class="record-word">Not recording</span>
         <span class="only-narrow">Stopped</span>
@@ -69,7 +78,10 @@ export function RecordButton() {
       disabled={!live}
       aria-label="Record"
       title="Record what the robot perceives and does"
-      onClick={(event) => (leave(event), void recordings.record({}))}
+      onClick={(event) => {
+        leave(event);
+        void recordings.record({});
+      }}
     >
       <RecordIcon /> Record
     </button>

@@ -31,7 +31,7 @@ export class PlaybackClock {
     const before = this.last;
     const running = this.now(at);
     this.last = report;
-    const same = before !== null && before.playing && report.playing && before.speed === report.speed;
+    const same = before?.playing === true && report.playing && before.speed === report.speed;
     if (!same || this.reports.some((other) => other.position > report.position)) this.reports = [];
     this.reports.push({ position: report.position, at });
     while (this.reports[0]!.at < at - WINDOW_S) this.reports.shift();

@@ -30,7 +30,7 @@ export function SceneView() {
 
   const loaded = () => {
     const inner = pageOf(frame.current);
-    if (!inner || inner.document.contentType !== "text/html") {
+    if (inner?.document.contentType !== "text/html") {
       setScene("missing");
       return;
     }
