@@ -5,10 +5,10 @@ import { useEffect, useRef } from "preact/hooks";
 import { useApp } from "../state/context";
 import { number } from "../ui/format";
 import { AroundIcon, CloseIcon, EnlargeIcon, ShrinkIcon } from "../ui/icons";
-import { draw } from "./draw";
-import { faceMarks, flash, soundMarks, summary } from "./marks";
-import { SHAPE, type Strip } from "./projection";
-import { type Closed, perceives, whyClosed } from "./why";
+import { draw } from "./drawAround";
+import { faceMarks, flash, soundMarks, summary } from "./perceptMarks";
+import { SHAPE, type Strip } from "./stripProjection";
+import { type Closed, perceives, whyClosed } from "./whyClosed";
 
 const OLD_S = 1.5;
 const FADE_STEP_MS = 60;

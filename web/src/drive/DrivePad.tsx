@@ -1,13 +1,13 @@
 /** The operator's hands on screen: stick, speed, who drives, and what the wheels are given. */
 
-import { goalOf } from "../map/words";
+import { goalOf } from "../map/mapText";
 import { useApp } from "../state/context";
 import { number } from "../ui/format";
 import { KeyboardIcon, WheelIcon } from "../ui/icons";
-import { PRESETS } from "./controller";
+import { PRESETS } from "./driveController";
+import { heldWords } from "./driveText";
 import { Limited } from "./Limited";
 import { Stick } from "./Stick";
-import { heldWords } from "./words";
 
 export function DrivePad() {
   const { drive, session, store } = useApp();

@@ -2,7 +2,7 @@
 
 import { useRef } from "preact/hooks";
 import type { Axes } from "./axes";
-import type { DriveController } from "./controller";
+import type { DriveController } from "./driveController";
 
 const DEADBAND = 0.08;
 

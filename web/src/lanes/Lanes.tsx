@@ -7,7 +7,7 @@ import { divisor, divisorLines, number, spaced } from "../ui/format";
 import { MinusIcon, PauseIcon, PlayIcon, PlusIcon, StateMark, TableIcon } from "../ui/icons";
 import { narrow } from "../ui/media";
 import { type Hit, LaneChart } from "./chart";
-import { AXIS_PX } from "./draw";
+import { AXIS_PX } from "./drawLanes";
 import { gestures } from "./gestures";
 import { LaneTable } from "./LaneTable";
 import { laneRows } from "./rows";

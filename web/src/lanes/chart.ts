@@ -3,7 +3,7 @@
 import type { RobotEvent } from "../protocol/types";
 import type { Store } from "../state/store";
 import { clockSpan, clockTime } from "../ui/format";
-import { AXIS_PX, LanePainter, markRow } from "./draw";
+import { AXIS_PX, LanePainter, markRow } from "./drawLanes";
 import type { LaneSample } from "./history";
 import { edges, INITIAL, TRAIL_S, type Viewport } from "./viewport";
 

@@ -2,7 +2,7 @@ import { describe, expect, test } from "vitest";
 import type { LaneRow, LanesHistory } from "../protocol/types";
 import { Columns, toColumns } from "./columns";
 import { CAPACITY, LaneHistory } from "./history";
-import { spells } from "./spells";
+import { spells } from "./runLengths";
 import {
   edges,
   INITIAL,

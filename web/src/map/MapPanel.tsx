@@ -4,9 +4,9 @@ import type { ComponentChildren } from "preact";
 import { useApp } from "../state/context";
 import { CloseIcon, FlagIcon, HomeIcon, KeepOutIcon, PlaceIcon, SearchIcon, SlowIcon, WarnIcon } from "../ui/icons";
 import { narrow } from "../ui/media";
-import type { Tool } from "./hands";
+import { goalOf, hintWords, wayWords } from "./mapText";
+import type { Tool } from "./mapTools";
 import { Stage, ViewButtons } from "./Stage";
-import { goalOf, hintWords, wayWords } from "./words";
 import { ZoneEditor } from "./Zones";
 
 export function MapPanel({ place }: { place: "tab" | "view" }) {

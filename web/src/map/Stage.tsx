@@ -16,8 +16,8 @@ import {
   ShrinkIcon,
 } from "../ui/icons";
 import { handsOn } from "./listeners";
+import { emptyWords, poseWords } from "./mapText";
 import { paintOn } from "./painter";
-import { emptyWords, poseWords } from "./words";
 
 interface Props {
   place: MapPlace;

@@ -1,10 +1,10 @@
 /** Draws zones, and the one that is being made. */
 
 import type { Zone } from "../protocol/types";
+import { type Context, disc, drawHandle, drawLabel, FONT, stroke, trace } from "./canvas";
 import * as colors from "./colors";
-import type { Act } from "./hands";
-import { type Context, disc, drawHandle, drawLabel, FONT, stroke, trace } from "./pen";
-import type { Point } from "./projection";
+import type { Point } from "./mapProjection";
+import type { Act } from "./mapTools";
 import { cornersOf, middle } from "./zoneList";
 
 /** While its corner is being dragged, as it would be. */

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { around, freeOf } from "./fitting";
-import { FIRST_VIEW, fitted, toScreen } from "./projection";
+import { FIRST_VIEW, fitted, toScreen } from "./mapProjection";
 
 const known = { left: -2, right: 6, bottom: -3, top: 3 };
 

@@ -1,7 +1,7 @@
 /** What "all of the map" is, and where on the canvas it goes: beside what lies over that. Pure. */
 
 import type { MapPlace } from "../state/store";
-import type { Bounds, Margins, Point, Size } from "./projection";
+import type { Bounds, Margins, Point, Size } from "./mapProjection";
 
 /** In the view, wider than this, the camera and the drive pad stand to the left of the map's middle (map.css). */
 const ROOMY_PX = 860;

@@ -1,8 +1,8 @@
 /** Joins the browser's pointers, wheel and keys to the hands on the map. */
 
 import { number } from "../ui/format";
-import { handleAt, type MapControl } from "./control";
-import { type Point, toScreen } from "./projection";
+import { handleAt, type MapControl } from "./mapControl";
+import { type Point, toScreen } from "./mapProjection";
 
 /** Pointers, wheel and keys into the state machine; returns the undoing. `say` is for who does not see the cursor. */
 export function handsOn(canvas: HTMLCanvasElement, map: MapControl, say: (words: string) => void): () => void {

@@ -5,10 +5,10 @@ import type { App } from "../state/context";
 import { showsNow } from "../state/freshness";
 import type { MapPlace } from "../state/store";
 import { narrow } from "../ui/media";
-import { draw } from "./draw";
-import { sketch } from "./hands";
-import { composed, type Point } from "./projection";
-import { goalOf } from "./words";
+import { draw } from "./drawMap";
+import { composed, type Point } from "./mapProjection";
+import { goalOf } from "./mapText";
+import { sketch } from "./mapTools";
 
 /** As in senses.css. */
 const COLUMN_PX = 860;

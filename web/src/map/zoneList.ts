@@ -1,7 +1,7 @@
 /** Keep-out and speed zones as a list that is edited: every function returns a new list. Pure. */
 
 import type { Zone } from "../protocol/types";
-import type { Point } from "./projection";
+import type { Point } from "./mapProjection";
 
 export type ZoneKind = Zone["kind"];
 

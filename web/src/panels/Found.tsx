@@ -4,7 +4,7 @@ import type { Landmark, Status } from "../protocol/types";
 import { useApp } from "../state/context";
 import { ago, number } from "../ui/format";
 import { QrIcon } from "../ui/icons";
-import { noneFound } from "./words";
+import { noneFound } from "./foundText";
 
 export function Found() {
   const { store } = useApp();

@@ -1,7 +1,7 @@
 /** Who is seen now and what is heard now: how far, and in which direction. */
 
-import { directionWords, faceMarks, soundMarks } from "../around/marks";
-import { whyClosed } from "../around/why";
+import { directionWords, faceMarks, soundMarks } from "../around/perceptMarks";
+import { whyClosed } from "../around/whyClosed";
 import { useApp } from "../state/context";
 import { PersonIcon, SoundIcon } from "../ui/icons";
 

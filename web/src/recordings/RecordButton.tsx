@@ -3,7 +3,7 @@
 import { useApp } from "../state/context";
 import { clockSpan, sentence, size } from "../ui/format";
 import { RecordIcon, RingIcon, SquareIcon, WarnIcon } from "../ui/icons";
-import { recordedFor } from "./words";
+import { recordedFor } from "./recordingText";
 
 export function RecordButton() {
   const { store, recordings } = useApp();

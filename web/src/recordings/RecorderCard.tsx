@@ -6,8 +6,8 @@ import type { Recorder } from "../protocol/types";
 import { useApp } from "../state/context";
 import { clockSpan, number, sentence, size } from "../ui/format";
 import { RecordIcon, RingIcon, SquareIcon, WarnIcon } from "../ui/icons";
-import type { Pending } from "./control";
-import { nameProblem, recordedFor, ringMinutes } from "./words";
+import type { Pending } from "./recordingControl";
+import { nameProblem, recordedFor, ringMinutes } from "./recordingText";
 
 export function RecorderCard() {
   const { store, recordings } = useApp();

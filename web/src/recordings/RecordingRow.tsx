@@ -7,7 +7,7 @@ import { useApp } from "../state/context";
 import type { Store } from "../state/store";
 import { clockSpan, dayTime, size } from "../ui/format";
 import { DownloadIcon, PlayIcon, TrashIcon, WarnIcon } from "../ui/icons";
-import { recordedFor } from "./words";
+import { recordedFor } from "./recordingText";
 
 const STATES = {
   complete: null,

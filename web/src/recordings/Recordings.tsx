@@ -6,7 +6,7 @@ import { size } from "../ui/format";
 import { WarnIcon } from "../ui/icons";
 import { RecorderCard } from "./RecorderCard";
 import { RecordingRow } from "./RecordingRow";
-import { newestFirst } from "./words";
+import { newestFirst } from "./recordingText";
 
 export function Recordings() {
   const { store, recordings } = useApp();

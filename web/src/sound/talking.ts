@@ -1,7 +1,7 @@
 /** Speaking through the robot: while a button or the key V is held, and not a moment longer. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
-import { typesText } from "../drive/controller";
+import { typesText } from "../drive/driveController";
 import { packVoice } from "../protocol/sound";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";

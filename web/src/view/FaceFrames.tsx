@@ -1,7 +1,7 @@
 /** Frames around the faces and QR codes in the camera's picture: who, how far, what it says. */
 
 import { useRef } from "preact/hooks";
-import { personWords } from "../around/marks";
+import { personWords } from "../around/perceptMarks";
 import type { Perceived, SeenCode, SeenFace } from "../protocol/types";
 import { useApp } from "../state/context";
 import { codesOn, facesOn, type Trails, trailed } from "./faces";

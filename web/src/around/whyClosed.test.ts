@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Hello, LaneRow } from "../protocol/types";
-import { perceives, whyClosed } from "./why";
+import { perceives, whyClosed } from "./whyClosed";
 
 const hello = { channels: { camera: true, panorama: true }, classes: [] } as unknown as Hello;
 const row = (name: string, divisor: number | null, text = ""): LaneRow => ({

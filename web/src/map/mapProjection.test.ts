@@ -11,7 +11,7 @@ import {
   toMap,
   toScreen,
   zoomed,
-} from "./projection";
+} from "./mapProjection";
 
 const size = { width: 400, height: 300 };
 const north = { ...FIRST_VIEW, x: 2, y: 1, scale: 20 };

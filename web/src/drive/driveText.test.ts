@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { heldWords } from "./words";
+import { heldWords } from "./driveText";
 
 test("who drives is told what letting go does", () => {
   expect(heldWords("keyboard", false, false)).toBe("Driving by keyboard. Let go to stop.");

@@ -1,8 +1,8 @@
 /** Draws what stands on the map: the robot and how sure it is, goals, the start, people, posters, the cursor. */
 
+import { type Context, disc, stroke, trace } from "./canvas";
 import * as colors from "./colors";
-import { type Context, disc, stroke, trace } from "./pen";
-import { type MapView, type Point, type Pose, screenAngle } from "./projection";
+import { type MapView, type Point, type Pose, screenAngle } from "./mapProjection";
 
 /** What is drawn of a robot. */
 export interface Body {

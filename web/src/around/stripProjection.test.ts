@@ -1,5 +1,5 @@
 import { describe, expect, test } from "vitest";
-import { direction, pictureBox, place, SHAPE, wrapped } from "./projection";
+import { direction, pictureBox, place, SHAPE, wrapped } from "./stripProjection";
 
 const strip = { width: 720, height: 720 / SHAPE };
 

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { noneFound } from "./words";
+import { noneFound } from "./foundText";
 
 test("whoever has wheels is told to drive up to a code", () => {
   expect(noneFound({ drives: true, places: true }, false)).toMatch(/Drive up to a poster: .* 2 m .* 4 m /);

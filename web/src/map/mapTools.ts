@@ -6,7 +6,7 @@
  * rectangle; clicked, corner after corner until the first is met again.
  */
 
-import { type MapView, type Point, panned, type Size, toMap, toScreen, wrapped, zoomed } from "./projection";
+import { type MapView, type Point, panned, type Size, toMap, toScreen, wrapped, zoomed } from "./mapProjection";
 
 export type Tool = "look" | "goal" | "pose" | "keep_out" | "slow";
 

@@ -6,7 +6,7 @@ import type { Recorder } from "../protocol/types";
 import type { Store } from "../state/store";
 import { sentence } from "../ui/format";
 import { starting } from "./placeholder";
-import { replayAddress } from "./words";
+import { replayAddress } from "./recordingText";
 
 /** A desire must be weighed and the file opened; longer than this is no matter of waiting. */
 const PATIENCE_MS = 6000;

@@ -1,6 +1,6 @@
 /** Strokes that several drawings of the map are made of. */
 
-import type { Point } from "./projection";
+import type { Point } from "./mapProjection";
 
 export type Context = CanvasRenderingContext2D;
 export const FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Noto Sans', 'DejaVu Sans', sans-serif";

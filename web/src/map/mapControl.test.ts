@@ -3,7 +3,7 @@ import type { Rest } from "../protocol/rest";
 import type { Desire } from "../protocol/types";
 import type { Session } from "../state/session";
 import { createStore } from "../state/store";
-import { MapControl } from "./control";
+import { MapControl } from "./mapControl";
 
 const goal = (id: string, kind: string): Desire => ({
   id,

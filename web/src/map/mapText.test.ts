@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
 import type { Desire, LaneRow, Localization, Navigation } from "../protocol/types";
-import { AT_REST, type Hands } from "./hands";
-import { emptyWords, goalOf, hintWords, lengthWords, placeWords, poseWords, wayWords } from "./words";
+import { emptyWords, goalOf, hintWords, lengthWords, placeWords, poseWords, wayWords } from "./mapText";
+import { AT_REST, type Hands } from "./mapTools";
 
 const desire = (some: Partial<Desire>): Desire => ({
   id: "d1",

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { Recorder, Recording } from "../protocol/types";
-import { nameProblem, newestFirst, recordedFor, replayAddress, ringMinutes } from "./words";
+import { nameProblem, newestFirst, recordedFor, replayAddress, ringMinutes } from "./recordingText";
 
 const recorder = (change: Partial<Recorder>): Recorder => ({
   type: "recorder",

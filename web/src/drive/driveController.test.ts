@@ -1,9 +1,9 @@
 import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
-import type { PlaybackController } from "../playback/controller";
+import type { PlaybackController } from "../playback/playbackController";
 import type { Status, ToRobot } from "../protocol/types";
 import type { Session } from "../state/session";
 import { createStore } from "../state/store";
-import { DriveController } from "./controller";
+import { DriveController } from "./driveController";
 
 beforeEach(() => void vi.stubGlobal("localStorage", { getItem: () => null, setItem: () => {} }));
 afterEach(() => void vi.unstubAllGlobals());

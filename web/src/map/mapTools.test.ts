@@ -1,4 +1,5 @@
 import { describe, expect, test } from "vitest";
+import { FIRST_VIEW, toMap, toScreen } from "./mapProjection";
 import {
   AT_REST,
   busy,
@@ -10,8 +11,7 @@ import {
   step,
   type Tool,
   type Wish,
-} from "./hands";
-import { FIRST_VIEW, toMap, toScreen } from "./projection";
+} from "./mapTools";
 
 const size = { width: 400, height: 300 };
 /** 20 px a metre; the middle of the screen is (0, 0). */

@@ -1,14 +1,13 @@
 /** Everything the page does with the map: the hands on it, what is shown of it, and what is asked of the robot. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
-import { typesText } from "../drive/controller";
+import { typesText } from "../drive/driveController";
 import { inWords } from "../protocol/rest";
 import type { Desire, Localization, Place, Zone } from "../protocol/types";
 import type { Session } from "../state/session";
 import type { MapPlace, Store } from "../state/store";
-import type { GridPicture } from "./feed";
 import { around, freeOf } from "./fitting";
-import { AT_REST, busy, type Hands, type Input, type Sight, step, type Tool, type Wish } from "./hands";
+import type { GridPicture } from "./gridFeed";
 import {
   composed,
   FIRST_VIEW,
@@ -19,8 +18,9 @@ import {
   type Pose,
   type Size,
   zoomed,
-} from "./projection";
-import { goalOf, isAsked, tripsOf } from "./words";
+} from "./mapProjection";
+import { goalOf, isAsked, tripsOf } from "./mapText";
+import { AT_REST, busy, type Hands, type Input, type Sight, step, type Tool, type Wish } from "./mapTools";
 import {
   added,
   cornerMoved,

@@ -3,7 +3,7 @@
 import type { RobotEvent } from "../protocol/types";
 import { Columns, type Span, toColumns } from "./columns";
 import type { Lane, LaneHistory } from "./history";
-import { spells } from "./spells";
+import { spells } from "./runLengths";
 import { tickStep } from "./viewport";
 
 export const COLORS = {

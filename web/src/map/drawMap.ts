@@ -1,10 +1,8 @@
 /** Draws the map from above: cells, zones, the way, the robot, and what hands are about to do. */
 
 import type { Zone } from "../protocol/types";
+import { type Context, FONT, outlined, stroke, trace } from "./canvas";
 import * as colors from "./colors";
-import { drawSketch, drawZone, moving } from "./drawZones";
-import type { GridPicture } from "./feed";
-import type { Act, Tool } from "./hands";
 import {
   type Body,
   drawAim,
@@ -16,8 +14,9 @@ import {
   drawStart,
   drawTarget,
   headingOf,
-} from "./marks";
-import { type Context, FONT, outlined, stroke, trace } from "./pen";
+} from "./drawMarks";
+import { drawSketch, drawZone, moving } from "./drawZones";
+import type { GridPicture } from "./gridFeed";
 import {
   composed,
   type MapView,
@@ -29,8 +28,9 @@ import {
   scaleBar,
   screenAngle,
   toScreen,
-} from "./projection";
-import { lengthWords } from "./words";
+} from "./mapProjection";
+import { lengthWords } from "./mapText";
+import type { Act, Tool } from "./mapTools";
 
 export interface Shown {
   map: GridPicture | null;

@@ -2,7 +2,7 @@
 
 import type { Desire, GoalPlace, LaneRow, Localization, Navigation } from "../protocol/types";
 import { number, reasonText, sentence } from "../ui/format";
-import type { Hands } from "./hands";
+import type { Hands } from "./mapTools";
 
 export type Tone = "good" | "busy" | "warn" | "bad" | "idle";
 

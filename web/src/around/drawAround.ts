@@ -1,7 +1,7 @@
 /** Draws the strip of all directions: the picture ahead, a grid where there is none, and what was perceived. */
 
-import type { FaceMark, SoundKind, SoundMark } from "./marks";
-import { type Point, pictureBox, place, type Strip, scale } from "./projection";
+import type { FaceMark, SoundKind, SoundMark } from "./perceptMarks";
+import { type Point, pictureBox, place, type Strip, scale } from "./stripProjection";
 
 export interface Shown {
   /** Null: there is none. */

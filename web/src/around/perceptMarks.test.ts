@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import type { HeardSound, Perceived, SeenFace } from "../protocol/types";
-import { directionWords, FADE_S, faceMarks, flash, soundMarks, summary } from "./marks";
+import { directionWords, FADE_S, faceMarks, flash, soundMarks, summary } from "./perceptMarks";
 
 const nowhere = {
   azimuth: 0,

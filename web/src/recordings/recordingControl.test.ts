@@ -2,7 +2,7 @@ import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { Problem, type Rest } from "../protocol/rest";
 import type { Recorder } from "../protocol/types";
 import { createStore } from "../state/store";
-import { RecordingControl } from "./control";
+import { RecordingControl } from "./recordingControl";
 
 const IDLE: Recorder = {
   type: "recorder",

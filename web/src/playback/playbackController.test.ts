@@ -2,7 +2,7 @@ import { expect, test, vi } from "vitest";
 import { Problem, type Rest } from "../protocol/rest";
 import type { Playback } from "../protocol/types";
 import { createStore } from "../state/store";
-import { PlaybackController } from "./controller";
+import { PlaybackController } from "./playbackController";
 
 const STATE: Omit<Playback, "type"> = {
   file: "a.mcap",

@@ -1,7 +1,7 @@
 /** Joins the browser's hands (keys, stick, gamepads, focus) to the state machine, and its commands to the socket. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
-import type { PlaybackController } from "../playback/controller";
+import type { PlaybackController } from "../playback/playbackController";
 import type { Session } from "../state/session";
 import type { Store } from "../state/store";
 import type { Axes } from "./axes";

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
-import { drawRobot } from "./marks";
-import type { Context } from "./pen";
-import { FIRST_VIEW } from "./projection";
+import type { Context } from "./canvas";
+import { drawRobot } from "./drawMarks";
+import { FIRST_VIEW } from "./mapProjection";
 
 /** A context that remembers the first path that is filled: the robot's body. */
 function drawn(footprint: [number, number][], scale = 100) {

@@ -5,7 +5,7 @@ import { COSTMAP, MAP, parsePicture } from "../protocol/picture";
 import type { GridInfo } from "../protocol/types";
 import type { Session } from "../state/session";
 import { drawnBox, palette, recolor } from "./colors";
-import type { Bounds } from "./projection";
+import type { Bounds } from "./mapProjection";
 
 export interface GridPicture {
   info: GridInfo;
