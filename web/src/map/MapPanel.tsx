@@ -50,7 +50,7 @@ function Tools() {
   const known = store.localization.value !== null;
   const { goes } = store.body.value;
   return (
-    <div class="map-tools" role="toolbar" aria-label="Hands on the map" data-own-arrows>
+    <div class="map-tools" role="toolbar" aria-label="Tools on the map" data-own-arrows>
       {goes && (
         <>
           <ToolButton
@@ -116,7 +116,7 @@ function ToolButton(props: {
   children: ComponentChildren;
 }) {
   const { map, store } = useApp();
-  const on = map.hands.value.tool === props.tool;
+  const on = map.tools.value.tool === props.tool;
   return (
     <button
       type="button"
@@ -143,8 +143,8 @@ function Way() {
   const goal = goalOf(store.desires.value);
   const place = store.localization.value;
   const told = wayWords(store.navigation.value, goal, store.rows.value, store.seconds.value, place);
-  const { tool } = map.hands.value;
-  const hint = hintWords(map.hands.value, goal === null && store.stands.value);
+  const { tool } = map.tools.value;
+  const hint = hintWords(map.tools.value, goal === null && store.stands.value);
   const problem = map.problem.value;
   const canCancel = goal !== null && map.allowed.value;
   return (

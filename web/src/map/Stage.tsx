@@ -1,4 +1,4 @@
-/** The canvas of the map, the hands on it, and what lies over it: where the robot is, how it is looked at, why it is empty. */
+/** The canvas of the map, its pointers and keys, and what lies over it: where the robot is, how it is looked at, why it is empty. */
 
 import { effect, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
@@ -15,7 +15,7 @@ import {
   PlusIcon,
   ShrinkIcon,
 } from "../ui/icons";
-import { handsOn } from "./listeners";
+import { listen } from "./listeners";
 import { emptyWords, poseWords } from "./mapText";
 import { paintOn } from "./painter";
 
@@ -33,7 +33,7 @@ export function Stage({ place, buttons, children }: Props) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const said = useSignal("");
   useEffect(() => paintOn(canvas.current!, place, app), []);
-  useEffect(() => handsOn(canvas.current!, map, (words) => (said.value = words)), []);
+  useEffect(() => listen(canvas.current!, map, (words) => (said.value = words)), []);
   useEffect(
     () =>
       effect(() => {
@@ -43,7 +43,7 @@ export function Stage({ place, buttons, children }: Props) {
       }),
     [],
   );
-  const { tool } = map.hands.value;
+  const { tool } = map.tools.value;
   const { x, y, scale, up } = map.view.value;
   const robot = map.robot.value;
   return (

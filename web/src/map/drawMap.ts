@@ -1,4 +1,4 @@
-/** Draws the map from above: cells, zones, the way, the robot, and what hands are about to do. */
+/** Draws the map from above: cells, zones, the way, the robot, and what the tool in use is about to do. */
 
 import type { Zone } from "../protocol/types";
 import { type Context, FONT, outlined, stroke, trace } from "./canvas";

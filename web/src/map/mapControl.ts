@@ -1,4 +1,4 @@
-/** Everything the page does with the map: the hands on it, what is shown of it, and what is asked of the robot. */
+/** Everything the page does with the map: its tools, what is shown of it, and the requests to the robot. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { typesText } from "../drive/driveController";
@@ -20,7 +20,7 @@ import {
   zoomed,
 } from "./mapProjection";
 import { goalOf, isAsked, tripsOf } from "./mapText";
-import { AT_REST, busy, type Hands, type Input, type Sight, step, type Tool, type Wish } from "./mapTools";
+import { AT_REST, busy, type Input, type Sight, step, type Tool, type Tools, type Wish } from "./mapTools";
 import {
   added,
   cornerMoved,
@@ -39,7 +39,7 @@ import {
 export type Pending = "goal" | "cancel" | "pose" | "search" | "zones" | "desire" | null;
 
 export class MapControl {
-  readonly hands = signal<Hands>(AT_REST);
+  readonly tools = signal<Tools>(AT_REST);
   readonly view = signal<MapView>(FIRST_VIEW);
   readonly follow = signal(true);
   readonly robotUp = signal(false);
@@ -96,7 +96,7 @@ export class MapControl {
       const middle = this.follow.value && robot ? robot : view;
       this.view.value = { ...view, x: middle.x, y: middle.y, up };
     });
-    // Before the hands on the wheel hear of it: what is begun on the map is given up first, while the robot stands.
+    // Before the driving keys: Escape gives up what is begun on the map first, while the robot stands.
     this.listenIn(window);
   }
 
@@ -120,9 +120,9 @@ export class MapControl {
   }
 
   input(input: Input): boolean {
-    const { hands, view, wish, panned, taken } = step(this.hands.peek(), input, this.sight);
+    const { tools, view, wish, panned, taken } = step(this.tools.peek(), input, this.sight);
     if (panned) this.follow.value = false;
-    this.hands.value = hands;
+    this.tools.value = tools;
     this.view.value = view;
     if (wish) void this.grant(wish);
     return taken;
@@ -137,7 +137,7 @@ export class MapControl {
   /** A tool that is chosen again is put away. */
   choose(tool: Tool): void {
     this.problem.value = "";
-    this.input({ type: "tool", tool: this.hands.peek().tool === tool ? "look" : tool });
+    this.input({ type: "tool", tool: this.tools.peek().tool === tool ? "look" : tool });
   }
 
   zoom(factor: number): void {
@@ -293,14 +293,14 @@ export class MapControl {
     else if (event.code === "KeyM") this.store.showMap(this.store.mapPlace.peek() === "view" ? "tab" : "view");
     else if (event.code === "KeyG" && this.allowed.peek() && this.store.body.peek().goes) {
       this.choose("goal");
-      if (this.hands.peek().tool === "goal") this.call();
+      if (this.tools.peek().tool === "goal") this.call();
     } else return;
     event.preventDefault();
   }
 
   /** What is begun on the map goes first, as long as the robot stands; a moving robot is stopped, whatever is begun. */
   private escape(event: KeyboardEvent): void {
-    const begun = this.shown.peek() && busy(this.hands.peek());
+    const begun = this.shown.peek() && busy(this.tools.peek());
     const stands = this.store.replay.peek() || this.store.stands.peek();
     if (begun) this.input({ type: "key", key: "Escape", shift: false });
     const going = goalOf(this.store.desires.peek()) !== null;

@@ -1,7 +1,7 @@
 import { describe, expect, test } from "vitest";
 import type { Desire, LaneRow, Localization, Navigation } from "../protocol/types";
 import { emptyWords, goalOf, hintWords, lengthWords, placeWords, poseWords, wayWords } from "./mapText";
-import { AT_REST, type Hands } from "./mapTools";
+import { AT_REST, type Tools } from "./mapTools";
 
 const desire = (some: Partial<Desire>): Desire => ({
   id: "d1",
@@ -228,27 +228,27 @@ describe("a goal that was given up", () => {
 });
 
 describe("what the keys do on the map", () => {
-  const hands = (some: Partial<Hands>): Hands => ({ ...AT_REST, ...some });
+  const tools = (some: Partial<Tools>): Tools => ({ ...AT_REST, ...some });
   const cursor = { x: 1, y: 1 };
 
   test("is told while the cursor is theirs", () => {
-    expect(hintWords(hands({}), true)).toBe("");
-    expect(hintWords(hands({ tool: "goal" }), true)).toMatch(/^Press where it should go/);
-    expect(hintWords(hands({ cursor }), true)).toMatch(/^Arrows move the cursor, Enter puts a goal there/);
-    expect(hintWords(hands({ cursor, tool: "pose" }), true)).toMatch(/Enter puts the robot there/);
-    expect(hintWords(hands({ cursor, tool: "keep_out", corners: [cursor] }), true)).toMatch(/⌫ takes it back/);
+    expect(hintWords(tools({}), true)).toBe("");
+    expect(hintWords(tools({ tool: "goal" }), true)).toMatch(/^Press where it should go/);
+    expect(hintWords(tools({ cursor }), true)).toMatch(/^Arrows move the cursor, Enter puts a goal there/);
+    expect(hintWords(tools({ cursor, tool: "pose" }), true)).toMatch(/Enter puts the robot there/);
+    expect(hintWords(tools({ cursor, tool: "keep_out", corners: [cursor] }), true)).toMatch(/⌫ takes it back/);
   });
 
   test("never advises Escape where that would stop the robot", () => {
-    expect(hintWords(hands({ cursor }), true), "nothing is begun").not.toContain("Esc");
+    expect(hintWords(tools({ cursor }), true), "nothing is begun").not.toContain("Esc");
     const act = { kind: "aim", place: cursor, heading: null, by: "keys" } as const;
     for (const some of [
       { cursor, tool: "goal", act },
       { cursor, tool: "goal" },
       { cursor, tool: "slow" },
     ] as const) {
-      expect(hintWords(hands(some), true)).toContain("Esc");
-      expect(hintWords(hands(some), false)).not.toContain("Esc");
+      expect(hintWords(tools(some), true)).toContain("Esc");
+      expect(hintWords(tools(some), false)).not.toContain("Esc");
     }
   });
 });

@@ -2,7 +2,7 @@
 
 import type { Desire, GoalPlace, LaneRow, Localization, Navigation } from "../protocol/types";
 import { number, reasonText, sentence } from "../ui/format";
-import type { Hands } from "./mapTools";
+import type { Tools } from "./mapTools";
 
 export type Tone = "good" | "busy" | "warn" | "bad" | "idle";
 
@@ -180,7 +180,7 @@ export function emptyWords(
 }
 
 /** What the tool in hand does, and what the keys do while the cursor is theirs; `stands`: Escape stops nothing. */
-export function hintWords({ tool, act, cursor, corners }: Hands, stands: boolean): string {
+export function hintWords({ tool, act, cursor, corners }: Tools, stands: boolean): string {
   const up = stands ? "Esc gives it up" : "⌫ gives it up";
   const away = stands && tool !== "look" ? ", Esc puts the tool away" : "";
   if (act.kind === "aim" && act.by === "keys") {

@@ -4,12 +4,12 @@ import {
   AT_REST,
   busy,
   type Done,
-  type Hands,
   type Input,
   type Sight,
   sketch,
   step,
   type Tool,
+  type Tools,
   type Wish,
 } from "./mapTools";
 
@@ -25,24 +25,24 @@ const key = (name: string, shift = false): Input => ({ type: "key", key: name, s
 const click = (x: number, y: number): Input[] => [down(x, y), up(x, y)];
 
 interface Run {
-  hands: Hands;
+  tools: Tools;
   sight: Sight;
   wishes: Wish[];
   panned: boolean;
   last: Done;
 }
 
-function run(inputs: Input[], start: Hands = AT_REST, sight: Sight = SIGHT): Run {
-  let last: Done = { hands: start, view: sight.view, wish: null, panned: false, taken: true };
+function run(inputs: Input[], start: Tools = AT_REST, sight: Sight = SIGHT): Run {
+  let last: Done = { tools: start, view: sight.view, wish: null, panned: false, taken: true };
   const wishes: Wish[] = [];
   let panned = false;
   for (const input of inputs) {
-    last = step(last.hands, input, sight);
+    last = step(last.tools, input, sight);
     sight = { ...sight, view: last.view };
     if (last.wish) wishes.push(last.wish);
     panned ||= last.panned;
   }
-  return { hands: last.hands, sight, wishes, panned, last };
+  return { tools: last.tools, sight, wishes, panned, last };
 }
 
 describe("looking", () => {
@@ -80,9 +80,9 @@ describe("looking", () => {
 
 describe("a goal", () => {
   test("pressed, dragged and let go: place and heading", () => {
-    const { wishes, hands } = run([tool("goal"), down(220, 130), move(220, 90), up(220, 90)]);
+    const { wishes, tools } = run([tool("goal"), down(220, 130), move(220, 90), up(220, 90)]);
     expect(wishes).toEqual([{ type: "goal", place: { x: 1, y: 1 }, heading: expect.closeTo(Math.PI / 2) }]);
-    expect(hands.tool).toBe("goal");
+    expect(tools.tool).toBe("goal");
   });
 
   test("tapped: no heading; a second one follows", () => {
@@ -105,7 +105,7 @@ describe("a goal", () => {
   });
 
   test("a second finger makes no goal of it", () => {
-    const { wishes, hands } = run([
+    const { wishes, tools } = run([
       tool("goal"),
       down(200, 150, 1),
       down(260, 150, 2),
@@ -113,7 +113,7 @@ describe("a goal", () => {
       up(200, 150, 1),
     ]);
     expect(wishes).toEqual([]);
-    expect(hands.act.kind).toBe("none");
+    expect(tools.act.kind).toBe("none");
   });
 
   test("neither does a lost pointer, nor the other button", () => {
@@ -125,14 +125,14 @@ describe("a goal", () => {
 });
 
 test("the robot is placed once", () => {
-  const { wishes, hands } = run([tool("pose"), down(200, 150), move(260, 150), up(260, 150)]);
+  const { wishes, tools } = run([tool("pose"), down(200, 150), move(260, 150), up(260, 150)]);
   expect(wishes).toEqual([{ type: "pose", place: { x: 0, y: 0 }, heading: expect.closeTo(0) }]);
-  expect(hands.tool).toBe("look");
+  expect(tools.tool).toBe("look");
 });
 
 describe("a zone", () => {
   test("dragged is a rectangle", () => {
-    const { wishes, hands } = run([tool("slow"), down(200, 150), move(240, 130), up(240, 130)]);
+    const { wishes, tools } = run([tool("slow"), down(200, 150), move(240, 130), up(240, 130)]);
     const polygon = [
       { x: 0, y: 0 },
       { x: 2, y: 0 },
@@ -146,14 +146,14 @@ describe("a zone", () => {
         polygon: polygon.map(({ x, y }) => ({ x: expect.closeTo(x), y: expect.closeTo(y) })),
       },
     ]);
-    expect(hands).toMatchObject({ tool: "look", corners: [] });
+    expect(tools).toMatchObject({ tool: "look", corners: [] });
   });
 
   test("clicked goes on until its first corner", () => {
     const open = run([tool("keep_out"), ...click(200, 150), ...click(260, 150), ...click(260, 90), move(230, 80)]);
     expect(open.wishes).toEqual([]);
-    expect(sketch(open.hands, SIGHT)).toHaveLength(4);
-    const { wishes } = run(click(204, 152), open.hands);
+    expect(sketch(open.tools, SIGHT)).toHaveLength(4);
+    const { wishes } = run(click(204, 152), open.tools);
     expect(wishes[0]).toMatchObject({ type: "zone", kind: "keep_out" });
     expect((wishes[0] as { polygon: unknown[] }).polygon).toHaveLength(3);
   });
@@ -170,17 +170,17 @@ describe("a zone", () => {
   });
 
   test("two corners are none yet", () => {
-    const { wishes, hands } = run([tool("slow"), ...click(200, 150), ...click(260, 150), ...click(200, 150)]);
+    const { wishes, tools } = run([tool("slow"), ...click(200, 150), ...click(260, 150), ...click(200, 150)]);
     expect(wishes).toEqual([]);
-    expect(hands.corners).toHaveLength(3);
+    expect(tools.corners).toHaveLength(3);
   });
 
   test("corners are taken back, then all of it, then the tool", () => {
-    const { hands } = run([tool("slow"), ...click(200, 150), ...click(260, 150), key("Backspace")]);
-    expect(hands.corners).toHaveLength(1);
-    const given = run([key("Escape")], hands);
-    expect(given.hands).toMatchObject({ tool: "slow", corners: [] });
-    expect(run([key("Escape")], given.hands).hands.tool).toBe("look");
+    const { tools } = run([tool("slow"), ...click(200, 150), ...click(260, 150), key("Backspace")]);
+    expect(tools.corners).toHaveLength(1);
+    const given = run([key("Escape")], tools);
+    expect(given.tools).toMatchObject({ tool: "slow", corners: [] });
+    expect(run([key("Escape")], given.tools).tools.tool).toBe("look");
   });
 
   test("a selected zone's corner is dragged", () => {
@@ -196,7 +196,7 @@ describe("a zone", () => {
 
 describe("by keys", () => {
   test("a cursor, a place, a heading, a goal", () => {
-    const { wishes, hands } = run([
+    const { wishes, tools } = run([
       key("ArrowRight", true),
       key("ArrowUp"),
       key("Enter"),
@@ -211,7 +211,7 @@ describe("by keys", () => {
         heading: expect.closeTo(Math.PI / 2 + Math.PI / 12),
       },
     ]);
-    expect(hands.act.kind).toBe("none");
+    expect(tools.act.kind).toBe("none");
   });
 
   test("Enter twice: without a heading", () => {
@@ -219,11 +219,11 @@ describe("by keys", () => {
   });
 
   test("the view goes with the cursor", () => {
-    const { sight, hands, panned } = run(Array.from({ length: 4 }, () => key("ArrowRight", true)));
+    const { sight, tools, panned } = run(Array.from({ length: 4 }, () => key("ArrowRight", true)));
     expect(panned).toBe(true);
-    const seen = toScreen(sight.view, size, hands.cursor!);
+    const seen = toScreen(sight.view, size, tools.cursor!);
     expect(seen.x).toBeLessThan(400);
-    expect(hands.cursor!.x).toBeCloseTo((4 * 64) / 20);
+    expect(tools.cursor!.x).toBeCloseTo((4 * 64) / 20);
   });
 
   test("a zone's corners, closed by Enter where the last one is", () => {
@@ -244,9 +244,9 @@ describe("by keys", () => {
   test("Escape is the robot's as soon as nothing is begun here", () => {
     expect(run([key("Escape")]).last.taken).toBe(false);
     const aiming = run([key("Enter")]);
-    const freed = run([key("Escape")], aiming.hands);
-    expect(freed.hands).toMatchObject({ tool: "goal", act: { kind: "none" } });
-    expect(busy(run([key("Escape")], freed.hands).hands)).toBe(false);
+    const freed = run([key("Escape")], aiming.tools);
+    expect(freed.tools).toMatchObject({ tool: "goal", act: { kind: "none" } });
+    expect(busy(run([key("Escape")], freed.tools).tools)).toBe(false);
   });
 
   test("other keys are the page's", () => {
@@ -259,8 +259,8 @@ describe("the keyboard", () => {
 
   test("brings a cursor to the middle, moves it, and takes it away again", () => {
     const there = run([focus(true), key("ArrowRight")]);
-    expect(there.hands.cursor!.x).toBeCloseTo(0.8);
-    expect(run([focus(false)], there.hands).hands.cursor).toBeNull();
+    expect(there.tools.cursor!.x).toBeCloseTo(0.8);
+    expect(run([focus(false)], there.tools).tools.cursor).toBeNull();
   });
 
   test("sets a goal, and turns it before it is sent", () => {
@@ -269,7 +269,7 @@ describe("the keyboard", () => {
   });
 
   test("leaves no goal behind that nobody can send, but corners that a hand can go on with", () => {
-    expect(run([focus(true), key("Enter"), focus(false)]).hands.act).toEqual({ kind: "none" });
-    expect(run([focus(true), tool("slow"), key("Enter"), focus(false)]).hands.corners).toHaveLength(1);
+    expect(run([focus(true), key("Enter"), focus(false)]).tools.act).toEqual({ kind: "none" });
+    expect(run([focus(true), tool("slow"), key("Enter"), focus(false)]).tools.corners).toHaveLength(1);
   });
 });

@@ -1,5 +1,5 @@
 /**
- * Hands on the map, as a pure state machine: pointers and keys in; another view and what is wanted out.
+ * The tools of the map, as a pure state machine: pointers and keys in; another view, and goals, poses and zones out.
  *
  * With every tool two fingers pan and zoom, the wheel zooms, and the middle or right button pans. One finger or the left
  * button pans or selects (`look`), puts down a place and drags a heading (`goal`, `pose`), or draws a zone: dragged, a
@@ -28,7 +28,7 @@ export type Act =
   | { kind: "rectangle"; from: Point; to: Point; moved: boolean }
   | { kind: "corner"; handle: Handle; to: Point };
 
-export interface Hands {
+export interface Tools {
   readonly tool: Tool;
   readonly act: Act;
   /** px. */
@@ -41,7 +41,7 @@ export interface Hands {
   readonly cursor: Point | null;
 }
 
-export const AT_REST: Hands = {
+export const AT_REST: Tools = {
   tool: "look",
   act: { kind: "none" },
   pointers: new Map(),
@@ -77,7 +77,7 @@ export interface Sight {
 }
 
 export interface Done {
-  hands: Hands;
+  tools: Tools;
   view: MapView;
   wish: Wish | null;
   /** The hand has moved the view away from the robot. */
@@ -96,11 +96,11 @@ const FINE_TURN = Math.PI / 60;
 const EDGE_PX = 24;
 const NONE: Act = { kind: "none" };
 
-export function step(hands: Hands, input: Input, sight: Sight): Done {
-  const done: Done = { hands, view: sight.view, wish: null, panned: false, taken: true };
+export function step(tools: Tools, input: Input, sight: Sight): Done {
+  const done: Done = { tools, view: sight.view, wish: null, panned: false, taken: true };
   switch (input.type) {
     case "tool":
-      return { ...done, hands: { ...AT_REST, tool: input.tool, cursor: hands.cursor } };
+      return { ...done, tools: { ...AT_REST, tool: input.tool, cursor: tools.cursor } };
     case "wheel":
       return { ...done, view: zoomed(sight.view, sight.size, input.factor, sight.follow ? undefined : input.at) };
     case "down":
@@ -110,9 +110,9 @@ export function step(hands: Hands, input: Input, sight: Sight): Done {
     case "up":
       return up(done, input, sight);
     case "cancel":
-      return { ...done, hands: { ...hands, pointers: without(hands.pointers, input.id), act: NONE } };
+      return { ...done, tools: { ...tools, pointers: without(tools.pointers, input.id), act: NONE } };
     case "leave":
-      return { ...done, hands: { ...hands, hover: null } };
+      return { ...done, tools: { ...tools, hover: null } };
     case "key":
       return key(done, input, sight);
     case "focus":
@@ -121,50 +121,50 @@ export function step(hands: Hands, input: Input, sight: Sight): Done {
 }
 
 function focused(done: Done, on: boolean, sight: Sight): Done {
-  const { hands } = done;
-  if (on) return { ...done, hands: { ...hands, cursor: hands.cursor ?? { x: sight.view.x, y: sight.view.y } } };
+  const { tools } = done;
+  if (on) return { ...done, tools: { ...tools, cursor: tools.cursor ?? { x: sight.view.x, y: sight.view.y } } };
   // An aim of the keys without keys would stand there for good; corners may be gone on with by hand.
-  const act = hands.act.kind === "aim" && hands.act.by === "keys" ? NONE : hands.act;
-  return { ...done, hands: { ...hands, act, cursor: null } };
+  const act = tools.act.kind === "aim" && tools.act.by === "keys" ? NONE : tools.act;
+  return { ...done, tools: { ...tools, act, cursor: null } };
 }
 
 /** Whether something is begun that Escape gives up. */
-export function busy(hands: Hands): boolean {
-  return hands.tool !== "look" || hands.corners.length > 0 || hands.act.kind === "aim" || hands.act.kind === "corner";
+export function busy(tools: Tools): boolean {
+  return tools.tool !== "look" || tools.corners.length > 0 || tools.act.kind === "aim" || tools.act.kind === "corner";
 }
 
 /** The zone as it would be: what is drawn of it while it is made. */
-export function sketch(hands: Hands, sight: Sight): Point[] {
-  if (hands.act.kind === "rectangle" && hands.act.moved) return rectangle(hands.act.from, hands.act.to, sight);
-  const next = hands.hover ?? (hands.corners.length > 0 ? hands.cursor : null);
-  return next && hands.corners.length > 0 ? [...hands.corners, next] : [...hands.corners];
+export function sketch(tools: Tools, sight: Sight): Point[] {
+  if (tools.act.kind === "rectangle" && tools.act.moved) return rectangle(tools.act.from, tools.act.to, sight);
+  const next = tools.hover ?? (tools.corners.length > 0 ? tools.cursor : null);
+  return next && tools.corners.length > 0 ? [...tools.corners, next] : [...tools.corners];
 }
 
 function down(done: Done, { id, at, button, handle }: Extract<Input, { type: "down" }>, sight: Sight): Done {
-  const { hands } = done;
-  const pointers = new Map(hands.pointers).set(id, at);
-  const with_ = (act: Act): Done => ({ ...done, hands: { ...hands, pointers, act, hover: null } });
+  const { tools } = done;
+  const pointers = new Map(tools.pointers).set(id, at);
+  const with_ = (act: Act): Done => ({ ...done, tools: { ...tools, pointers, act, hover: null } });
   // A second finger means the view, whatever the first began.
   if (pointers.size > 1) return with_({ kind: "pinch" });
   if (button !== 0) return with_({ kind: "pan" });
   const place = toMap(sight.view, sight.size, at);
-  if (handle && hands.tool === "look") return with_({ kind: "corner", handle, to: place });
-  if (hands.tool === "look") return with_({ kind: "press", at });
-  if (hands.tool === "goal" || hands.tool === "pose") return with_({ kind: "aim", place, heading: null, by: "hand" });
+  if (handle && tools.tool === "look") return with_({ kind: "corner", handle, to: place });
+  if (tools.tool === "look") return with_({ kind: "press", at });
+  if (tools.tool === "goal" || tools.tool === "pose") return with_({ kind: "aim", place, heading: null, by: "hand" });
   return with_({ kind: "rectangle", from: place, to: place, moved: false });
 }
 
 function moved(done: Done, { id, at }: Extract<Input, { type: "move" }>, sight: Sight): Done {
-  const { hands } = done;
-  const before = hands.pointers.get(id);
+  const { tools } = done;
+  const before = tools.pointers.get(id);
   const place = toMap(sight.view, sight.size, at);
-  if (!before) return hands.corners.length > 0 ? { ...done, hands: { ...hands, hover: place } } : done;
-  const pointers = new Map(hands.pointers).set(id, at);
-  const with_ = (act: Act): Done => ({ ...done, hands: { ...hands, pointers, act } });
-  const { act } = hands;
+  if (!before) return tools.corners.length > 0 ? { ...done, tools: { ...tools, hover: place } } : done;
+  const pointers = new Map(tools.pointers).set(id, at);
+  const with_ = (act: Act): Done => ({ ...done, tools: { ...tools, pointers, act } });
+  const { act } = tools;
   switch (act.kind) {
     case "pinch":
-      return { ...with_(act), ...pinched(hands.pointers, pointers, sight), panned: !sight.follow };
+      return { ...with_(act), ...pinched(tools.pointers, pointers, sight), panned: !sight.follow };
     case "press":
       if (distance(act.at, at) <= CLICK_PX) return with_(act);
       return { ...with_({ kind: "pan" }), view: panned(sight.view, at.x - act.at.x, at.y - act.at.y), panned: true };
@@ -178,7 +178,7 @@ function moved(done: Done, { id, at }: Extract<Input, { type: "move" }>, sight: 
     case "rectangle": {
       const far = act.moved || distance(toScreen(sight.view, sight.size, act.from), at) > CLICK_PX;
       // Corner after corner, a moving finger is only an unsteady one.
-      return with_({ ...act, to: place, moved: far && hands.corners.length === 0 });
+      return with_({ ...act, to: place, moved: far && tools.corners.length === 0 });
     }
     case "corner":
       return with_({ ...act, to: place });
@@ -188,60 +188,60 @@ function moved(done: Done, { id, at }: Extract<Input, { type: "move" }>, sight: 
 }
 
 function up(done: Done, { id, at }: Extract<Input, { type: "up" }>, sight: Sight): Done {
-  const { hands } = done;
-  const pointers = without(hands.pointers, id);
+  const { tools } = done;
+  const pointers = without(tools.pointers, id);
   // What is left of two fingers pans no more until it is put down anew.
-  const rest: Hands = { ...hands, pointers, act: NONE };
+  const rest: Tools = { ...tools, pointers, act: NONE };
   const place = toMap(sight.view, sight.size, at);
-  const { act, tool } = hands;
-  if (!hands.pointers.has(id)) return done;
-  if (act.kind === "press") return { ...done, hands: rest, wish: { type: "select", at: place } };
-  if (act.kind === "corner") return { ...done, hands: rest, wish: { type: "corner", handle: act.handle, to: act.to } };
+  const { act, tool } = tools;
+  if (!tools.pointers.has(id)) return done;
+  if (act.kind === "press") return { ...done, tools: rest, wish: { type: "select", at: place } };
+  if (act.kind === "corner") return { ...done, tools: rest, wish: { type: "corner", handle: act.handle, to: act.to } };
   if (act.kind === "aim" && act.by === "hand") return aimed(done, { ...rest, act }, act);
   if (act.kind === "rectangle" && (tool === "keep_out" || tool === "slow")) {
     if (act.moved) return drawn(done, rest, tool, rectangle(act.from, act.to, sight));
     return corner(done, rest, tool, act.from, sight);
   }
-  return { ...done, hands: rest };
+  return { ...done, tools: rest };
 }
 
-function aimed(done: Done, hands: Hands, act: Extract<Act, { kind: "aim" }>): Done {
-  const type = hands.tool === "pose" ? "pose" : "goal";
+function aimed(done: Done, tools: Tools, act: Extract<Act, { kind: "aim" }>): Done {
+  const type = tools.tool === "pose" ? "pose" : "goal";
   // A goal may follow a goal; the robot is placed once.
-  const tool = type === "pose" ? "look" : hands.tool;
+  const tool = type === "pose" ? "look" : tools.tool;
   return {
     ...done,
-    hands: { ...hands, act: NONE, tool },
+    tools: { ...tools, act: NONE, tool },
     wish: { type, place: act.place, heading: act.heading },
   };
 }
 
 /** One more corner; the first or the last one again closes the zone. */
-function corner(done: Done, hands: Hands, kind: "keep_out" | "slow", place: Point, sight: Sight): Done {
+function corner(done: Done, tools: Tools, kind: "keep_out" | "slow", place: Point, sight: Sight): Done {
   const near = (other: Point | undefined) =>
     !!other && distance(toScreen(sight.view, sight.size, other), toScreen(sight.view, sight.size, place)) <= MEET_PX;
-  const { corners } = hands;
-  if (corners.length >= 3 && (near(corners[0]) || near(corners.at(-1)))) return drawn(done, hands, kind, [...corners]);
-  if (near(corners.at(-1))) return { ...done, hands };
-  return { ...done, hands: { ...hands, corners: [...corners, place] } };
+  const { corners } = tools;
+  if (corners.length >= 3 && (near(corners[0]) || near(corners.at(-1)))) return drawn(done, tools, kind, [...corners]);
+  if (near(corners.at(-1))) return { ...done, tools };
+  return { ...done, tools: { ...tools, corners: [...corners, place] } };
 }
 
-function drawn(done: Done, hands: Hands, kind: "keep_out" | "slow", polygon: Point[]): Done {
-  return { ...done, hands: { ...AT_REST, cursor: hands.cursor }, wish: { type: "zone", kind, polygon } };
+function drawn(done: Done, tools: Tools, kind: "keep_out" | "slow", polygon: Point[]): Done {
+  return { ...done, tools: { ...AT_REST, cursor: tools.cursor }, wish: { type: "zone", kind, polygon } };
 }
 
 function key(done: Done, { key, shift }: Extract<Input, { type: "key" }>, sight: Sight): Done {
-  const { hands } = done;
-  const { act, tool } = hands;
+  const { tools } = done;
+  const { act, tool } = tools;
   const aiming = act.kind === "aim" && act.by === "keys" ? act : null;
   if (key === "Escape") {
-    if (aiming) return { ...done, hands: { ...hands, act: NONE } };
-    if (!busy(hands)) return { ...done, taken: false };
-    return { ...done, hands: { ...AT_REST, tool: hands.corners.length > 0 ? tool : "look", cursor: hands.cursor } };
+    if (aiming) return { ...done, tools: { ...tools, act: NONE } };
+    if (!busy(tools)) return { ...done, taken: false };
+    return { ...done, tools: { ...AT_REST, tool: tools.corners.length > 0 ? tool : "look", cursor: tools.cursor } };
   }
-  if (key === "Backspace" && aiming) return { ...done, hands: { ...hands, act: NONE } };
-  if (key === "Backspace" && hands.corners.length > 0)
-    return { ...done, hands: { ...hands, corners: hands.corners.slice(0, -1) } };
+  if (key === "Backspace" && aiming) return { ...done, tools: { ...tools, act: NONE } };
+  if (key === "Backspace" && tools.corners.length > 0)
+    return { ...done, tools: { ...tools, corners: tools.corners.slice(0, -1) } };
   if (key === "+" || key === "=") return { ...done, view: zoomed(sight.view, sight.size, 1.25) };
   if (key === "-") return { ...done, view: zoomed(sight.view, sight.size, 0.8) };
   if (key === "Enter") return entered(done, sight);
@@ -252,7 +252,7 @@ function key(done: Done, { key, shift }: Extract<Input, { type: "key" }>, sight:
     const turn = aiming.heading !== null && x !== 0;
     const by = -x * (shift ? FINE_TURN : TURN);
     const heading = turn ? aiming.heading! + by : sight.view.up + Math.atan2(-x, -y);
-    return { ...done, hands: { ...hands, act: { ...aiming, heading: wrapped(heading) } } };
+    return { ...done, tools: { ...tools, act: { ...aiming, heading: wrapped(heading) } } };
   }
   return cursorMoved(done, x, y, shift ? LEAP_PX : STEP_PX, sight);
 }
@@ -265,20 +265,20 @@ const ARROWS: Record<string, [number, number]> = {
 };
 
 function entered(done: Done, sight: Sight): Done {
-  const { hands } = done;
-  const { act, tool } = hands;
-  if (act.kind === "aim" && act.by === "keys") return aimed(done, hands, act);
-  const cursor = hands.cursor ?? { x: sight.view.x, y: sight.view.y };
-  if (tool === "keep_out" || tool === "slow") return corner(done, { ...hands, cursor }, tool, cursor, sight);
+  const { tools } = done;
+  const { act, tool } = tools;
+  if (act.kind === "aim" && act.by === "keys") return aimed(done, tools, act);
+  const cursor = tools.cursor ?? { x: sight.view.x, y: sight.view.y };
+  if (tool === "keep_out" || tool === "slow") return corner(done, { ...tools, cursor }, tool, cursor, sight);
   const aim: Act = { kind: "aim", place: cursor, heading: null, by: "keys" };
-  return { ...done, hands: { ...hands, cursor, tool: tool === "look" ? "goal" : tool, act: aim } };
+  return { ...done, tools: { ...tools, cursor, tool: tool === "look" ? "goal" : tool, act: aim } };
 }
 
 /** The view goes with the cursor where it would leave it. */
 function cursorMoved(done: Done, x: number, y: number, by: number, sight: Sight): Done {
   const { size } = sight;
-  const from = done.hands.cursor
-    ? toScreen(sight.view, size, done.hands.cursor)
+  const from = done.tools.cursor
+    ? toScreen(sight.view, size, done.tools.cursor)
     : { x: size.width / 2, y: size.height / 2 };
   const to = { x: from.x + x * by, y: from.y + y * by };
   const within = {
@@ -290,7 +290,7 @@ function cursorMoved(done: Done, x: number, y: number, by: number, sight: Sight)
   const moves = dx !== 0 || dy !== 0;
   return {
     ...done,
-    hands: { ...done.hands, cursor, hover: null },
+    tools: { ...done.tools, cursor, hover: null },
     view: moves ? panned(sight.view, dx, dy) : sight.view,
     panned: moves,
   };

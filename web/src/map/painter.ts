@@ -26,7 +26,7 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
     const going = navigation && navigation.state !== "idle" && navigation.state !== "arrived" ? navigation : null;
     const goal = goalOf(store.desires.peek()) ?? going?.goal ?? null;
     const around = map.costmap.peek() ? grid.costmap.picture.peek() : null;
-    const hands = map.hands.peek();
+    const tools = map.tools.peek();
     const onMap = ({ x, y }: Point) => (X_MO ? [composed(X_MO, { x, y, theta: 0 })] : []);
     draw(canvas.getContext("2d")!, size, map.view.peek(), {
       map: grid.map.picture.peek(),
@@ -44,10 +44,10 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
       target: going?.target ?? null,
       zones: grid.map.picture.peek()?.known ? map.zones.peek() : [],
       selected: map.selected.peek(),
-      tool: hands.tool,
-      act: hands.act,
-      sketch: sketch(hands, map.sight),
-      cursor: hands.cursor,
+      tool: tools.tool,
+      act: tools.act,
+      sketch: sketch(tools, map.sight),
+      cursor: tools.cursor,
       bar: place === "view" ? aboveTools(size.width) : null,
       people: (store.perceived.peek()?.faces ?? []).flatMap(({ x, y }) =>
         x === null || y === null ? [] : onMap({ x, y }),
@@ -80,7 +80,7 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
       store.perceived.value,
       store.landmarks.value,
     ];
-    void [map.view.value, map.hands.value, map.robot.value, map.zones.value, map.selected.value, map.costmap.value];
+    void [map.view.value, map.tools.value, map.robot.value, map.zones.value, map.selected.value, map.costmap.value];
     // Seconds, as what stands around is only shown while it does.
     void [grid.costmap.picture.value, store.seconds.value, store.hello.value];
     map.met(grid.map.picture.value);
