@@ -143,7 +143,8 @@ function MapToggle() {
 function Side({ phone }: { phone: boolean }) {
   const { store } = useApp();
   const trouble =
-    store.load.value?.modules.filter((module) => module.state === "failed" || module.state === "hung").length ?? 0;
+    store.of("load").value?.modules.filter((module) => module.state === "failed" || module.state === "hung").length ??
+    0;
   const items: TabItem[] = [
     {
       id: "attention",
@@ -153,7 +154,7 @@ function Side({ phone }: { phone: boolean }) {
           <Intention />
           <section class="card" aria-label="Desires">
             <h2>
-              Desires <span class="count">{store.desires.value?.length ?? 0}</span>
+              Desires <span class="count">{store.of("desires").value?.desires?.length ?? 0}</span>
             </h2>
             <DesireList />
             <DesireForm />
@@ -164,7 +165,7 @@ function Side({ phone }: { phone: boolean }) {
     {
       id: "found",
       title: "Found",
-      badge: store.landmarks.value?.length ?? 0,
+      badge: store.of("landmarks").value?.landmarks?.length ?? 0,
       content: () => (
         <>
           {phone && store.around.value !== "large" && <Around place="tab" />}
@@ -177,7 +178,7 @@ function Side({ phone }: { phone: boolean }) {
     { id: "events", title: "Events", content: () => <Events /> },
   ];
   if (!store.replay.value) {
-    const alarm = store.recorder.value?.state === "stopped";
+    const alarm = store.of("recorder").value?.state === "stopped";
     items.push({ id: "recordings", title: "Recordings", alarm, content: () => <Recordings /> });
   }
   if (store.body.value.maps) items.splice(1, 0, { id: "map", title: "Map", content: () => <MapTab /> });

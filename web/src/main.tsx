@@ -13,6 +13,7 @@ import { RecordingControl } from "./recordings/recordingControl";
 import { Listening } from "./sound/listening";
 import { Talking } from "./sound/talking";
 import { AppContext } from "./state/context";
+import { keepHistory } from "./state/history";
 import { Session } from "./state/session";
 import { createStore } from "./state/store";
 import { narrow } from "./ui/media";
@@ -39,6 +40,7 @@ import "./styles/touch.css";
 
 const store = createStore();
 const session = new Session(store);
+keepHistory(session, store);
 const playback = new PlaybackController(store, session.rest);
 const recordings = new RecordingControl(store, session.rest);
 const drive = new DriveController(store, session, playback);
@@ -66,10 +68,6 @@ const grid = {
     "costmap",
     computed(() => map.shown.value && map.costmap.value),
   ),
-};
-session.onGrid = (info) => {
-  grid.map.announce(info);
-  grid.costmap.announce(info);
 };
 const talking = new Talking(store, session, listening);
 

@@ -126,7 +126,7 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
 /** What is known of all around, and why it is not more. */
 function useAround() {
   const { store, panorama } = useApp();
-  const perceived = store.perceived.value;
+  const perceived = store.of("perceived").value;
   const now = store.now.value ?? perceived?.stamp ?? 0;
   const stamp = panorama.stamp.value;
   const fresh = stamp !== null && now - stamp <= OLD_S * Math.max(1, store.clock.rate);
@@ -160,7 +160,7 @@ function usePainter() {
     const paint = () => {
       clearTimeout(timer);
       if (strip.width < 1) return;
-      const perceived = store.perceived.peek();
+      const perceived = store.of("perceived").peek();
       const now = store.clock.now(performance.now() / 1000) ?? perceived?.stamp ?? 0;
       const stamp = panorama.stamp.peek();
       const sounds = soundMarks(perceived, now);
@@ -189,7 +189,7 @@ function usePainter() {
     });
     sized.observe(canvas);
     const end = effect(() => {
-      void store.perceived.value;
+      void store.of("perceived").value;
       void panorama.stamp.value;
       void store.seconds.value;
       paint();

@@ -10,7 +10,7 @@ import { Stepper } from "../ui/Stepper";
 
 export function DesireList() {
   const { store } = useApp();
-  const desires = store.desires.value;
+  const desires = store.of("desires").value?.desires ?? null;
   if (desires === null) return <p class="empty">Waiting for the robot's desires…</p>;
   if (desires.length === 0)
     return <p class="empty">Nobody desires anything. Add a desire to give the robot something to attend to.</p>;

@@ -12,7 +12,7 @@ import { Stick } from "./Stick";
 export function DrivePad() {
   const { drive, session, store } = useApp();
   const { factor, source } = drive.state.value;
-  const status = store.status.value;
+  const status = store.of("status").value;
   const applied = status?.guard.applied;
   const words = applied ? speedWords(applied.linear_mps, applied.angular_radps) : "no figures";
   const driver = status?.driver ?? null;
@@ -73,7 +73,7 @@ export function DrivePad() {
 
 function Hint() {
   const { drive, store } = useApp();
-  const guard = store.status.value?.guard;
+  const guard = store.of("status").value?.guard;
   const refusal = drive.refusal.value ?? (guard?.state === "sensor_failure" ? guard.reason : null);
   const { source, keys } = drive.state.value;
   if (refusal) return <p class="drive-hint warn">{refusal}</p>;
@@ -81,7 +81,7 @@ function Hint() {
     const slow = keys.has("ShiftLeft") || keys.has("ShiftRight");
     return (
       <p class="drive-hint active" data-testid="drive-hint">
-        {heldWords(source, slow, goalOf(store.desires.value) !== null)}
+        {heldWords(source, slow, goalOf(store.of("desires").value?.desires) !== null)}
       </p>
     );
   }

@@ -5,10 +5,10 @@ import { overrides } from "./machine";
 
 export function Limited() {
   const { drive, store } = useApp();
-  const limited = (store.live.value && store.status.value?.limited) || "";
+  const limited = (store.live.value && store.of("status").value?.limited) || "";
   const { source, screenOverride } = drive.state.value;
   const held = overrides(drive.state.value);
-  const mine = store.status.value?.driver?.mine ?? false;
+  const mine = store.of("status").value?.driver?.mine ?? false;
   // The hold stays under the finger that holds it, whatever the robot says meanwhile.
   const offered = drive.refusal.value === null && (held || (limited !== "" && (mine || source !== null)));
   const hold = (on: boolean) => drive.input({ type: "override", held: on });

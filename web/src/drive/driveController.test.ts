@@ -78,11 +78,11 @@ describe("commands that come late", () => {
   test("are not sent, and the page says why; what was held must be pressed again", () => {
     const { drive, press, sent, store } = hands();
     store.link.value = { ...store.link.peek(), phase: "live" };
-    const status = { guard: { e_stopped: false }, driver: null } as unknown as Status;
-    store.status.value = status;
+    const status = { type: "status", guard: { e_stopped: false }, driver: null } as unknown as Status;
+    store.latest.put(status);
     expect(drive.refusal.value).toBe(null);
     press("keydown", "KeyW");
-    store.status.value = { ...status, waits };
+    store.latest.put({ ...status, waits });
     expect(drive.refusal.value).toBe(waits);
     drive.input({ type: "allow", allowed: drive.refusal.value === null });
     expect(sent.at(-1)).toMatchObject({ type: "drive", held: false });
@@ -90,7 +90,7 @@ describe("commands that come late", () => {
     press("keydown", "KeyD");
     expect(sent.at(-1)).toMatchObject({ type: "drive", held: false });
     expect(store.notices.value.at(-1)?.text).toBe(waits);
-    store.status.value = { ...status, waits: "" };
+    store.latest.put({ ...status, waits: "" });
     expect(drive.refusal.value).toBe(null);
   });
 });
@@ -100,7 +100,7 @@ describe("Escape with the help open", () => {
     const made = hands({ going });
     const eStop = vi.fn();
     Object.assign(made.session, { eStop });
-    made.store.status.value = { guard: { state } } as unknown as Status;
+    made.store.latest.put({ type: "status", guard: { state } } as unknown as Status);
     made.store.link.value = { ...made.store.link.peek(), phase: live ? "live" : "stale" };
     made.store.help.value = true;
     return { ...made, eStop };

@@ -219,7 +219,7 @@ function whyNot(store: Store): string | null {
   if (!store.body.value.drives) return "There is nothing to drive here.";
   if (phase === "stale") return "What you see is old. Driving waits until the robot is heard again.";
   if (phase !== "live") return "Not connected to the robot.";
-  const status = store.status.value;
+  const status = store.of("status").value;
   if (status?.guard.e_stopped) return "The emergency stop is latched. Release it to drive.";
   if (status?.guard.state === "silent") return status.guard.reason;
   if (status?.waits) return status.waits;

@@ -47,7 +47,7 @@ export function MapPanel({ place }: { place: "tab" | "view" }) {
 function Tools() {
   const { map, store } = useApp();
   const allowed = map.allowed.value;
-  const known = store.localization.value !== null;
+  const known = store.of("localization").value !== null;
   const { goes } = store.body.value;
   return (
     <div class="map-tools" role="toolbar" aria-label="Tools on the map" data-own-arrows>
@@ -140,9 +140,9 @@ function ToolButton(props: {
 /** What the robot is about, what was refused, and what the tool in hand does. */
 function Way() {
   const { map, store } = useApp();
-  const goal = goalOf(store.desires.value);
-  const place = store.localization.value;
-  const told = wayWords(store.navigation.value, goal, store.rows.value, store.seconds.value, place);
+  const goal = goalOf(store.of("desires").value?.desires);
+  const place = store.of("localization").value;
+  const told = wayWords(store.of("navigation").value, goal, store.rows.value, store.seconds.value, place);
   const { tool } = map.tools.value;
   const hint = hintWords(map.tools.value, goal === null && store.stands.value);
   const problem = map.problem.value;
@@ -154,7 +154,7 @@ function Way() {
           class={`map-way ${told.tone}`}
           role="status"
           data-testid="map-way"
-          data-state={told.over ? "given_up" : (store.navigation.value?.state ?? "")}
+          data-state={told.over ? "given_up" : (store.of("navigation").value?.state ?? "")}
           data-goal={goal ? `${goal.x} ${goal.y}` : ""}
         >
           <span>

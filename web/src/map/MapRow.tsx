@@ -89,7 +89,7 @@ function LoadForm({ kept, onDone }: { kept: KeptMap; onDone: () => void }) {
   const id = useId();
   const extend = useSignal(false);
   const where = useSignal<"anywhere" | "start">("anywhere");
-  const unsaved = store.localization.value !== null && maps.inUse.value === "";
+  const unsaved = store.of("localization").value !== null && maps.inUse.value === "";
   return (
     <form
       class="map-form"

@@ -13,7 +13,7 @@ export function Maps() {
   const list = maps.list.value;
   const problem = maps.problem.value || maps.unread.value;
   const doing = maps.doing.value;
-  const present = store.localization.value !== null;
+  const present = store.of("localization").value !== null;
   return (
     <section class="card" aria-label="Maps" data-testid="maps">
       <h2 class="card-head">

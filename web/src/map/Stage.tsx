@@ -80,7 +80,7 @@ export function Stage({ place, buttons, children }: Props) {
 /** Where the robot is, in words. */
 function Where() {
   const { store, maps } = useApp();
-  const localization = store.localization.value;
+  const localization = store.of("localization").value;
   if (!localization) return null;
   const lane = store.rows.value.find((row) => row.class === "SLAM");
   const name = maps.inUse.value ?? localization.map;
@@ -177,7 +177,7 @@ function Empty() {
   if (grid.map.picture.value?.known) return null;
   const lane = store.rows.value.find((row) => row.class === "SLAM");
   const slam = store.hello.value?.channels.map === false ? undefined : lane;
-  const { text, more, desire } = emptyWords(store.live.value, store.replay.value, slam, store.localization.value);
+  const { text, more, desire } = emptyWords(store.live.value, store.replay.value, slam, store.of("localization").value);
   return (
     <div class="map-empty" data-testid="map-empty">
       <p>{text}</p>

@@ -27,11 +27,13 @@ export class GridFeed {
     private readonly kind: keyof typeof KINDS,
     private readonly shown: ReadonlySignal<boolean>,
   ) {
-    this.colors = palette(this.tells);
+    this.colors = palette(this.announcement);
   }
 
   start(): void {
     this.session.onBinary.set(KINDS[this.kind], (frame) => void this.take(frame));
+    // Of the picture that comes next.
+    this.session.on(this.announcement, (info) => (this.info = info));
     this.session.onHello.add(() => {
       this.picture.value = null;
       this.tell();
@@ -44,12 +46,7 @@ export class GridFeed {
     document.addEventListener("visibilitychange", () => this.tell());
   }
 
-  /** Of the picture that comes next. */
-  announce(info: GridInfo): void {
-    if (info.type === this.tells) this.info = info;
-  }
-
-  private get tells(): GridInfo["type"] {
+  private get announcement(): GridInfo["type"] {
     return this.kind === "map" ? "map_info" : "costmap_info";
   }
 

@@ -30,7 +30,7 @@ function page({ name = "third", map = true, shown = true } = {}) {
   library.start();
   store.hello.value = { channels: { map } } as Hello;
   store.link.value = { phase: "live", retryAt: 0 };
-  const scan = (on: string) => (store.localization.value = { map: on } as Localization);
+  const scan = (on: string) => store.latest.put({ type: "localization", map: on } as Localization);
   const settle = () => vi.advanceTimersByTimeAsync(0);
   return {
     robot,

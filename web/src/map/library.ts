@@ -44,8 +44,8 @@ export class MapLibrary {
   }
 
   start(): void {
-    const { hello, localization } = this.store;
-    const told = computed(() => localization.value?.map);
+    const { hello, of } = this.store;
+    const told = computed(() => of("localization").value?.map);
     effect(() => {
       if (told.value !== undefined) this.inUse.value = told.value;
     });

@@ -70,8 +70,8 @@ export class MapControl {
     private readonly store: Store,
     private readonly session: Session,
   ) {
-    this.robot = computed(() => robotOn(store.localization.value, store.status.value?.odometry ?? null));
-    this.zones = computed(() => this.edits.value ?? store.zones.value ?? []);
+    this.robot = computed(() => robotOn(store.of("localization").value, store.of("status").value?.odometry ?? null));
+    this.zones = computed(() => this.edits.value ?? store.of("zones").value?.zones ?? []);
     this.shown = computed(
       () => store.body.value.maps && (store.mapPlace.value === "view" || store.tab.value === "map"),
     );
@@ -81,7 +81,7 @@ export class MapControl {
   start(): void {
     effect(() => {
       // What the robot says now is what counts, once it says what was asked for.
-      const told = this.store.zones.value;
+      const told = this.store.of("zones").value?.zones;
       const asked = this.edits.peek();
       if (asked && told && same(asked, told)) this.edits.value = null;
     });
@@ -146,9 +146,9 @@ export class MapControl {
 
   fit(map: GridPicture | null): void {
     this.follow.value = false;
-    const { desires, navigation, replay } = this.store;
-    const path = navigation.peek()?.path ?? [];
-    const marks = [this.robot.peek(), goalOf(desires.peek()), ...path.map(([x, y]) => ({ x, y }))];
+    const { of, replay } = this.store;
+    const path = of("navigation").peek()?.path ?? [];
+    const marks = [this.robot.peek(), goalOf(of("desires").peek()?.desires), ...path.map(([x, y]) => ({ x, y }))];
     const bounds = around(
       map?.known ?? null,
       marks.filter((mark) => mark !== null),
@@ -178,7 +178,7 @@ export class MapControl {
   }
 
   async cancelGoal(): Promise<void> {
-    const goal = goalOf(this.store.desires.peek());
+    const goal = goalOf(this.store.of("desires").peek()?.desires);
     const { rest } = this.session;
     await this.ask("cancel", () => (!goal || goal.asked ? rest.cancelGoal() : rest.removeDesire(goal.id)));
   }
@@ -186,7 +186,7 @@ export class MapControl {
   /** Ends every trip, whoever wants it: else, with one ended, the robot might set out on the next. Whether there is any. */
   stop(): boolean {
     const sending = this.pending.peek() === "goal";
-    const trips = tripsOf(this.store.desires.peek());
+    const trips = tripsOf(this.store.of("desires").peek()?.desires);
     if (trips.length > 0 || sending) void this.endAll(trips);
     return trips.length > 0 || sending;
   }
@@ -303,7 +303,7 @@ export class MapControl {
     const begun = this.shown.peek() && busy(this.tools.peek());
     const stands = this.store.replay.peek() || this.store.stands.peek();
     if (begun) this.input({ type: "key", key: "Escape", shift: false });
-    const going = goalOf(this.store.desires.peek()) !== null;
+    const going = goalOf(this.store.of("desires").peek()?.desires) !== null;
     if (begun && stands && !going) {
       event.preventDefault();
       event.stopImmediatePropagation();

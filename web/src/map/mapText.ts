@@ -31,7 +31,7 @@ const ARRIVED_S = 30;
 const START_M = 0.05;
 
 /** The goal that speaks for its class: of the most intense desire, the newest. */
-export function goalOf(desires: readonly Desire[] | null): Goal | null {
+export function goalOf(desires: readonly Desire[] | null | undefined): Goal | null {
   const strongest = tripsOf(desires)[0];
   if (!strongest) return null;
   const { x, y, heading } = strongest.params;
@@ -41,7 +41,7 @@ export function goalOf(desires: readonly Desire[] | null): Goal | null {
 }
 
 /** Everything that sends the robot anywhere, what speaks for the class first: of it, the next takes over. */
-export function tripsOf(desires: readonly Desire[] | null): Desire[] {
+export function tripsOf(desires: readonly Desire[] | null | undefined): Desire[] {
   return (desires ?? [])
     .filter((desire) => desire.class === CLASS && desire.utility > 0)
     .sort((a, b) => b.intensity - a.intensity || Number(b.security) - Number(a.security) || b.created - a.created);

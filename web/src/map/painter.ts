@@ -20,11 +20,11 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
   const paint = () => {
     frame = 0;
     if (size.width < 1) return;
-    const localization = store.localization.peek();
+    const localization = store.of("localization").peek();
     const X_MO = localization?.X_MO ?? null;
-    const navigation = store.navigation.peek();
+    const navigation = store.of("navigation").peek();
     const going = navigation && navigation.state !== "idle" && navigation.state !== "arrived" ? navigation : null;
-    const goal = goalOf(store.desires.peek()) ?? going?.goal ?? null;
+    const goal = goalOf(store.of("desires").peek()?.desires) ?? going?.goal ?? null;
     const around = map.costmap.peek() ? grid.costmap.picture.peek() : null;
     const tools = map.tools.peek();
     const onMap = ({ x, y }: Point) => (X_MO ? [composed(X_MO, { x, y, theta: 0 })] : []);
@@ -49,10 +49,10 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
       sketch: sketch(tools, map.sight),
       cursor: tools.cursor,
       bar: place === "view" ? aboveTools(size.width) : null,
-      people: (store.perceived.peek()?.faces ?? []).flatMap(({ x, y }) =>
+      people: (store.of("perceived").peek()?.faces ?? []).flatMap(({ x, y }) =>
         x === null || y === null ? [] : onMap({ x, y }),
       ),
-      posters: (store.landmarks.peek() ?? []).flatMap(({ x, y, text }) =>
+      posters: (store.of("landmarks").peek()?.landmarks ?? []).flatMap(({ x, y, text }) =>
         onMap({ x, y }).map((place) => ({ ...place, text })),
       ),
     });
@@ -74,11 +74,11 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
   sized.observe(canvas);
   const end = effect(() => {
     void [
-      store.localization.value,
-      store.navigation.value,
-      store.desires.value,
-      store.perceived.value,
-      store.landmarks.value,
+      store.of("localization").value,
+      store.of("navigation").value,
+      store.of("desires").value?.desires,
+      store.of("perceived").value,
+      store.of("landmarks").value?.landmarks,
     ];
     void [map.view.value, map.tools.value, map.robot.value, map.zones.value, map.selected.value, map.costmap.value];
     // Seconds, as what stands around is only shown while it does.

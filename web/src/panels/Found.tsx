@@ -8,7 +8,7 @@ import { noneFound } from "./foundText";
 
 export function Found() {
   const { store } = useApp();
-  const landmarks = store.landmarks.value ?? [];
+  const landmarks = store.of("landmarks").value?.landmarks ?? [];
   return (
     <section class="card" aria-label="Found QR codes" data-testid="found">
       <h2>
@@ -45,7 +45,7 @@ function Row({ landmark }: { landmark: Landmark }) {
       <div>
         <p class="landmark-text">{text}</p>
         <p class="muted small">
-          {bearing(landmark, store.status.value?.odometry ?? null)}
+          {bearing(landmark, store.of("status").value?.odometry ?? null)}
           {`at (${number(x, 2)}, ${number(y, 2)}, ${number(z, 2)}) m ± ${number(sigma_m * 100, 0)} cm`}
         </p>
         <p class="muted small">

@@ -8,7 +8,7 @@ import { Meter } from "../ui/Meter";
 
 export function Intention() {
   const { store } = useApp();
-  const intention = store.intention.value;
+  const intention = store.of("intention").value?.intention;
   return (
     <section class="card" aria-label="Intention" data-testid="intention">
       <h2>What the robot attends to, and why</h2>

@@ -10,7 +10,7 @@ import { CpuPlot } from "./CpuPlot";
 
 export function Load() {
   const { store } = useApp();
-  const load = store.load.value;
+  const load = store.of("load").value;
   return (
     <section class="card" aria-label="Load" data-testid="load">
       <h2>Load</h2>
@@ -22,7 +22,7 @@ export function Load() {
 function Body({ load }: { load: LoadMessage }) {
   const modules = [...load.modules].sort((a, b) => rank(a) - rank(b) || b.cpu - a.cpu || a.name.localeCompare(b.name));
   const { store } = useApp();
-  const attended = attendedCpu(load, store.intention.value);
+  const attended = attendedCpu(load, store.of("intention").value?.intention ?? null);
   const budget = load.budget;
   const most = Math.max(2, ...modules.map((module) => Math.max(module.cpu, module.cpu_budget ?? 0)));
   return (

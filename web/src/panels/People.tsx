@@ -7,7 +7,7 @@ import { PersonIcon, SoundIcon } from "../ui/icons";
 
 export function People() {
   const { store } = useApp();
-  const perceived = store.perceived.value;
+  const perceived = store.of("perceived").value;
   const now = store.now.value ?? perceived?.stamp ?? 0;
   const faces = faceMarks(perceived).reverse();
   const sounds = soundMarks(perceived, now).reverse();

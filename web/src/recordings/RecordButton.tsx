@@ -7,7 +7,7 @@ import { recordedFor } from "./recordingText";
 
 export function RecordButton() {
   const { store, recordings } = useApp();
-  const recorder = store.recorder.value;
+  const recorder = store.of("recorder").value;
   if (!recorder?.available || store.replay.value) return null;
   const pending = recordings.pending.value;
   const live = store.live.value;

@@ -11,7 +11,7 @@ import { nameProblem, recordedFor, ringMinutes } from "./recordingText";
 
 export function RecorderCard() {
   const { store, recordings } = useApp();
-  const recorder = store.recorder.value;
+  const recorder = store.of("recorder").value;
   if (!recorder?.available)
     return (
       <section class="card" aria-label="Recorder">

@@ -82,7 +82,7 @@ export function RecordingRow({ recording, onGone }: { recording: Recording; onGo
 
 /** Of one that is being written, the Recorder knows more than the list read some time ago. */
 function figures(recording: Recording, store: Store): { seconds: number | null; bytes: number } {
-  const recorder = store.recorder.value;
+  const recorder = store.of("recorder").value;
   if (recording.state === "recording" && recorder?.name === recording.name)
     return { seconds: recordedFor(recorder, store.now.value), bytes: recorder.bytes };
   return { seconds: recording.duration_s, bytes: recording.bytes };

@@ -32,7 +32,7 @@ function page(rest: Partial<Rest> = {}) {
   };
   const control = new RecordingControl(store, { ...asked, ...rest } as unknown as Rest);
   control.start();
-  store.recorder.value = IDLE;
+  store.latest.put(IDLE);
   return { store, control, asked, notices: () => store.notices.value.map((notice) => notice.text) };
 }
 
@@ -44,18 +44,18 @@ test("recording is being started until the Recorder says that it records", async
   await control.record({ name: "a" });
   expect(asked.record).toHaveBeenCalledWith({ name: "a" });
   expect(control.pending.value).toBe("start");
-  store.recorder.value = RECORDING;
+  store.latest.put(RECORDING);
   expect(control.pending.value).toBeNull();
   await control.stop();
   expect(control.pending.value).toBe("stop");
-  store.recorder.value = IDLE;
+  store.latest.put(IDLE);
   expect(control.pending.value).toBeNull();
 });
 
 test("what does not come about is told with its reason after a while", async () => {
   const { store, control, notices } = page();
   await control.record({});
-  store.recorder.value = { ...IDLE, desired: true, reason: "no room on the computer" };
+  store.latest.put({ ...IDLE, desired: true, reason: "no room on the computer" });
   vi.advanceTimersByTime(10_000);
   expect(control.pending.value).toBeNull();
   expect(notices()).toEqual(["The recording has not begun. No room on the computer."]);
@@ -74,11 +74,11 @@ test("a refusal is told where it is seen, and ends the waiting", async () => {
 
 test("a recording that stops by itself is told once, and the list is read anew while it is looked at", () => {
   const { store, asked, notices } = page();
-  store.recorder.value = RECORDING;
+  store.latest.put(RECORDING);
   expect(asked.recordings).not.toHaveBeenCalled();
   store.recordingsShown.value = true;
   expect(asked.recordings).toHaveBeenCalledTimes(1);
-  store.recorder.value = { ...RECORDING, state: "stopped", reason: "the disk is full" };
-  store.recorder.value = { ...RECORDING, state: "stopped", reason: "the disk is full", duration_s: 3 };
+  store.latest.put({ ...RECORDING, state: "stopped", reason: "the disk is full" });
+  store.latest.put({ ...RECORDING, state: "stopped", reason: "the disk is full", duration_s: 3 });
   expect(notices()).toEqual(["Recording has stopped. The disk is full."]);
 });

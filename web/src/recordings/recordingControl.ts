@@ -34,7 +34,7 @@ export class RecordingControl {
   start(): void {
     let before: Recorder | null = null;
     effect(() => {
-      const recorder = this.store.recorder.value;
+      const recorder = this.store.of("recorder").value;
       if (!recorder) return;
       if (recorder.state !== before?.state || recorder.name !== before.name) this.changed(before, recorder);
       before = recorder;
@@ -129,7 +129,7 @@ export class RecordingControl {
       if (!this.shown.peek()) this.store.notify("error", this.problem.value);
       return false;
     }
-    const state = this.store.recorder.peek()?.state;
+    const state = this.store.of("recorder").peek()?.state;
     const done = what === "save" || (what === "start") === (state === "recording" || state === "ring");
     if (done) this.wait(null);
     return true;
@@ -145,7 +145,8 @@ export class RecordingControl {
     const what = this.pending.peek();
     this.pending.value = null;
     if (what === "start")
-      this.problem.value = `The recording has not begun. ${sentence(this.store.recorder.peek()?.reason ?? "")}`.trim();
+      this.problem.value =
+        `The recording has not begun. ${sentence(this.store.of("recorder").peek()?.reason ?? "")}`.trim();
     else if (what === "stop") this.problem.value = "Still recording: somebody else desires it. See the desires.";
     if (this.problem.peek() && !this.shown.peek()) this.store.notify("warning", this.problem.peek());
   }

@@ -6,7 +6,7 @@ import { LevelBars } from "./LevelBars";
 
 export function TalkButton() {
   const { store, talking } = useApp();
-  const speaker = store.status.value?.speaker ?? null;
+  const speaker = store.of("status").value?.speaker ?? null;
   const state = talking.state.value;
   const refusal = talking.refusal.value;
   const held = (event: KeyboardEvent) => event.code === "Space" || event.code === "Enter";

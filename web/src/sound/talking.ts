@@ -141,7 +141,7 @@ function whyNot(store: Store): string | null {
   const phase = store.link.value.phase;
   if (!hello || (phase !== "live" && phase !== "stale")) return "Not connected to the robot.";
   if (!hello.audio.speak) return "This robot has no loudspeaker: nobody there can hear you.";
-  const speaker = store.status.value?.speaker;
+  const speaker = store.of("status").value?.speaker;
   if (speaker && !speaker.mine) return `The robot's voice is in use by ${speaker.operator}.`;
   if (!navigator.mediaDevices)
     return "Browsers give the microphone only to pages from this computer (localhost) or over https.";

@@ -31,7 +31,7 @@ const GUARDS: Record<string, string> = {
 export function TopBar({ narrow }: { narrow: boolean }) {
   const { store } = useApp();
   const phase = store.link.value.phase;
-  const status = store.status.value;
+  const status = store.of("status").value;
   const live = phase === "live";
   const guard = status?.guard;
   const known = live ? guard : undefined;
@@ -121,10 +121,10 @@ export function TopBar({ narrow }: { narrow: boolean }) {
 /** What only a living robot has: commands, an age, a driver. */
 function LiveMetrics() {
   const { store } = useApp();
-  const status = store.status.value;
+  const status = store.of("status").value;
   const live = store.live.value;
   const guard = status?.guard;
-  const modules = store.load.value?.modules ?? [];
+  const modules = store.of("load").value?.modules ?? [];
   const { drives, goes } = store.body.value;
   return (
     <>

@@ -8,8 +8,8 @@ import { codesOn, facesOn, type Trails, trailed } from "./faces";
 
 export function FaceFrames() {
   const { store, camera } = useApp();
-  const turning = Math.abs(store.status.value?.odometry?.angular_radps ?? 0);
-  const perceived = store.perceived.value;
+  const turning = Math.abs(store.of("status").value?.odometry?.angular_radps ?? 0);
+  const perceived = store.of("perceived").value;
   const seen = useRef<{ of: Perceived | null; trails: Trails }>({ of: null, trails: new Map() });
   if (seen.current.of !== perceived) seen.current = { of: perceived, trails: trailed(seen.current.trails, perceived) };
   const faces = facesOn(seen.current.trails, camera.stamp.value, turning);
