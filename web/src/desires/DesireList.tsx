@@ -8,9 +8,7 @@ import { left, number, spaced } from "../ui/format";
 import { LockIcon, TrashIcon } from "../ui/icons";
 import { Stepper } from "../ui/Stepper";
 
-export function DesireList() {
-  const { store } = useApp();
-  const desires = store.of("desires").value?.desires ?? null;
+export function DesireList({ desires }: { desires: readonly Desire[] | null }) {
   if (desires === null) return <p class="empty">Waiting for the robot's desires…</p>;
   if (desires.length === 0)
     return <p class="empty">Nobody desires anything. Add a desire to give the robot something to attend to.</p>;

@@ -2,6 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
+import { panel } from "../panels/panel";
 import { useApp } from "../state/context";
 import { divisor, divisorLines, number, spaced } from "../ui/format";
 import { MinusIcon, PauseIcon, PlayIcon, PlusIcon, StateMark, TableIcon } from "../ui/icons";
@@ -18,6 +19,9 @@ const ROW_MIN = 20;
 /** On a phone the figures stand below the name. */
 const ROW_MIN_NARROW = 34;
 const ROW_MAX = 72;
+
+/** Beside the view, where there is no room for them below it. */
+export const lanesPanel = panel({ type: "lanes", tab: "Lanes", Card: Lanes, offered: (_, phone) => phone });
 
 export function Lanes() {
   const { store } = useApp();

@@ -1,6 +1,7 @@
 /** The map with its tools and the words of the way: in its tab, or over all of the view. */
 
 import type { ComponentChildren } from "preact";
+import { panel } from "../panels/panel";
 import { useApp } from "../state/context";
 import { CloseIcon, FlagIcon, HomeIcon, KeepOutIcon, PlaceIcon, SearchIcon, SlowIcon, WarnIcon } from "../ui/icons";
 import { narrow } from "../ui/media";
@@ -8,6 +9,18 @@ import { goalOf, hintWords, wayWords } from "./mapText";
 import type { Tool } from "./mapTools";
 import { Stage, ViewButtons } from "./Stage";
 import { ZoneEditor } from "./Zones";
+
+export const mapPanel = panel({
+  type: "localization",
+  tab: "Map",
+  Card: MapInTab,
+  offered: ({ store }) => store.body.value.maps,
+});
+
+function MapInTab() {
+  const { store } = useApp();
+  return store.mapPlace.value === "tab" ? <MapPanel place="tab" /> : null;
+}
 
 export function MapPanel({ place }: { place: "tab" | "view" }) {
   const { store, map, grid } = useApp();

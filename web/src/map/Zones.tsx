@@ -2,13 +2,21 @@
 
 import { useSignal } from "@preact/signals";
 import { useId } from "preact/hooks";
+import { panel } from "../panels/panel";
 import type { Zone } from "../protocol/types";
 import { useApp } from "../state/context";
 import { number } from "../ui/format";
 import { KeepOutIcon, SlowIcon, TrashIcon, UndoIcon } from "../ui/icons";
 import { asSpeed, changed, nameProblem, removed } from "./zoneList";
 
-export function Zones() {
+export const zonesPanel = panel({
+  type: "zones",
+  tab: "Map",
+  Card: Zones,
+  offered: ({ store }) => store.body.value.maps,
+});
+
+function Zones() {
   const { map, store } = useApp();
   const replay = store.replay.value;
   const zones = map.zones.value;

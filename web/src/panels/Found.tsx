@@ -2,13 +2,23 @@
 
 import type { Landmark, Status } from "../protocol/types";
 import { useApp } from "../state/context";
+import type { Message } from "../state/latest";
 import { ago, number } from "../ui/format";
 import { QrIcon } from "../ui/icons";
 import { noneFound } from "./foundText";
+import { panel } from "./panel";
 
-export function Found() {
+export const foundPanel = panel({
+  type: "landmarks",
+  tab: "Found",
+  Card: Found,
+  offered: () => true,
+  badge: (message) => message?.landmarks.length ?? 0,
+});
+
+function Found({ message }: { message: Message<"landmarks"> | null }) {
   const { store } = useApp();
-  const landmarks = store.of("landmarks").value?.landmarks ?? [];
+  const landmarks = message?.landmarks ?? [];
   return (
     <section class="card" aria-label="Found QR codes" data-testid="found">
       <h2>

@@ -1,14 +1,16 @@
 /** What the robot attends to and why: the intention, class by class, its filters and what it costs. */
 
 import type { Intention as IntentionMessage, SelectedStrategy } from "../protocol/types";
-import { useApp } from "../state/context";
+import type { Message } from "../state/latest";
 import { divisor, number, reasonText, small, spaced, stateWord } from "../ui/format";
 import { StateMark, WarnIcon } from "../ui/icons";
 import { Meter } from "../ui/Meter";
+import { panel } from "./panel";
 
-export function Intention() {
-  const { store } = useApp();
-  const intention = store.of("intention").value?.intention;
+export const intentionPanel = panel({ type: "intention", tab: "Attention", Card: Intention, offered: () => true });
+
+function Intention({ message }: { message: Message<"intention"> | null }) {
+  const intention = message?.intention;
   return (
     <section class="card" aria-label="Intention" data-testid="intention">
       <h2>What the robot attends to, and why</h2>

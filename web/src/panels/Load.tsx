@@ -7,10 +7,18 @@ import { divisor, millis, number, spaced } from "../ui/format";
 import { ChevronIcon, WarnIcon } from "../ui/icons";
 import { Meter } from "../ui/Meter";
 import { CpuPlot } from "./CpuPlot";
+import { panel } from "./panel";
 
-export function Load() {
-  const { store } = useApp();
-  const load = store.of("load").value;
+export const loadPanel = panel({
+  type: "load",
+  tab: "Load",
+  Card: Load,
+  offered: () => true,
+  badge: (message) => (troubled(message) ? "!" : 0),
+  alarm: troubled,
+});
+
+function Load({ message: load }: { message: LoadMessage | null }) {
   return (
     <section class="card" aria-label="Load" data-testid="load">
       <h2>Load</h2>
@@ -50,6 +58,10 @@ function Body({ load }: { load: LoadMessage }) {
       </ul>
     </>
   );
+}
+
+function troubled(load: LoadMessage | null): boolean {
+  return load?.modules.some(({ state }) => state === "failed" || state === "hung") ?? false;
 }
 
 /** What is wrong comes first. */

@@ -3,11 +3,14 @@
 import { directionWords, faceMarks, soundMarks } from "../around/perceptMarks";
 import { whyClosed } from "../around/whyClosed";
 import { useApp } from "../state/context";
+import type { Message } from "../state/latest";
 import { PersonIcon, SoundIcon } from "../ui/icons";
+import { panel } from "./panel";
 
-export function People() {
+export const peoplePanel = panel({ type: "perceived", tab: "Found", Card: People, offered: () => true });
+
+function People({ message: perceived }: { message: Message<"perceived"> | null }) {
   const { store } = useApp();
-  const perceived = store.of("perceived").value;
   const now = store.now.value ?? perceived?.stamp ?? 0;
   const faces = faceMarks(perceived).reverse();
   const sounds = soundMarks(perceived, now).reverse();

@@ -1,6 +1,7 @@
 /** The recordings: what is being recorded, and those there are. */
 
 import { useEffect, useRef } from "preact/hooks";
+import { panel } from "../panels/panel";
 import { useApp } from "../state/context";
 import { size } from "../ui/format";
 import { WarnIcon } from "../ui/icons";
@@ -8,7 +9,15 @@ import { RecorderCard } from "./RecorderCard";
 import { RecordingRow } from "./RecordingRow";
 import { newestFirst } from "./recordingText";
 
-export function Recordings() {
+export const recordingsPanel = panel({
+  type: "recorder",
+  tab: "Recordings",
+  Card: Recordings,
+  offered: ({ store }) => !store.replay.value,
+  alarm: (message) => message?.state === "stopped",
+});
+
+function Recordings() {
   const { store, recordings } = useApp();
   const list = store.recordings.value;
   const problem = recordings.problem.value;

@@ -9,7 +9,6 @@ import { attendedCpu } from "./load";
 import { PageClock } from "./pageClock";
 
 export type Phase = "connecting" | "live" | "stale" | "lost" | "login";
-export type Tab = "attention" | "map" | "lanes" | "found" | "load" | "events" | "recordings";
 /** How a picture over the 3D view is shown. */
 export type InsetMode = "inset" | "large" | "hidden";
 /** Where the map is: beside the view, in its tab; or over all of the view. */
@@ -90,7 +89,8 @@ export function createStore() {
     now,
     /** The same, once a second: for long lists. */
     seconds: computed(() => (now.value === null ? null : Math.floor(now.value))) as ReadonlySignal<number | null>,
-    tab: signal<Tab>("attention"),
+    /** Id of the side column's tab that is shown. */
+    tab: signal("attention"),
     camera: signal<InsetMode>(sceneWanted() ? "inset" : "large"),
     /** The strip of all directions around the robot. On a phone its small form is in the tab. */
     around: signal<InsetMode>("inset"),
