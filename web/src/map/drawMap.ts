@@ -3,18 +3,7 @@
 import type { Zone } from "../protocol/types";
 import { type Context, FONT, outlined, stroke, trace } from "./canvas";
 import * as colors from "./colors";
-import {
-  type Body,
-  drawAim,
-  drawCursor,
-  drawGoal,
-  drawPerson,
-  drawPoster,
-  drawRobot,
-  drawStart,
-  drawTarget,
-  headingOf,
-} from "./drawMarks";
+import { type Body, drawAim, drawCursor, drawGoal, drawRobot, drawStart, drawTarget, headingOf } from "./drawMarks";
 import { drawSketch, drawZone, moving } from "./drawZones";
 import type { GridPicture } from "./gridFeed";
 import {
@@ -52,8 +41,8 @@ export interface Shown {
   cursor: Point | null;
   /** How far from the right and the bottom the scale bar is, px; null: in the lower left corner. */
   bar: { right: number; bottom: number } | null;
-  people: readonly Point[];
-  posters: readonly (Point & { text: string })[];
+  /** Draws what is perceived. `onScreen`: a place on the map (m) in px. */
+  percepts: (context: Context, onScreen: (place: Point) => Point) => void;
 }
 
 const BAR_PX = 110;
@@ -77,12 +66,11 @@ export function draw(context: Context, size: Size, view: MapView, shown: Shown):
   if (shown.sketch.length > 0)
     drawSketch(context, shown.sketch.map(at), shown.tool === "slow" ? colors.SLOW : colors.KEEP_OUT);
   if (shown.map?.known) drawStart(context, at({ x: 0, y: 0 }));
-  for (const poster of shown.posters) drawPoster(context, at(poster));
   drawPath(
     context,
     shown.path.map(([x, y]) => at({ x, y })),
   );
-  for (const person of shown.people) drawPerson(context, at(person));
+  shown.percepts(context, at);
   if (shown.robot) drawRobot(context, view, at(shown.robot), shown.robot, shown.body);
   if (shown.target && shown.goal && Math.hypot(shown.target.x - shown.goal.x, shown.target.y - shown.goal.y) > 0.1)
     drawTarget(context, at(shown.target), at(shown.goal));

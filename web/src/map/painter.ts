@@ -9,6 +9,7 @@ import { draw } from "./drawMap";
 import { composed, type Point } from "./mapProjection";
 import { goalOf } from "./mapText";
 import { sketch } from "./mapTools";
+import { LAYERS } from "./registry";
 
 /** As in senses.css. */
 const COLUMN_PX = 860;
@@ -27,7 +28,7 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
     const goal = goalOf(store.of("desires").peek()?.desires) ?? going?.goal ?? null;
     const around = map.costmap.peek() ? grid.costmap.picture.peek() : null;
     const tools = map.tools.peek();
-    const onMap = ({ x, y }: Point) => (X_MO ? [composed(X_MO, { x, y, theta: 0 })] : []);
+    const onMap = ({ x, y }: Point) => (X_MO ? composed(X_MO, { x, y, theta: 0 }) : null);
     draw(canvas.getContext("2d")!, size, map.view.peek(), {
       map: grid.map.picture.peek(),
       costmap: around && showsNow(around.info.stamp, store.now.peek(), store.clock.rate) ? around : null,
@@ -49,12 +50,16 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
       sketch: sketch(tools, map.sight),
       cursor: tools.cursor,
       bar: place === "view" ? aboveTools(size.width) : null,
-      people: (store.of("perceived").peek()?.faces ?? []).flatMap(({ x, y }) =>
-        x === null || y === null ? [] : onMap({ x, y }),
-      ),
-      posters: (store.of("landmarks").peek()?.landmarks ?? []).flatMap(({ x, y, text }) =>
-        onMap({ x, y }).map((place) => ({ ...place, text })),
-      ),
+      percepts: (context, onScreen) => {
+        for (const layer of LAYERS) {
+          const message = store.of(layer.type).peek();
+          const place = (point: Point) => {
+            const there = onMap(point);
+            return there && onScreen(there);
+          };
+          if (message) layer.draw(context, message, place);
+        }
+      },
     });
   };
   const later = () => {
@@ -73,13 +78,8 @@ export function paintOn(canvas: HTMLCanvasElement, place: MapPlace, { store, map
   });
   sized.observe(canvas);
   const end = effect(() => {
-    void [
-      store.of("localization").value,
-      store.of("navigation").value,
-      store.of("desires").value?.desires,
-      store.of("perceived").value,
-      store.of("landmarks").value?.landmarks,
-    ];
+    void [store.of("localization").value, store.of("navigation").value, store.of("desires").value?.desires];
+    for (const layer of LAYERS) void store.of(layer.type).value;
     void [map.view.value, map.tools.value, map.robot.value, map.zones.value, map.selected.value, map.costmap.value];
     // Seconds, as what stands around is only shown while it does.
     void [grid.costmap.picture.value, store.seconds.value, store.hello.value];

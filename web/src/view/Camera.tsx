@@ -4,7 +4,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { useApp } from "../state/context";
 import { number, reasonText } from "../ui/format";
 import { CameraIcon, CloseIcon, EnlargeIcon, ShrinkIcon } from "../ui/icons";
-import { FaceFrames } from "./FaceFrames";
+import { OVERLAYS } from "./registry";
 
 const OLD_S = 1;
 /** The desire class whose filters let the camera through to people. */
@@ -50,7 +50,7 @@ export function Camera() {
         role="img"
         aria-label={empty ? text : "What the robot's camera sees"}
       />
-      {!empty && <FaceFrames />}
+      {!empty && OVERLAYS.map(({ type, Frames }) => <Frames key={type} message={store.of(type).value} />)}
       {text && (
         <figcaption class={empty ? "camera-empty" : "camera-age"} data-testid="camera-text">
           {empty && <CameraIcon />}

@@ -6,10 +6,9 @@ import type { Perceived, SeenCode, SeenFace } from "../protocol/types";
 import { useApp } from "../state/context";
 import { codesOn, facesOn, type Trails, trailed } from "./faces";
 
-export function FaceFrames() {
+export function FaceFrames({ message: perceived }: { message: Perceived | null }) {
   const { store, camera } = useApp();
   const turning = Math.abs(store.of("status").value?.odometry?.angular_radps ?? 0);
-  const perceived = store.of("perceived").value;
   const seen = useRef<{ of: Perceived | null; trails: Trails }>({ of: null, trails: new Map() });
   if (seen.current.of !== perceived) seen.current = { of: perceived, trails: trailed(seen.current.trails, perceived) };
   const faces = facesOn(seen.current.trails, camera.stamp.value, turning);
