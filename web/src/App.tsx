@@ -122,7 +122,7 @@ function MapToggle() {
       class={`tool-button button small ${shown ? "on" : ""}`}
       data-testid="map-toggle"
       aria-pressed={shown}
-      title="The map over all of the view (M)"
+      title="Map over the whole view (M)"
       onClick={() => store.showMap(shown ? "tab" : "view")}
     >
       <MapIcon /> <span class="tool-words">Map</span>

@@ -43,7 +43,7 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
     .filter(Boolean)
     .join(", ");
   const blank = seen === "" && panorama.stamp.value === null;
-  const words = seen || "Nobody seen, nothing heard";
+  const words = seen || "No people seen, no sounds heard";
   const age = panorama.stamp.value === null ? null : now - panorama.stamp.value;
   return (
     <figure
@@ -75,7 +75,7 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
           type="button"
           class="icon-button"
           data-testid="around-enlarge"
-          aria-label={large ? "Shrink the view all around" : "Enlarge the view all around"}
+          aria-label={large ? "Shrink the panorama" : "Enlarge the panorama"}
           aria-pressed={large}
           onClick={() => store.showAround(large ? "inset" : "large")}
         >
@@ -85,7 +85,7 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
           type="button"
           class="icon-button"
           data-testid="around-hide"
-          aria-label="Hide the view all around"
+          aria-label="Hide the panorama"
           onClick={() => store.showAround("hidden")}
         >
           <CloseIcon />
@@ -113,7 +113,7 @@ function useAround() {
 function Nothing({ closed }: { closed: Closed[] }) {
   return (
     <div class="around-nothing" data-testid="around-nothing">
-      <p>Nobody seen, nothing heard yet.</p>
+      <p>No people seen and no sounds heard yet.</p>
       {closed.map((one) => (
         <p key={one.what} class="muted" title={one.reason}>
           {one.reason ? `${one.text}: ${one.reason}` : `${one.text}.`}

@@ -25,7 +25,7 @@ test("attention's own reason is told", () => {
     row("LocateVoices", 1),
   ];
   expect(whyClosed(hello, rows, false, true)).toEqual([
-    { what: "faces", text: "Not looking for faces", reason: "Needs 20 % more CPU." },
+    { what: "faces", text: "Face detection is off", reason: "Needs 20 % more CPU." },
   ]);
 });
 
@@ -47,7 +47,7 @@ test("what no strategy serves is missing, whether or not anybody desires it", ()
     row("LocateVoices", null, "undesired: nobody desires it"),
   ];
   expect(whyClosed(deaf, rows, false, true)).toEqual([
-    { what: "voices", text: "This robot does not locate sounds", reason: "" },
+    { what: "voices", text: "This robot does not localize sounds", reason: "" },
   ]);
 });
 

@@ -15,10 +15,15 @@ const PERCEPTIONS = [
   {
     what: "faces",
     kind: "LocateFaces",
-    closed: "Not looking for faces",
-    missing: "This robot does not look for faces",
+    closed: "Face detection is off",
+    missing: "This robot does not detect faces",
   },
-  { what: "voices", kind: "LocateVoices", closed: "Not locating sounds", missing: "This robot does not locate sounds" },
+  {
+    what: "voices",
+    kind: "LocateVoices",
+    closed: "Sound localization is off",
+    missing: "This robot does not localize sounds",
+  },
 ] as const;
 
 /** Whether anything can ever be shown of what is around: a picture, faces or voices. */
@@ -35,7 +40,7 @@ export function whyClosed(hello: Hello | null, rows: LaneRow[], replay: boolean,
   if (!hello.channels.panorama)
     closed.push({
       what: "picture",
-      text: replay ? "The recording has no picture of all around" : "No camera that sees all around",
+      text: replay ? "This recording has no panorama" : "This robot has no panoramic camera",
       reason: "",
     });
   else {

@@ -10,8 +10,7 @@ import { Stepper } from "../ui/Stepper";
 
 export function DesireList({ desires }: { desires: readonly Desire[] | null }) {
   if (desires === null) return <p class="empty">Waiting for the robot's desires…</p>;
-  if (desires.length === 0)
-    return <p class="empty">Nobody desires anything. Add a desire to give the robot something to attend to.</p>;
+  if (desires.length === 0) return <p class="empty">No desires. Add one to give the robot something to attend to.</p>;
   return (
     <ul class="desires">
       {desires.map((desire) => (

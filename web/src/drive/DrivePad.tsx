@@ -51,7 +51,7 @@ export function DrivePad() {
             data-testid="take-control"
             onClick={() => session.send({ type: "take_control" })}
           >
-            <WheelIcon /> {`Take the wheel from ${driver.operator}`}
+            <WheelIcon /> {`Take control from ${driver.operator}`}
           </button>
         ) : driver?.mine && !source && drive.refusal.value === null && drive.keyboard.value === "page" ? (
           <button
@@ -60,7 +60,7 @@ export function DrivePad() {
             data-testid="release-control"
             onClick={() => session.send({ type: "release_control" })}
           >
-            Give the wheel back
+            Release control
           </button>
         ) : (
           <Hint />

@@ -15,14 +15,18 @@ export function Limited() {
   if (!limited && !offered) return null;
   return (
     <div class="drive-limited" data-testid="limited" data-override={held}>
-      <p role="status">{limited ? `${limited[0]!.toUpperCase()}${limited.slice(1)}.` : "Held: nothing stops it."}</p>
+      <p role="status">
+        {limited
+          ? `${limited[0]!.toUpperCase()}${limited.slice(1)}.`
+          : "The collision monitor is off while you hold this."}
+      </p>
       {offered && (
         <button
           type="button"
           class={`button quiet hold ${held ? "held" : ""}`}
           data-testid="override"
           aria-pressed={screenOverride}
-          title="Hold, or hold O or a trigger, and drive: the robot crawls, whatever stands in the way"
+          title="Hold this, O or a gamepad trigger while driving: the robot crawls and does not stop for obstacles"
           onPointerDown={(event) => {
             if (event.button !== 0) return;
             event.preventDefault(); // the keys go on driving

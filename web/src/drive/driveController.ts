@@ -215,16 +215,16 @@ export class DriveController {
 
 function whyNot(store: Store): string | null {
   const phase = store.link.value.phase;
-  if (store.replay.value) return "This is a recording: nothing in it can be driven.";
-  if (!store.body.value.drives) return "There is nothing to drive here.";
-  if (phase === "stale") return "What you see is old. Driving waits until the robot is heard again.";
+  if (store.replay.value) return "This is a recording: it cannot be driven.";
+  if (!store.body.value.drives) return "This robot cannot be driven.";
+  if (phase === "stale") return "The page's data is old. You can drive when the robot answers again.";
   if (phase !== "live") return "Not connected to the robot.";
   const status = store.of("status").value;
   if (status?.guard.e_stopped) return "The emergency stop is latched. Release it to drive.";
   if (status?.guard.state === "silent") return status.guard.reason;
   if (status?.waits) return status.waits;
   if (status?.driver && !status.driver.mine)
-    return `${status.driver.operator} drives. Take the wheel to drive yourself.`;
+    return `${status.driver.operator} is driving. Take control to drive yourself.`;
   return null;
 }
 

@@ -7,5 +7,5 @@ test("who drives is told what letting go does", () => {
 });
 
 test("with a goal, letting go does not stop the robot", () => {
-  expect(heldWords("keyboard", false, true)).toBe("Driving by keyboard. Let go and it goes on to its goal.");
+  expect(heldWords("keyboard", false, true)).toBe("Driving by keyboard. Let go to continue to the goal.");
 });

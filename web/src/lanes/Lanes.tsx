@@ -130,7 +130,7 @@ export function Lanes() {
           </button>
         </div>
       </header>
-      {empty && <p class="empty">No desire classes yet: they come with the robot's greeting.</p>}
+      {empty && <p class="empty">Waiting for the robot's desire classes…</p>}
       {!empty && !asTable.value && (
         <div class="lanes-body" ref={body} style={{ "--row": `${rowHeight.value}px` }}>
           <ol class="lane-names" aria-hidden="true">
@@ -160,7 +160,7 @@ export function Lanes() {
             tabIndex={0}
             data-own-arrows
             role="group"
-            aria-label="Lanes over time. Arrow keys move a cursor that tells values and reasons, plus and minus zoom, P pauses."
+            aria-label="Lanes over time. Arrow keys move a cursor that shows values and reasons, plus and minus zoom, P pauses."
           >
             <canvas ref={canvas} data-testid="lane-canvas" />
           </div>

@@ -69,7 +69,7 @@ function Tools() {
           <ToolButton
             tool="goal"
             label="Go to"
-            hint="Press where it should go, drag to where it should look (G)"
+            hint="Press on the goal, drag to set the heading (G)"
             disabled={!allowed}
           >
             <FlagIcon />
@@ -78,7 +78,7 @@ function Tools() {
             type="button"
             class="map-tool"
             data-testid="map-return"
-            title="Return to where the map began; gamepad: button 3 (Y, △)"
+            title="Return to the start of the map; gamepad: button 3 (Y, △)"
             disabled={!allowed}
             onClick={() => void map.returnToStart()}
           >
@@ -90,7 +90,7 @@ function Tools() {
       <ToolButton
         tool="pose"
         label="Set pose"
-        hint="Press where the robot is, drag to where it looks"
+        hint="Press on the robot's place, drag to set its heading"
         disabled={!allowed || !known}
       >
         <PlaceIcon />
@@ -99,7 +99,7 @@ function Tools() {
         type="button"
         class="map-tool"
         data-testid="map-search"
-        title="The robot looks for itself on the map"
+        title="Search for the robot's pose on the map"
         disabled={!allowed || !known}
         onClick={() => void map.search()}
       >
@@ -223,10 +223,10 @@ function Asleep() {
   if (lane?.state !== "undesired" || !grid.map.picture.value?.known || store.replay.value) return null;
   return (
     <p class="map-way warn" data-testid="map-asleep">
-      <span>SLAM is not running: nobody desires it.</span>
+      <span>SLAM is not running: there is no desire for it.</span>
       {map.allowed.value && (
         <button type="button" class="button small" data-testid="map-desire" onClick={() => void map.desireMap()}>
-          Run it
+          Start SLAM
         </button>
       )}
     </p>

@@ -40,7 +40,7 @@ function Maps() {
       )}
       {list && !maps.available.value && (
         <p class="maps-doing" role="status" data-testid="maps-waiting">
-          Nobody keeps maps just now: the module SLAM2D does not run, or is only starting. See Load.
+          Maps are not available: the module SLAM2D is not running yet. See Load.
         </p>
       )}
       {present && maps.available.value && <Present />}
@@ -48,7 +48,7 @@ function Maps() {
         <p class="empty">{maps.unread.value ? "The list could not be read." : "Reading the list…"}</p>
       ) : list.maps.length === 0 ? (
         <p class="empty" data-testid="maps-empty">
-          None kept yet. Drive the robot around until the map shows what it should know, then save it.
+          No maps saved yet. Drive the robot around, then save the map.
         </p>
       ) : (
         <ul class="maps">
@@ -96,7 +96,7 @@ function Present() {
         }}
       >
         <div class={`field ${wrong ? "wrong" : ""}`}>
-          <label for={id}>{inUse ? "Save the map in use as" : "Keep this new map as"}</label>
+          <label for={id}>{inUse ? "Save the map in use as" : "Save this new map as"}</label>
           <input
             id={id}
             data-testid="map-name"
@@ -117,7 +117,7 @@ function Present() {
           type="button"
           class="button"
           data-testid="map-begin"
-          title="Begin an empty map"
+          title="Start an empty map"
           disabled={busy}
           onClick={() => (asking.value = asking.value === "begin" ? null : "begin")}
         >
@@ -126,7 +126,7 @@ function Present() {
       </form>
       {asking.value === "replace" && (
         <Confirm
-          words={`There is a map ${name}. Replace it?`}
+          words={`A map ${name} exists. Replace it?`}
           yes="Replace"
           onYes={() => void save()}
           onNo={() => (asking.value = null)}
@@ -134,7 +134,7 @@ function Present() {
       )}
       {asking.value === "begin" && (
         <Confirm
-          words="Begin an empty map here? What was not saved of this one is lost."
+          words="Start an empty map here? Unsaved changes of this map are lost."
           yes="Begin"
           onYes={() => {
             asking.value = null;

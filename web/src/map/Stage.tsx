@@ -106,16 +106,16 @@ export function ViewButtons() {
   const large = store.mapPlace.value === "view";
   const toggles = [
     { id: "follow", label: "Follow the robot", icon: <FollowIcon />, state: map.follow },
-    { id: "robot-up", label: "The robot's heading up, instead of north", icon: <CompassIcon />, state: map.robotUp },
-    { id: "costmap", label: "Show what it keeps clear of just now", icon: <LayersIcon />, state: map.costmap },
+    { id: "robot-up", label: "Robot's heading up instead of north", icon: <CompassIcon />, state: map.robotUp },
+    { id: "costmap", label: "Show the local costmap", icon: <LayersIcon />, state: map.costmap },
   ];
   return (
-    <div class="map-view-buttons" role="group" aria-label="How the map is looked at">
+    <div class="map-view-buttons" role="group" aria-label="Map view">
       <button
         type="button"
         class="icon-button"
         data-testid="map-enlarge"
-        title={large ? "Back beside the view (M)" : "Over all of the view (M)"}
+        title={large ? "Back beside the view (M)" : "Map over the whole view (M)"}
         aria-label={large ? "Shrink the map" : "Enlarge the map"}
         aria-pressed={large}
         onClick={() => store.showMap(large ? "tab" : "view")}
@@ -184,7 +184,7 @@ function Empty() {
       {more && <p class="muted">{more}</p>}
       {desire && map.allowed.value && (
         <button type="button" class="button small" data-testid="map-desire" onClick={() => void map.desireMap()}>
-          Begin to map
+          Start mapping
         </button>
       )}
     </div>

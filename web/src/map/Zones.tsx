@@ -39,8 +39,8 @@ function Zones() {
       {zones.length === 0 ? (
         <p class="empty">
           {replay
-            ? "None at this moment of the recording."
-            : "None. Draw where the robot must not go, or must go slowly, with Keep out and Slow."}
+            ? "None at this time of the recording."
+            : "None. Draw one with Keep out (the robot stays out) or Slow (it drives slowly)."}
         </p>
       ) : (
         <ul class="zones">

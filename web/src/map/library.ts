@@ -77,7 +77,7 @@ export class MapLibrary {
   }
 
   begin(): Promise<boolean> {
-    return this.ask("Beginning a new map…", () => this.awake(this.rest.beginMap()), "A new map has begun.");
+    return this.ask("Starting a new map…", () => this.awake(this.rest.beginMap()), "A new map has started.");
   }
 
   /** Resolves when a list is there that was asked for no earlier than now. */

@@ -65,7 +65,7 @@ function cursorWords(map: MapControl): string {
   if (act.kind === "aim") {
     const heading =
       act.heading === null ? "no heading yet" : `heading ${number((act.heading * 180) / Math.PI, 0)} degrees`;
-    return `Place ${where}, ${heading}. Arrows turn it, Enter sends it, Escape gives it up.`;
+    return `Place ${where}, ${heading}. Arrows turn it, Enter sends it, Escape cancels.`;
   }
   return corners.length > 0 ? `Corner ${corners.length + 1} at ${where}` : where;
 }

@@ -77,8 +77,8 @@ describe("the goal that counts", () => {
 describe("the place", () => {
   test("is on the map by the name that it has now, whatever the last scan called it", () => {
     const resting = row({ class: "SLAM", divisor: null, state: "undesired" });
-    expect(poseWords(place({ map: "third" }), resting, "fourth").text).toBe("Was on fourth");
-    expect(poseWords(place({ map: "", state: "mapping" }), undefined, "fourth").text).toBe("Goes on mapping fourth");
+    expect(poseWords(place({ map: "third" }), resting, "fourth").text).toBe("Last pose on fourth");
+    expect(poseWords(place({ map: "", state: "mapping" }), undefined, "fourth").text).toBe("Extending fourth");
     expect(poseWords(place({ map: "third" })).text).toBe("On the map third");
   });
 });
@@ -102,10 +102,10 @@ describe("the way", () => {
       tone: "warn",
       more: "A person is in the way.",
     });
-    expect(told({ state: "recovering", recoveries: 2 })!.text).toMatch(/attempt 2/);
+    expect(told({ state: "recovering", recoveries: 2 })!.text).toMatch(/recovery 2/);
     expect(told({ state: "unreachable", reason: "walls all around" })).toEqual({
       tone: "bad",
-      text: "No way to (3.0, 4.0)",
+      text: "No path to (3.0, 4.0)",
       more: "Walls all around.",
     });
   });
@@ -117,15 +117,15 @@ describe("the way", () => {
     for (const astray of ["lost", "searching"] as const)
       expect(words(astray)).toEqual({
         tone: "warn",
-        text: "Finds out where it is, then goes to (3.0, 4.0)",
+        text: "Localizing, then going to (3.0, 4.0)",
         more: "It is lost on the map: turning to find itself.",
       });
     expect(words("tracking")!.text).toMatch(/^Stuck on the way/);
-    expect(words("tracking", 0)!.text).toMatch(/^Finds out where it is/); // it has just been found
+    expect(words("tracking", 0)!.text).toMatch(/^Localizing/); // it has just been found
   });
 
   test("may end near what cannot be reached", () => {
-    expect(told({ target: { x: 3, y: 3.2, theta: null } })!.more).toMatch(/as near as 0.8 m/);
+    expect(told({ target: { x: 3, y: 3.2, theta: null } })!.more).toMatch(/stops 0.8 m from it/);
   });
 
   test("is over on arrival, though the desire is gone", () => {
@@ -139,7 +139,7 @@ describe("the way", () => {
     const other = goalOf([desire({ params: { x: -2, y: 0 } })]);
     expect(wayWords(going({ state: "arrived" }), other, [row({})])).toMatchObject({
       tone: "busy",
-      text: "Sets out for (−2.0, 0.0)…",
+      text: "Setting out for (−2.0, 0.0)…",
     });
   });
 
@@ -147,7 +147,7 @@ describe("the way", () => {
     const refused = row({ state: "unfulfilled", divisor: null, text: "unfulfilled: needs 20 % more cpu" });
     expect(wayWords(null, goal, [refused])).toEqual({
       tone: "warn",
-      text: "Does not go to (3.0, 4.0)",
+      text: "Not going to (3.0, 4.0)",
       more: "Needs 20 % more CPU.",
     });
   });
@@ -155,9 +155,9 @@ describe("the way", () => {
 
 test.each([
   ["mapping", "", "Mapping, not saved yet", "good"],
-  ["mapping", "lab", "Goes on mapping lab", "good"],
+  ["mapping", "lab", "Extending lab", "good"],
   ["tracking", "lab", "On the map lab", "good"],
-  ["searching", "lab", "Looks for itself on lab", "warn"],
+  ["searching", "lab", "Searching for its pose on lab", "warn"],
   ["lost", "lab", "Lost on lab", "bad"],
 ] as const)("%s on %s: %s", (state, map, text, tone) => {
   expect(poseWords(place({ state, map }))).toMatchObject({ text, tone });
@@ -165,7 +165,7 @@ test.each([
 
 test("what nobody looks at any more is past", () => {
   const told = poseWords(place({}), row({ class: "SLAM", divisor: null, state: "unfulfilled" }));
-  expect(told).toMatchObject({ tone: "warn", text: "Was on lab" });
+  expect(told).toMatchObject({ tone: "warn", text: "Last pose on lab" });
   expect(poseWords(place({}), row({ class: "SLAM", divisor: 4 })).tone).toBe("good");
 });
 
@@ -196,13 +196,13 @@ describe("no map", () => {
   });
 
   test("because there never is one", () => {
-    expect(emptyWords(true, false, undefined, null).text).toMatch(/makes none/);
+    expect(emptyWords(true, false, undefined, null).text).toMatch(/does no mapping/);
     expect(emptyWords(true, true, undefined, null).text).toMatch(/recording/);
   });
 
   test("yet", () => {
-    expect(emptyWords(true, false, row({ class: "SLAM" }), null).text).toMatch(/about to come/);
-    expect(emptyWords(false, false, undefined, null).more).toMatch(/not heard/);
+    expect(emptyWords(true, false, row({ class: "SLAM" }), null).text).toMatch(/Waiting for the first map/);
+    expect(emptyWords(false, false, undefined, null).more).toMatch(/does not answer/);
   });
 });
 
@@ -214,14 +214,14 @@ describe("a goal that was given up", () => {
   test("stays told with its reason, however long ago", () => {
     expect(wayWords(idle, null, [row({})], 5000)).toEqual({
       tone: "bad",
-      text: "Gave up going to (3.4, 5.0)",
+      text: "Gave up on (3.4, 5.0)",
       more: "Zones that the robot keeps out of are in the way: “Deliveries”.",
       over: true,
     });
   });
 
   test("gives way to the next goal, and is told without a reason, too", () => {
-    expect(wayWords(idle, goalOf([desire({})]), [row({})])!.text).toBe("Sets out for (3.0, 4.0)…");
+    expect(wayWords(idle, goalOf([desire({})]), [row({})])!.text).toBe("Setting out for (3.0, 4.0)…");
     const bare = { ...idle, given_up: { stamp: 9, goal: place, reason: "" } };
     expect(wayWords(bare, null, [row({})])!.more).toBe("It cannot be reached.");
   });
@@ -233,10 +233,10 @@ describe("what the keys do on the map", () => {
 
   test("is told while the cursor is theirs", () => {
     expect(hintWords(tools({}), true)).toBe("");
-    expect(hintWords(tools({ tool: "goal" }), true)).toMatch(/^Press where it should go/);
+    expect(hintWords(tools({ tool: "goal" }), true)).toMatch(/^Press on the goal/);
     expect(hintWords(tools({ cursor }), true)).toMatch(/^Arrows move the cursor, Enter puts a goal there/);
     expect(hintWords(tools({ cursor, tool: "pose" }), true)).toMatch(/Enter puts the robot there/);
-    expect(hintWords(tools({ cursor, tool: "keep_out", corners: [cursor] }), true)).toMatch(/⌫ takes it back/);
+    expect(hintWords(tools({ cursor, tool: "keep_out", corners: [cursor] }), true)).toMatch(/⌫ removes the last one/);
   });
 
   test("never advises Escape where that would stop the robot", () => {

@@ -71,7 +71,7 @@ export function wayWords(
   if (!goal && navigation?.given_up) {
     const { goal: place, reason } = navigation.given_up;
     const why = sentence(reason) || "It cannot be reached.";
-    return { tone: "bad", text: `Gave up going to ${placeWords(place)}`, more: why, over: true };
+    return { tone: "bad", text: `Gave up on ${placeWords(place)}`, more: why, over: true };
   }
   const lane = rows.find((row) => row.class === CLASS);
   const past = navigation?.state === "idle" || (navigation?.state === "arrived" && !goal && isOld(navigation, now));
@@ -84,34 +84,35 @@ export function wayWords(
     if (lane && (lane.state === "unfulfilled" || lane.state === "inhibited"))
       return {
         tone: "warn",
-        text: `Does not go to ${placeWords(goal)}`,
+        text: `Not going to ${placeWords(goal)}`,
         more: sentence(reasonText(lane.state, lane.text)),
       };
-    return { tone: "busy", text: `Sets out for ${placeWords(goal)}…`, more: "" };
+    return { tone: "busy", text: `Setting out for ${placeWords(goal)}…`, more: "" };
   }
   if (!told) return null;
   const reason = sentence(told.reason);
   const away = told.target ? apart(told.target, to) : 0;
-  const nearest = away > NEAR_M ? `The place itself cannot be reached: it goes as near as ${number(away, 1)} m.` : "";
+  const nearest =
+    away > NEAR_M ? `The goal itself cannot be reached: the robot stops ${number(away, 1)} m from it.` : "";
   switch (told.state) {
     case "planning":
-      return { tone: "busy", text: `Looks for a way to ${where}…`, more: "" };
+      return { tone: "busy", text: `Planning a path to ${where}…`, more: "" };
     case "following":
       return { tone: "good", text: `Going to ${where}${leftWords(told.remaining_m)}`, more: reason || nearest };
     case "recovering":
       // While it is freeing itself, it has counted that.
       if (place?.state === "lost" || place?.state === "searching" || told.recoveries === 0)
-        return { tone: "warn", text: `Finds out where it is, then goes to ${where}`, more: reason };
+        return { tone: "warn", text: `Localizing, then going to ${where}`, more: reason };
       return { tone: "warn", text: `Stuck on the way to ${where}${attempts(told.recoveries)}`, more: reason };
     case "waiting":
-      return { tone: "warn", text: `Waits on the way to ${where}${leftWords(told.remaining_m)}`, more: reason };
+      return { tone: "warn", text: `Waiting on the way to ${where}${leftWords(told.remaining_m)}`, more: reason };
     case "unreachable":
-      return { tone: "bad", text: `No way to ${where}`, more: reason };
+      return { tone: "bad", text: `No path to ${where}`, more: reason };
     case "arrived":
       return {
         tone: "good",
         text: `Arrived at ${where}`,
-        more: nearest && `${number(away, 1)} m from the place itself: it cannot be reached.`,
+        more: nearest && `${number(away, 1)} m from the goal, which cannot be reached.`,
       };
     case "idle":
       return null;
@@ -125,14 +126,14 @@ export function wayWords(
 export function poseWords(localization: Localization, slam?: LaneRow, name: string = localization.map): Told {
   const map = name || "a new map";
   if (slam && slam.divisor === null)
-    return { tone: "warn", text: `Was on ${map}`, more: "SLAM rests: since then the wheels alone tell." };
+    return { tone: "warn", text: `Last pose on ${map}`, more: "SLAM is off: the pose comes from odometry alone." };
   const [sx, sy, st] = localization.sigma;
   const unsure = `±${lengthWords(Math.max(sx, sy))}, ±${number((st * 180) / Math.PI, 1)}°`;
   switch (localization.state) {
     case "mapping":
       return {
         tone: "good",
-        text: name ? `Goes on mapping ${map}` : "Mapping, not saved yet",
+        text: name ? `Extending ${map}` : "Mapping, not saved yet",
         more: unsure,
       };
     case "tracking":
@@ -140,14 +141,14 @@ export function poseWords(localization: Localization, slam?: LaneRow, name: stri
     case "searching":
       return {
         tone: "warn",
-        text: `Looks for itself on ${map}`,
-        more: "Drive it around a little, or set its pose by hand.",
+        text: `Searching for its pose on ${map}`,
+        more: "Drive it around a little, or set its pose.",
       };
     case "lost":
       return {
         tone: "bad",
         text: `Lost on ${map}`,
-        more: "What the laser sees does not fit the map. Set its pose, or let it look for itself.",
+        more: "The laser scan does not fit the map. Set its pose, or press Search.",
       };
   }
 }
@@ -159,12 +160,12 @@ export function emptyWords(
   slam: LaneRow | undefined,
   localization: Localization | null,
 ): { text: string; more: string; desire: boolean } {
-  if (replay && !localization) return { text: "No map at this moment of the recording.", more: "", desire: false };
-  if (!live) return { text: "No map yet.", more: "The robot is not heard.", desire: false };
+  if (replay && !localization) return { text: "No map at this time of the recording.", more: "", desire: false };
+  if (!live) return { text: "No map yet.", more: "The robot does not answer.", desire: false };
   if (!slam)
     return {
-      text: "No map: this program makes none.",
-      more: "Its configuration has no strategy of the class SLAM.",
+      text: "No map: this program does no mapping.",
+      more: "Its configuration has no strategy for SLAM.",
       desire: false,
     };
   if (slam.divisor === null && slam.state !== "fulfilled" && slam.state !== "degraded")
@@ -172,29 +173,29 @@ export function emptyWords(
       text: "No map yet: SLAM is not running.",
       more:
         slam.state === "undesired"
-          ? "Nobody desires it. Begin to map, or give the robot a goal."
+          ? "There is no desire for it. Press Start mapping, or set a goal."
           : sentence(reasonText(slam.state, slam.text)),
       desire: slam.state === "undesired",
     };
-  return { text: "The map is about to come…", more: "", desire: false };
+  return { text: "Waiting for the first map…", more: "", desire: false };
 }
 
 /** What the tool in hand does, and what the keys do while the cursor is theirs; `stands`: Escape stops nothing. */
 export function hintWords({ tool, act, cursor, corners }: Tools, stands: boolean): string {
-  const up = stands ? "Esc gives it up" : "⌫ gives it up";
+  const up = stands ? "Esc cancels" : "⌫ cancels";
   const away = stands && tool !== "look" ? ", Esc puts the tool away" : "";
   if (act.kind === "aim" && act.by === "keys") {
-    const turn = act.heading === null ? "Arrows point where it should look" : "← → turn it";
+    const turn = act.heading === null ? "Arrows set the heading" : "← → turn it";
     return `${turn}, Enter ${tool === "pose" ? "sets it" : "sends it"}, ${up}.`;
   }
   if (tool === "keep_out" || tool === "slow") {
     if (!cursor) return "Drag a rectangle, or click corner after corner.";
-    const close = corners.length >= 3 ? ", the first corner again ends it" : "";
-    return `Arrows move the cursor, Enter sets a corner${close}, ${corners.length > 0 ? "⌫ takes it back" : up}.`;
+    const close = corners.length >= 3 ? ", the first corner again closes the zone" : "";
+    return `Arrows move the cursor, Enter sets a corner${close}, ${corners.length > 0 ? "⌫ removes the last one" : up}.`;
   }
   if (cursor) return `Arrows move the cursor, Enter puts ${tool === "pose" ? "the robot" : "a goal"} there${away}.`;
-  if (tool === "goal") return "Press where it should go, drag to where it should look.";
-  return tool === "pose" ? "Press where it is, drag to where it looks." : "";
+  if (tool === "goal") return "Press on the goal, drag to set the heading.";
+  return tool === "pose" ? "Press on the robot's place, drag to set its heading." : "";
 }
 
 /** "4 cm", "1.2 m". */
@@ -215,7 +216,7 @@ function coordinate(metres: number): string {
 }
 
 function attempts(count: number): string {
-  return count > 1 ? `: attempt ${count} to get free` : ": it frees itself";
+  return count > 1 ? `: recovery ${count}` : ": recovering";
 }
 
 function apart(a: { x: number; y: number }, b: { x: number; y: number }): number {

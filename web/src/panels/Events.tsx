@@ -46,9 +46,9 @@ function Events() {
       {shown.length === 0 && (
         <p class="empty">
           {events.length > 0
-            ? "Every kind is turned off."
+            ? "All kinds are turned off."
             : store.eventsKnown.value
-              ? "Nothing has happened yet."
+              ? "No events yet."
               : "Reading the timeline…"}
         </p>
       )}

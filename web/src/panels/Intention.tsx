@@ -14,11 +14,7 @@ function Intention({ message }: { message: Message<"intention"> | null }) {
   return (
     <section class="card" aria-label="Intention" data-testid="intention">
       <h2>What the robot attends to, and why</h2>
-      {intention ? (
-        <Body intention={intention} />
-      ) : (
-        <p class="empty">No intention yet: nothing was selected since this page connected.</p>
-      )}
+      {intention ? <Body intention={intention} /> : <p class="empty">No intention yet.</p>}
     </section>
   );
 }
@@ -41,7 +37,7 @@ function Body({ intention }: { intention: IntentionMessage }) {
           />
         ))}
       </div>
-      {reasons.length === 0 && <p class="empty">Nobody desires anything, so nothing is let through.</p>}
+      {reasons.length === 0 && <p class="empty">No desires: all filters of attention are closed.</p>}
       <ul class="reasons">
         {reasons.map(([name, reason]) => (
           <li key={name} class={`reason ${reason.state}`} data-testid={`reason-${name}`} data-state={reason.state}>
@@ -79,7 +75,7 @@ function Body({ intention }: { intention: IntentionMessage }) {
       {intention.relaxed.length > 0 && (
         <p class="inline-note warn">
           <WarnIcon />
-          <span>Could not all be met, though marked as security: {intention.relaxed.map(spaced).join(", ")}.</span>
+          <span>Security desires that could not all be met: {intention.relaxed.map(spaced).join(", ")}.</span>
         </p>
       )}
       <p class="muted small" data-testid="omega" data-omega={intention.omega}>

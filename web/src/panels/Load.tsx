@@ -22,7 +22,7 @@ function Load({ message: load }: { message: LoadMessage | null }) {
   return (
     <section class="card" aria-label="Load" data-testid="load">
       <h2>Load</h2>
-      {load ? <Body load={load} /> : <p class="empty">Figures come once a second…</p>}
+      {load ? <Body load={load} /> : <p class="empty">Waiting for the next figures (once a second)…</p>}
     </section>
   );
 }
@@ -37,7 +37,7 @@ function Body({ load }: { load: LoadMessage }) {
     <>
       {budget !== null && (
         <Meter
-          label="What attention governs"
+          label="Governed by attention"
           value={attended}
           limit={budget}
           full={Math.max(budget, attended) * 1.1}

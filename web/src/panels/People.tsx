@@ -22,7 +22,7 @@ function People({ message: perceived }: { message: Message<"perceived"> | null }
       <h2>
         People and sounds now <span class="count">{faces.length + sounds.length}</span>
       </h2>
-      {faces.length + sounds.length === 0 && <p class="empty">Nobody is seen, nothing is heard.</p>}
+      {faces.length + sounds.length === 0 && <p class="empty">No people seen, no sounds heard.</p>}
       {faces.length + sounds.length > 0 && (
         <ul class="percepts">
           {faces.map((face) => (

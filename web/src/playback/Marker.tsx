@@ -13,7 +13,7 @@ export function Marker() {
   // A log that does not say whose it is goes by its file and format.
   const named = file === "" || !robot.startsWith(file);
   return (
-    <p class="recording-marker" data-testid="recording-marker" title="Nothing in a recording can be driven or stopped">
+    <p class="recording-marker" data-testid="recording-marker" title="A recording cannot be driven or stopped">
       <FilmIcon />
       <span>
         <b>{named ? `Recording of ${robot}` : robot}</b>

@@ -164,7 +164,7 @@ export class Rest {
       throw new Problem(
         0,
         "No answer",
-        "The robot did not answer. Check that it runs and that you are on its network.",
+        "The robot did not answer. Check that its program runs and that you are on its network.",
       );
     }
     if (!response.ok) throw await readProblem(response);

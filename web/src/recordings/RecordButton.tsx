@@ -45,7 +45,7 @@ export function RecordButton() {
         class="record ring"
         disabled={!live || pending === "save"}
         aria-label={`Save the last ${length}`}
-        title="Save what the ring holds as a recording"
+        title="Save the ring as a recording"
         onClick={(event) => {
           leave(event);
           void recordings.save();

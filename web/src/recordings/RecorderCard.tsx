@@ -15,9 +15,7 @@ export function RecorderCard() {
   if (!recorder?.available)
     return (
       <section class="card" aria-label="Recorder">
-        <p class="empty">
-          {store.live.value ? "This robot's program has no Recorder running." : "Waiting for the robot…"}
-        </p>
+        <p class="empty">{store.live.value ? "No Recorder is running." : "Waiting for the robot…"}</p>
       </section>
     );
   const { state } = recorder;
@@ -37,7 +35,7 @@ export function RecorderCard() {
         <p class="inline-note warn recorder-stopped" data-testid="recorder-reason">
           <WarnIcon />
           <span>
-            <b>Not recording, though desired.</b> {sentence(recorder.reason)}
+            <b>Not recording, although desired.</b> {sentence(recorder.reason)}
           </span>
         </p>
       )}
@@ -69,7 +67,7 @@ function Running({ recorder }: { recorder: Recorder }) {
           <dt>Messages</dt>
           <dd>{number(recorder.messages, 0)}</dd>
         </div>
-        <div class={recorder.dropped > 0 ? "some" : ""} title="Messages that the disk was too slow for">
+        <div class={recorder.dropped > 0 ? "some" : ""} title="Messages lost because the disk was too slow">
           <dt>Lost</dt>
           <dd data-testid="recorder-dropped">{number(recorder.dropped, 0)}</dd>
         </div>
@@ -130,7 +128,7 @@ function Actions({ recorder }: { recorder: Recorder }) {
 function stopWord(state: Recorder["state"], pending: Pending): string {
   if (pending === "stop") return "Stopping…";
   if (state === "ring") return "Stop keeping";
-  return state === "recording" ? "Stop" : "Give up recording";
+  return state === "recording" ? "Stop" : "Stop trying";
 }
 
 function Form() {

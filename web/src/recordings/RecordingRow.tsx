@@ -12,7 +12,7 @@ import { recordedFor } from "./recordingText";
 const STATES = {
   complete: null,
   recording: { word: "being recorded", hint: "" },
-  unfinished: { word: "cut off", hint: "The program ended while it was written. To make it whole: hbba log repair" },
+  unfinished: { word: "cut off", hint: "The program ended while writing it. To repair it: hbba log repair" },
 } as const;
 
 export function RecordingRow({ recording, onGone }: { recording: Recording; onGone: () => void }) {

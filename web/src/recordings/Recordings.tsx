@@ -45,7 +45,7 @@ function Recordings() {
           <p class="empty">{problem ? "The list could not be read." : "Reading the list…"}</p>
         ) : list.recordings.length === 0 ? (
           <p class="empty" data-testid="recordings-empty">
-            None yet. What you record is kept on the robot; it can be replayed, downloaded and opened in other tools.
+            None yet. Recordings are stored on the robot; replay them here, or download them.
           </p>
         ) : (
           <ul class="recordings">

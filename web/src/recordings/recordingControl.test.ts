@@ -58,7 +58,7 @@ test("what does not come about is told with its reason after a while", async () 
   store.latest.put({ ...IDLE, desired: true, reason: "no room on the computer" });
   vi.advanceTimersByTime(10_000);
   expect(control.pending.value).toBeNull();
-  expect(notices()).toEqual(["The recording has not begun. No room on the computer."]);
+  expect(notices()).toEqual(["The recording did not start. No room on the computer."]);
 });
 
 test("a refusal is told where it is seen, and ends the waiting", async () => {

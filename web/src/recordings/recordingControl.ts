@@ -146,8 +146,8 @@ export class RecordingControl {
     this.pending.value = null;
     if (what === "start")
       this.problem.value =
-        `The recording has not begun. ${sentence(this.store.of("recorder").peek()?.reason ?? "")}`.trim();
-    else if (what === "stop") this.problem.value = "Still recording: somebody else desires it. See the desires.";
+        `The recording did not start. ${sentence(this.store.of("recorder").peek()?.reason ?? "")}`.trim();
+    else if (what === "stop") this.problem.value = "Still recording: there is another desire to record. See Attention.";
     if (this.problem.peek() && !this.shown.peek()) this.store.notify("warning", this.problem.peek());
   }
 

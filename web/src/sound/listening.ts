@@ -143,10 +143,10 @@ export class Listening {
     if (!this.on.value || !this.waited.value) return null;
     const { store } = this;
     if (store.replay.value)
-      return store.playback.value?.playing ? "Nothing was recorded of this." : "The recording stands still.";
+      return store.playback.value?.playing ? "No sound was recorded here." : "The recording is paused.";
     const lane = store.rows.value.find((row) => row.class === "Listen");
     if (lane && lane.divisor === null && lane.state !== "undesired") return sentence(lane.text);
-    if (this.player && this.player.context.state !== "running") return "The browser holds the sound back.";
+    if (this.player && this.player.context.state !== "running") return "The browser blocks the sound.";
     return "No sound comes from the robot.";
   }
 }

@@ -137,10 +137,10 @@ export class Talking {
 
 function whyNot(store: Store): string | null {
   const hello = store.hello.value;
-  if (store.replay.value) return "This is a recording: nobody there can hear you.";
+  if (store.replay.value) return "This is a recording: nothing can be said in it.";
   const phase = store.link.value.phase;
   if (!hello || (phase !== "live" && phase !== "stale")) return "Not connected to the robot.";
-  if (!hello.audio.speak) return "This robot has no loudspeaker: nobody there can hear you.";
+  if (!hello.audio.speak) return "This robot has no loudspeaker.";
   const speaker = store.of("status").value?.speaker;
   if (speaker && !speaker.mine) return `The robot's voice is in use by ${speaker.operator}.`;
   if (!navigator.mediaDevices)

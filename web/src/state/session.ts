@@ -90,7 +90,7 @@ export class Session {
     this.stopOwed = true;
     this.store.notify(
       "error",
-      "Not connected: the emergency stop will be sent as soon as the robot answers. Without commands it stands still.",
+      "Not connected: the emergency stop is sent when the robot answers. Without commands it stops by itself.",
     );
   }
 

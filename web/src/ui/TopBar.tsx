@@ -14,7 +14,7 @@ import { Operator } from "./Operator";
 const PHASES = {
   connecting: "Connecting…",
   live: "Connected",
-  stale: "Not heard",
+  stale: "No answer",
   lost: "Lost",
   login: "Log in",
 } as const;
@@ -25,7 +25,7 @@ const GUARDS: Record<string, string> = {
   stale_command: "No fresh command",
   e_stopped: "E-stopped",
   sensor_failure: "Sensor failure",
-  silent: "Body silent",
+  silent: "No report",
 };
 
 export function TopBar({ narrow }: { narrow: boolean }) {
@@ -92,7 +92,11 @@ export function TopBar({ narrow }: { narrow: boolean }) {
             label="Link"
             unit="ms"
             tone={tone(store.rttMs.value, 150, 400)}
-            hint={replay ? "Round trip between this page and the replay" : "Round trip between this page and the robot"}
+            hint={
+              replay
+                ? "Round-trip time between this page and the replay"
+                : "Round-trip time between this page and the robot"
+            }
           >
             {millis(store.rttMs.value)}
           </Metric>
@@ -144,7 +148,7 @@ function LiveMetrics() {
         label="View"
         unit="ms"
         tone={live ? tone(store.viewAgeMs.value, 200, 500) : ""}
-        hint="Age of what you see"
+        hint="Age of the data on this page"
       >
         {live ? millis(store.viewAgeMs.value) : "–"}
       </Metric>

@@ -26,5 +26,5 @@ export function driverWords(status: Driving | null, modules: Modules): string {
   const drives = `Who drives the robot: ${name === "You" || name === "Nobody" ? name.toLowerCase() : name}.`;
   const driver = status?.driver;
   if (!driver) return drives;
-  return `${drives} ${driver.mine ? "You have" : `${driver.operator} has`} the wheel.`;
+  return `${drives} ${driver.mine ? "You have" : `${driver.operator} has`} control.`;
 }

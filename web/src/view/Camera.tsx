@@ -92,7 +92,7 @@ function useCameraState(): { text: string; old: boolean; empty: boolean } {
   if (lane && lane.divisor === null && (age === null || old))
     return { text: `No picture. ${reasonText(lane.state, lane.text)}`, old, empty: true };
   if (age === null && store.replay.value)
-    return { text: "No picture yet at this moment of the recording.", old: false, empty: true };
+    return { text: "No picture yet at this time of the recording.", old: false, empty: true };
   if (age === null)
     return { text: store.live.value ? "Waiting for the first picture…" : "No picture yet.", old: false, empty: true };
   return { text: old ? `${number(age, 1)} s old` : "", old, empty: false };

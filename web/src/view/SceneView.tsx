@@ -20,7 +20,7 @@ export function SceneView() {
       pace = document.hidden ? startPace(now, pace.step) : paced(pace, now);
       if (hopeless(pace) && !told.current) {
         told.current = true;
-        store.notify("info", "The 3D view is slow on this computer. Driving is smoother without it.");
+        store.notify("info", "The 3D view is slow on this computer. Hide it for smoother driving.");
       }
       if (pace.step !== step) setStep(pace.step);
       else request = requestAnimationFrame(frame);
