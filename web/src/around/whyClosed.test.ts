@@ -44,7 +44,7 @@ test("what no strategy serves is missing, whether or not anybody desires it", ()
   const rows = [
     row("Telepresence", 1),
     row("LocateFaces", 1),
-    row("LocateVoices", null, "undesired: nobody desires it"),
+    row("LocateVoices", null, "undesired: no desire for it"),
   ];
   expect(whyClosed(deaf, rows, false, true)).toEqual([
     { what: "voices", text: "This robot does not localize sounds", reason: "" },
