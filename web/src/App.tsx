@@ -30,7 +30,7 @@ export function App() {
   const stopped = store.stopped.value && !replay;
   const body = store.body.value;
   const mapped = body.maps && store.mapPlace.value === "view";
-  // What a body cannot do is not offered; of a recording it is told why not.
+  // What a body cannot do is not offered; on a recording the button says why it is off.
   const audio = store.hello.value?.audio;
   return (
     <div

@@ -81,7 +81,7 @@ render(
 );
 drive.onHome = () => void map.returnToStart();
 drive.onStop = () => map.stop();
-map.start(); // before the hands on the wheel: Escape gives up what is begun on the map first
+map.start(); // before the driving keys: Escape cancels the map's tool first
 drive.start();
 recordings.start();
 camera.start();
@@ -93,7 +93,7 @@ listening.start();
 talking.start();
 void session.start();
 
-// A new name is told with a new connection.
+// A new name needs a new connection.
 let named = store.operator.peek();
 effect(() => {
   const name = store.operator.value;

@@ -63,7 +63,7 @@ function Sphere({ place, large }: { place: "view" | "tab"; large: boolean }) {
         )}
       </div>
       <figcaption data-testid="around-text">
-        <span class={seen ? "around-told" : "around-told muted"}>{words}</span>
+        <span class={seen ? "around-seen" : "around-seen muted"}>{words}</span>
         {!blank && closed.length > 0 && (
           <span class="around-closed" title={closed.map(titleOf).join("\n")}>
             {closed.map(({ text }) => text).join(" · ")}

@@ -91,7 +91,7 @@ function drawSound(context: Context, strip: Strip, sound: SoundMark, large: bool
     context.strokeStyle = `rgb(255 255 255 / ${0.85 * sound.opacity})`;
     context.stroke();
     if (sound.kind !== "voice") continue;
-    // Told by shape as well as by colour.
+    // Distinguished by shape as well as by colour.
     disc(context, x, y, radius + 4);
     context.lineWidth = 2;
     context.strokeStyle = `rgb(${color} / ${sound.opacity})`;

@@ -69,14 +69,14 @@ test("the nearer lies over the farther, and is larger", () => {
 });
 
 test("a sound that fell silent fades and is gone", () => {
-  const told = perceived({ sounds: [sound({ active: false, last_active: 10 })] });
-  expect(soundMarks(told, 10)[0]!.opacity).toBeCloseTo(1);
-  expect(soundMarks(told, 10 + FADE_S / 2)[0]!.opacity).toBeCloseTo(0.5);
-  expect(soundMarks(told, 10 + FADE_S)).toEqual([]);
+  const message = perceived({ sounds: [sound({ active: false, last_active: 10 })] });
+  expect(soundMarks(message, 10)[0]!.opacity).toBeCloseTo(1);
+  expect(soundMarks(message, 10 + FADE_S / 2)[0]!.opacity).toBeCloseTo(0.5);
+  expect(soundMarks(message, 10 + FADE_S)).toEqual([]);
   expect(soundMarks(perceived({ sounds: [sound({ last_active: 1 })] }), 10)[0]!.opacity).toBe(1);
 });
 
-test("the louder is larger; what nobody judged is neither voice nor none", () => {
+test("the louder is larger; a sound without a judgement is neither voice nor other sound", () => {
   const marks = soundMarks(
     perceived({ sounds: [sound({ level_db: -20, speech: null }), sound({ track: 2, level_db: -60, speech: 0.1 })] }),
     10,
@@ -86,10 +86,10 @@ test("the louder is larger; what nobody judged is neither voice nor none", () =>
 });
 
 test("a noise flashes and is over", () => {
-  const told = perceived({ noises: [{ stamp: 10, ratio: 30, level_db: -20 }] });
-  expect(flash(told, 10)).toBe(1);
-  expect(flash(told, 10.35)).toBeCloseTo(0.5);
-  expect(flash(told, 11)).toBe(0);
+  const message = perceived({ noises: [{ stamp: 10, ratio: 30, level_db: -20 }] });
+  expect(flash(message, 10)).toBe(1);
+  expect(flash(message, 10.35)).toBeCloseTo(0.5);
+  expect(flash(message, 11)).toBe(0);
   expect(flash(null, 11)).toBe(0);
 });
 

@@ -12,7 +12,7 @@ const LEVELS_DB = [-65, -15] as const;
 /** Of a face, m. */
 const FACE = { width: 0.2, height: 0.26 };
 const UNKNOWN_RANGE_M = 2;
-/** A distance is told if it is known better than this share of itself. */
+/** A distance is shown if its standard deviation is below this share of it. */
 const KNOWN = 0.5;
 
 export type SoundKind = "voice" | "sound" | "unjudged";

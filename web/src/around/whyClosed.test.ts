@@ -18,7 +18,7 @@ test("nothing is closed where all is open", () => {
   expect(whyClosed(hello, rows, false, true)).toEqual([]);
 });
 
-test("attention's own reason is told", () => {
+test("attention's own reason is shown", () => {
   const rows = [
     row("Telepresence", 1),
     row("LocateFaces", null, "unfulfilled: needs 20 % more cpu"),
@@ -38,7 +38,7 @@ test("a robot without these senses says so, and without a camera all around", ()
   ]);
 });
 
-test("what no strategy serves is missing, whether or not anybody desires it", () => {
+test("what no strategy serves is missing, whether or not there is a desire for it", () => {
   const classes = [{ name: "LocateVoices", served: false }];
   const deaf = { ...hello, classes } as Hello;
   const rows = [
@@ -57,7 +57,7 @@ test("a fresh picture is not said to be missing, whatever attention just did", (
   expect(whyClosed(hello, rows, false, false).map(({ what }) => what)).toEqual(["picture"]);
 });
 
-test("of a robot that can perceive nobody nothing is shown; a recording may still tell of somebody", () => {
+test("of a robot that cannot perceive people nothing is shown; a recording may still have some", () => {
   const kind = (served?: boolean) => ({ name: "LocateVoices", served });
   const blind = (served?: boolean) => ({ channels: { panorama: false }, classes: [kind(served)] }) as unknown as Hello;
   expect(perceives(blind(false))).toBe(false);

@@ -1,4 +1,4 @@
-/** Why nobody is seen and nothing heard around the robot: what is not there, and what attention has closed. Pure. */
+/** Why no people or sounds are perceived: sensors that the robot lacks, and filters that attention has closed. Pure. */
 
 import type { Hello, LaneRow } from "../protocol/types";
 import { reasonText, sentence } from "../ui/format";

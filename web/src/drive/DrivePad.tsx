@@ -1,4 +1,4 @@
-/** The operator's hands on screen: stick, speed, who drives, and what the wheels are given. */
+/** The operator's controls on screen: stick, speed, who drives, and what the wheels are given. */
 
 import { goalOf } from "../map/mapText";
 import { useApp } from "../state/context";

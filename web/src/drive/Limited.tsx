@@ -1,4 +1,4 @@
-/** Why the robot does not drive as it is told, in words; and the hold on screen that has it crawl all the same. */
+/** Why the robot drives slower than commanded, in words; and the button that overrides the collision monitor while held. */
 
 import { useApp } from "../state/context";
 import { overrides } from "./machine";

@@ -1,4 +1,4 @@
-/** The touch stick: held while a finger or the mouse holds it, on Pointer Events. It also shows what other hands do. */
+/** The touch stick: held while a finger or the mouse holds it, on Pointer Events. It also shows what other inputs do. */
 
 import { useRef } from "preact/hooks";
 import type { Axes } from "./axes";

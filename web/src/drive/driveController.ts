@@ -1,4 +1,4 @@
-/** Joins the browser's hands (keys, stick, gamepads, focus) to the state machine, and its commands to the socket. */
+/** Joins the browser's inputs (keys, stick, gamepads, focus) to the state machine, and its commands to the socket. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import type { PlaybackController } from "../playback/playbackController";
@@ -139,7 +139,7 @@ export class DriveController {
       this.input({ type: "key", code: event.code, down: true, repeat: event.repeat });
   }
 
-  /** Stops whatever drives: hands and goal. While anything does, it presses no button, or "To start" might go on. */
+  /** Stops all driving: teleoperation and goal. While anything does, it presses no button, or "To start" might go on. */
   private space(event: KeyboardEvent): void {
     if (!event.repeat) {
       const { held } = this.state.peek().command;

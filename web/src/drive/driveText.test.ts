@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { heldWords } from "./driveText";
 
-test("who drives is told what letting go does", () => {
+test("a driver reads what letting go does", () => {
   expect(heldWords("keyboard", false, false)).toBe("Driving by keyboard. Let go to stop.");
   expect(heldWords("stick", true, false)).toBe("Driving by stick, slowly. Let go to stop.");
 });

@@ -155,31 +155,31 @@ function Way() {
   const { map, store } = useApp();
   const goal = goalOf(store.of("desires").value?.desires);
   const place = store.of("localization").value;
-  const told = wayWords(store.of("navigation").value, goal, store.rows.value, store.seconds.value, place);
+  const words = wayWords(store.of("navigation").value, goal, store.rows.value, store.seconds.value, place);
   const { tool } = map.tools.value;
   const hint = hintWords(map.tools.value, goal === null && store.stands.value);
   const problem = map.problem.value;
   const canCancel = goal !== null && map.allowed.value;
   return (
     <div class="map-words">
-      {told && (
+      {words && (
         <p
-          class={`map-way ${told.tone}`}
+          class={`map-way ${words.tone}`}
           role="status"
           data-testid="map-way"
-          data-state={told.over ? "given_up" : (store.of("navigation").value?.state ?? "")}
+          data-state={words.over ? "given_up" : (store.of("navigation").value?.state ?? "")}
           data-goal={goal ? `${goal.x} ${goal.y}` : ""}
         >
           <span>
-            <b>{told.text}</b>
-            {told.more && <span class="map-more"> {told.more}</span>}
+            <b>{words.text}</b>
+            {words.more && <span class="map-more"> {words.more}</span>}
           </span>
           {canCancel && (
             <button type="button" class="button small" data-testid="map-cancel" onClick={() => void map.cancelGoal()}>
               Cancel
             </button>
           )}
-          {told.over && map.allowed.value && (
+          {words.over && map.allowed.value && (
             <button
               type="button"
               class="icon-button"
@@ -216,7 +216,7 @@ function Way() {
   );
 }
 
-/** There is a map, but nobody wants the robot to follow itself on it. */
+/** There is a map, but no desire for localization on it. */
 function Asleep() {
   const { map, store, grid } = useApp();
   const lane = store.rows.value.find((row) => row.class === "SLAM");

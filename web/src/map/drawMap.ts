@@ -100,7 +100,7 @@ function drawGrid(
     const { x, y, theta } = composed(X_MF, { x: 0, y: 0, theta: 0 });
     context.transform(Math.cos(theta), Math.sin(theta), -Math.sin(theta), Math.cos(theta), x, y);
   }
-  // Cells are told apart from near; from far they are averaged.
+  // Cells are sharp from near; from far they are averaged.
   context.imageSmoothingEnabled = view.scale * info.resolution_m * density < 2;
   const [x, y] = info.origin;
   context.translate(x, y + canvas.height * info.resolution_m);

@@ -34,7 +34,7 @@ export function drawZone(context: Context, zone: Zone, at: (point: Point) => Poi
   if (selected || context.measureText(text).width < wide + 16) drawLabel(context, at(middle(zone)), text, color);
 }
 
-/** Keep-out is hatched, slow is dotted: told apart without their colours. */
+/** Keep-out is hatched, slow is dotted: distinguished without their colours. */
 function pattern(context: Context, kind: Zone["kind"]): CanvasPattern | string {
   const tile = document.createElement("canvas");
   tile.width = tile.height = 10;

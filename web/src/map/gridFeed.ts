@@ -36,21 +36,21 @@ export class GridFeed {
     this.session.on(this.announcement, (info) => (this.info = info));
     this.session.onHello.add(() => {
       this.picture.value = null;
-      this.tell();
+      this.request();
     });
     this.session.onJump.add(() => (this.picture.value = null));
     effect(() => {
       if (!this.shown.value && this.kind === "costmap") this.picture.value = null;
-      this.tell();
+      this.request();
     });
-    document.addEventListener("visibilitychange", () => this.tell());
+    document.addEventListener("visibilitychange", () => this.request());
   }
 
   private get announcement(): GridInfo["type"] {
     return this.kind === "map" ? "map_info" : "costmap_info";
   }
 
-  private tell(): void {
+  private request(): void {
     const wanted = this.shown.peek() && !document.hidden;
     this.session.send({ type: "view", ...(this.kind === "map" ? { map: wanted } : { costmap: wanted }) });
   }

@@ -45,7 +45,7 @@ function page({ name = "third", map = true, shown = true } = {}) {
 }
 
 describe("the map in use", () => {
-  test("is what it was saved as, though SLAM rests and no scan tells", async () => {
+  test("is what it was saved as, though SLAM rests and no scan comes", async () => {
     const { library, scan, settle, notices } = page();
     scan("third");
     await settle();
@@ -54,7 +54,7 @@ describe("the map in use", () => {
     expect(notices()).toEqual(["Saved as fourth."]);
   });
 
-  test("is what it was renamed to, loaded as, or begun anew", async () => {
+  test("is what it was renamed to, loaded as, or started", async () => {
     const { library, scan, settle } = page();
     scan("third");
     await settle();
@@ -78,7 +78,7 @@ describe("the map in use", () => {
     expect(library.inUse.value).toBe("fourth");
   });
 
-  test("is another as soon as a scan tells, whatever list was being read then", async () => {
+  test("is another as soon as a scan is localized, whatever list was being read then", async () => {
     const { robot, library, rest, scan, settle } = page();
     scan("third");
     await settle();
@@ -106,7 +106,7 @@ describe("the map in use", () => {
     expect(rest.maps.mock.calls.length).toBe(before);
   });
 
-  test("is as it was while whoever keeps maps is being started", async () => {
+  test("is as it was while the module that keeps maps starts", async () => {
     const { robot, library, settle } = page();
     await settle();
     robot.available = false;

@@ -28,16 +28,16 @@ function page(desires: Desire[], setGoal = async () => ({})) {
   store.latest.put({ type: "desires", desires });
   store.link.value = { phase: "live", retryAt: 0 };
   const map = new MapControl(store, { rest: rest as unknown as Rest } as Session);
-  const told = () =>
+  const sent = () =>
     vi.waitFor(() => expect(store.notices.value.map(({ text }) => text)).toEqual(["The goal is cancelled."]));
-  return { map, said, told };
+  return { map, said, sent };
 }
 
 describe("stopping", () => {
   test("cancels what was asked for, and what the robot wants by itself", async () => {
-    const { map, said, told } = page([goal("a", "operator"), goal("b", "motivation"), goal("c", "rest")]);
+    const { map, said, sent } = page([goal("a", "operator"), goal("b", "motivation"), goal("c", "rest")]);
     expect(map.stop()).toBe(true);
-    await told();
+    await sent();
     expect(said).toEqual(["cancel", "remove b"]);
   });
 
@@ -49,12 +49,12 @@ describe("stopping", () => {
 
   test("comes after a goal that is only on its way to the robot", async () => {
     let arrive = () => {};
-    const { map, said, told } = page([], () => new Promise((resolve) => (arrive = () => resolve({}))));
+    const { map, said, sent } = page([], () => new Promise((resolve) => (arrive = () => resolve({}))));
     void map.goTo(1, 2, null);
     expect(map.stop()).toBe(true);
     expect(said).toEqual([]);
     arrive();
-    await told();
+    await sent();
     expect(said).toEqual(["goal", "cancel"]);
   });
 });

@@ -49,7 +49,7 @@ export class MapControl {
   readonly pending = signal<Pending>(null);
   /** Why the last thing asked for was refused; empty: it was not. */
   readonly problem = signal("");
-  /** The robot on the map: as the wheels tell since the map last spoke. */
+  /** The robot on the map: by the last localization and odometry since. */
   readonly robot: ReadonlySignal<Pose | null>;
   /** As the robot has them, or as they were just edited. */
   readonly zones: ReadonlySignal<readonly Zone[]>;
@@ -81,9 +81,9 @@ export class MapControl {
   start(): void {
     effect(() => {
       // What the robot says now is what counts, once it says what was asked for.
-      const told = this.store.of("zones").value?.zones;
+      const sent = this.store.of("zones").value?.zones;
       const asked = this.edits.peek();
-      if (asked && told && same(asked, told)) this.edits.value = null;
+      if (asked && sent && same(asked, sent)) this.edits.value = null;
     });
     effect(() => {
       const names = this.zones.value.map((zone) => zone.name);
@@ -96,7 +96,7 @@ export class MapControl {
       const middle = this.follow.value && robot ? robot : view;
       this.view.value = { ...view, x: middle.x, y: middle.y, up };
     });
-    // Before the driving keys: Escape gives up what is begun on the map first, while the robot stands.
+    // Before the driving keys: Escape cancels the map's tool first, while the robot stands.
     this.listenIn(window);
   }
 
@@ -183,7 +183,7 @@ export class MapControl {
     await this.ask("cancel", () => (!goal || goal.asked ? rest.cancelGoal() : rest.removeDesire(goal.id)));
   }
 
-  /** Ends every trip, whoever wants it: else, with one ended, the robot might set out on the next. Whether there is any. */
+  /** Ends every trip, of any source: with one ended, the robot might set out on the next. Returns whether there is any. */
   stop(): boolean {
     const sending = this.pending.peek() === "goal";
     const trips = tripsOf(this.store.of("desires").peek()?.desires);
@@ -209,7 +209,7 @@ export class MapControl {
     await this.ask("search", () => this.session.rest.searchRobot());
   }
 
-  /** Has the robot map, or follow itself on its map, unless somebody wants that anyway. */
+  /** Adds a desire for SLAM unless there is one. */
   async desireMap(): Promise<void> {
     if (this.store.rows.peek().find((row) => row.class === "SLAM")?.state !== "undesired") return;
     const wish = { class: "SLAM", intensity: 6, utility: 1 };
@@ -298,13 +298,13 @@ export class MapControl {
     event.preventDefault();
   }
 
-  /** What is begun on the map goes first, as long as the robot stands; a moving robot is stopped, whatever is begun. */
+  /** The map's tool is cancelled first, as long as the robot stands; a moving robot is stopped in any case. */
   private escape(event: KeyboardEvent): void {
-    const begun = this.shown.peek() && busy(this.tools.peek());
+    const inUse = this.shown.peek() && busy(this.tools.peek());
     const stands = this.store.replay.peek() || this.store.stands.peek();
-    if (begun) this.input({ type: "key", key: "Escape", shift: false });
+    if (inUse) this.input({ type: "key", key: "Escape", shift: false });
     const going = goalOf(this.store.of("desires").peek()?.desires) !== null;
-    if (begun && stands && !going) {
+    if (inUse && stands && !going) {
       event.preventDefault();
       event.stopImmediatePropagation();
     } else if (going) this.store.help.value = false; // or it would close the sheet instead of stopping
@@ -333,5 +333,5 @@ export function handleAt(
 }
 
 const HANDLE_PX = 12;
-/** Which of the zones is wrong tells people nothing: it is the one that they have just drawn. */
+/** The number of the wrong zone is left out: it is the one just drawn. */
 const FIELD = /^zones\.\d+\.\w+: /i;

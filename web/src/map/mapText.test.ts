@@ -64,7 +64,7 @@ describe("the goal that counts", () => {
     expect(goalOf(goals)).toEqual({ x: 1, y: 2, theta: 0.5, id: "c", asked: true });
   });
 
-  test("is none where nobody goes anywhere, or may not", () => {
+  test("is none without a trip, or where it may not go", () => {
     expect(goalOf(null)).toBeNull();
     expect(goalOf([desire({ utility: 0 })])).toBeNull();
   });
@@ -85,10 +85,10 @@ describe("the place", () => {
 
 describe("the way", () => {
   const goal = goalOf([desire({})]);
-  const told = (some: Partial<Navigation>) => wayWords(going(some), goal, [row({})]);
+  const way = (some: Partial<Navigation>) => wayWords(going(some), goal, [row({})]);
 
-  test("is told with what is left of it", () => {
-    expect(told({})).toEqual({ tone: "good", text: "Going to (3.0, 4.0), 4.2 m left", more: "" });
+  test("shows what is left of it", () => {
+    expect(way({})).toEqual({ tone: "good", text: "Going to (3.0, 4.0), 4.2 m left", more: "" });
   });
 
   test("to the start is called so", () => {
@@ -98,12 +98,12 @@ describe("the way", () => {
   });
 
   test("waits, is stuck, or does not exist, and says why", () => {
-    expect(told({ state: "waiting", reason: "a person is in the way" })).toMatchObject({
+    expect(way({ state: "waiting", reason: "a person is in the way" })).toMatchObject({
       tone: "warn",
       more: "A person is in the way.",
     });
-    expect(told({ state: "recovering", recoveries: 2 })!.text).toMatch(/recovery 2/);
-    expect(told({ state: "unreachable", reason: "walls all around" })).toEqual({
+    expect(way({ state: "recovering", recoveries: 2 })!.text).toMatch(/recovery 2/);
+    expect(way({ state: "unreachable", reason: "walls all around" })).toEqual({
       tone: "bad",
       text: "No path to (3.0, 4.0)",
       more: "Walls all around.",
@@ -125,7 +125,7 @@ describe("the way", () => {
   });
 
   test("may end near what cannot be reached", () => {
-    expect(told({ target: { x: 3, y: 3.2, theta: null } })!.more).toMatch(/stops 0.8 m from it/);
+    expect(way({ target: { x: 3, y: 3.2, theta: null } })!.more).toMatch(/stops 0.8 m from it/);
   });
 
   test("is over on arrival, though the desire is gone", () => {
@@ -163,9 +163,9 @@ test.each([
   expect(poseWords(place({ state, map }))).toMatchObject({ text, tone });
 });
 
-test("what nobody looks at any more is past", () => {
-  const told = poseWords(place({}), row({ class: "SLAM", divisor: null, state: "unfulfilled" }));
-  expect(told).toMatchObject({ tone: "warn", text: "Last pose on lab" });
+test("a pose is old while SLAM is off", () => {
+  const past = poseWords(place({}), row({ class: "SLAM", divisor: null, state: "unfulfilled" }));
+  expect(past).toMatchObject({ tone: "warn", text: "Last pose on lab" });
   expect(poseWords(place({}), row({ class: "SLAM", divisor: 4 })).tone).toBe("good");
 });
 
@@ -178,7 +178,7 @@ test("how sure it is", () => {
 describe("no map", () => {
   const closed = row({ class: "SLAM", divisor: null, state: "undesired" });
 
-  test("because nobody desires it: that can be helped", () => {
+  test("without a desire for it: one can be added", () => {
     expect(emptyWords(true, false, closed, null)).toMatchObject({
       text: "No map yet: SLAM is not running.",
       desire: true,
@@ -211,7 +211,7 @@ describe("a goal that was given up", () => {
   const reason = "zones that the robot keeps out of are in the way: “Deliveries”";
   const idle = going({ state: "idle", goal: null, given_up: { stamp: 9, goal: place, reason } });
 
-  test("stays told with its reason, however long ago", () => {
+  test("stays shown with its reason, however long ago", () => {
     expect(wayWords(idle, null, [row({})], 5000)).toEqual({
       tone: "bad",
       text: "Gave up on (3.4, 5.0)",
@@ -220,7 +220,7 @@ describe("a goal that was given up", () => {
     });
   });
 
-  test("gives way to the next goal, and is told without a reason, too", () => {
+  test("gives way to the next goal, and is shown without a reason, too", () => {
     expect(wayWords(idle, goalOf([desire({})]), [row({})])!.text).toBe("Setting out for (3.0, 4.0)…");
     const bare = { ...idle, given_up: { stamp: 9, goal: place, reason: "" } };
     expect(wayWords(bare, null, [row({})])!.more).toBe("It cannot be reached.");
@@ -231,7 +231,7 @@ describe("what the keys do on the map", () => {
   const tools = (some: Partial<Tools>): Tools => ({ ...AT_REST, ...some });
   const cursor = { x: 1, y: 1 };
 
-  test("is told while the cursor is theirs", () => {
+  test("is shown while the cursor has the keys", () => {
     expect(hintWords(tools({}), true)).toBe("");
     expect(hintWords(tools({ tool: "goal" }), true)).toMatch(/^Press on the goal/);
     expect(hintWords(tools({ cursor }), true)).toMatch(/^Arrows move the cursor, Enter puts a goal there/);
@@ -240,7 +240,7 @@ describe("what the keys do on the map", () => {
   });
 
   test("never advises Escape where that would stop the robot", () => {
-    expect(hintWords(tools({ cursor }), true), "nothing is begun").not.toContain("Esc");
+    expect(hintWords(tools({ cursor }), true), "no tool is in use").not.toContain("Esc");
     const act = { kind: "aim", place: cursor, heading: null, by: "keys" } as const;
     for (const some of [
       { cursor, tool: "goal", act },

@@ -6,7 +6,7 @@ import type { Tools } from "./mapTools";
 
 export type Tone = "good" | "busy" | "warn" | "bad" | "idle";
 
-export interface Told {
+export interface Phrase {
   tone: Tone;
   text: string;
   /** More of it, or what would help; empty: nothing. */
@@ -15,7 +15,7 @@ export interface Told {
   over?: boolean;
 }
 
-/** A goal as somebody desires it. */
+/** A goal as it is desired. */
 export interface Goal extends GoalPlace {
   /** Of its desire. */
   id: string;
@@ -58,7 +58,7 @@ export function placeWords({ x, y }: { x: number; y: number }): string {
 }
 
 /**
- * What the behavior on its way is about; null: nobody goes anywhere, and nothing is to be told of a way. `place`: where
+ * The state of the trip in words; null: there is none. `place`: where
  * the robot believes to be, since one that does not know is not stuck.
  */
 export function wayWords(
@@ -67,7 +67,7 @@ export function wayWords(
   rows: readonly LaneRow[],
   now: number | null = null,
   place: Localization | null = null,
-): Told | null {
+): Phrase | null {
   if (!goal && navigation?.given_up) {
     const { goal: place, reason } = navigation.given_up;
     const why = sentence(reason) || "It cannot be reached.";
@@ -75,12 +75,12 @@ export function wayWords(
   }
   const lane = rows.find((row) => row.class === CLASS);
   const past = navigation?.state === "idle" || (navigation?.state === "arrived" && !goal && isOld(navigation, now));
-  const told = past ? null : navigation;
-  const to = told?.goal ?? goal;
+  const current = past ? null : navigation;
+  const to = current?.goal ?? goal;
   if (!to) return null;
   const where = placeWords(to);
   // Of a new goal the behavior has not spoken yet, or attention has given it nothing.
-  if (goal && (!told?.goal || apart(told.goal, goal) > NEAR_M)) {
+  if (goal && (!current?.goal || apart(current.goal, goal) > NEAR_M)) {
     if (lane && (lane.state === "unfulfilled" || lane.state === "inhibited"))
       return {
         tone: "warn",
@@ -89,23 +89,23 @@ export function wayWords(
       };
     return { tone: "busy", text: `Setting out for ${placeWords(goal)}…`, more: "" };
   }
-  if (!told) return null;
-  const reason = sentence(told.reason);
-  const away = told.target ? apart(told.target, to) : 0;
+  if (!current) return null;
+  const reason = sentence(current.reason);
+  const away = current.target ? apart(current.target, to) : 0;
   const nearest =
     away > NEAR_M ? `The goal itself cannot be reached: the robot stops ${number(away, 1)} m from it.` : "";
-  switch (told.state) {
+  switch (current.state) {
     case "planning":
       return { tone: "busy", text: `Planning a path to ${where}…`, more: "" };
     case "following":
-      return { tone: "good", text: `Going to ${where}${leftWords(told.remaining_m)}`, more: reason || nearest };
+      return { tone: "good", text: `Going to ${where}${leftWords(current.remaining_m)}`, more: reason || nearest };
     case "recovering":
       // While it is freeing itself, it has counted that.
-      if (place?.state === "lost" || place?.state === "searching" || told.recoveries === 0)
+      if (place?.state === "lost" || place?.state === "searching" || current.recoveries === 0)
         return { tone: "warn", text: `Localizing, then going to ${where}`, more: reason };
-      return { tone: "warn", text: `Stuck on the way to ${where}${attempts(told.recoveries)}`, more: reason };
+      return { tone: "warn", text: `Stuck on the way to ${where}${attempts(current.recoveries)}`, more: reason };
     case "waiting":
-      return { tone: "warn", text: `Waiting on the way to ${where}${leftWords(told.remaining_m)}`, more: reason };
+      return { tone: "warn", text: `Waiting on the way to ${where}${leftWords(current.remaining_m)}`, more: reason };
     case "unreachable":
       return { tone: "bad", text: `No path to ${where}`, more: reason };
     case "arrived":
@@ -120,10 +120,10 @@ export function wayWords(
 }
 
 /**
- * Where the robot believes to be; `slam`: the lane of the class SLAM, that tells whether anybody still looks; `name`: of
+ * Where the robot believes to be; `slam`: the lane of the class SLAM, whose filter is closed while SLAM is off; `name`: of
  * the map in use, where it is known better than by the last scan.
  */
-export function poseWords(localization: Localization, slam?: LaneRow, name: string = localization.map): Told {
+export function poseWords(localization: Localization, slam?: LaneRow, name: string = localization.map): Phrase {
   const map = name || "a new map";
   if (slam && slam.divisor === null)
     return { tone: "warn", text: `Last pose on ${map}`, more: "SLAM is off: the pose comes from odometry alone." };

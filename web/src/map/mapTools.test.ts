@@ -241,7 +241,7 @@ describe("by keys", () => {
     expect(wishes[0]).toMatchObject({ type: "zone", kind: "slow" });
   });
 
-  test("Escape is the robot's as soon as nothing is begun here", () => {
+  test("Escape is the robot's as soon as no tool is in use", () => {
     expect(run([key("Escape")]).last.taken).toBe(false);
     const aiming = run([key("Enter")]);
     const freed = run([key("Escape")], aiming.tools);
@@ -268,7 +268,7 @@ describe("the keyboard", () => {
     expect(wishes).toEqual([{ type: "goal", place: { x: 0, y: 0 }, heading: Math.PI }]);
   });
 
-  test("leaves no goal behind that nobody can send, but corners that a hand can go on with", () => {
+  test("leaves no half-set goal behind, but corners to continue with", () => {
     expect(run([focus(true), key("Enter"), focus(false)]).tools.act).toEqual({ kind: "none" });
     expect(run([focus(true), tool("slow"), key("Enter"), focus(false)]).tools.corners).toHaveLength(1);
   });

@@ -128,7 +128,7 @@ function focused(done: Done, on: boolean, sight: Sight): Done {
   return { ...done, tools: { ...tools, act, cursor: null } };
 }
 
-/** Whether something is begun that Escape gives up. */
+/** Whether a tool is in use that Escape cancels. */
 export function busy(tools: Tools): boolean {
   return tools.tool !== "look" || tools.corners.length > 0 || tools.act.kind === "aim" || tools.act.kind === "corner";
 }
@@ -190,7 +190,7 @@ function moved(done: Done, { id, at }: Extract<Input, { type: "move" }>, sight: 
 function up(done: Done, { id, at }: Extract<Input, { type: "up" }>, sight: Sight): Done {
   const { tools } = done;
   const pointers = without(tools.pointers, id);
-  // What is left of two fingers pans no more until it is put down anew.
+  // The finger that is left of two pans no more until it is put down again.
   const rest: Tools = { ...tools, pointers, act: NONE };
   const place = toMap(sight.view, sight.size, at);
   const { act, tool } = tools;

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { noneFound } from "./foundText";
 
-test("whoever has wheels is told to drive up to a code", () => {
+test("a robot with wheels is to be driven up to a code", () => {
   expect(noneFound({ drives: true, places: true }, false)).toMatch(/Drive to within 2 to 4 m of a code/);
 });
 

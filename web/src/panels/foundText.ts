@@ -1,4 +1,4 @@
-/** What to do where there is nothing to tell yet; pure. */
+/** What to do while nothing has been found; pure. */
 
 import type { BodySkills } from "../state/body";
 

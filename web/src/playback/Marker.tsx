@@ -1,4 +1,4 @@
-/** Says, where the hands on the robot would be, that this is a recording. */
+/** Says, in place of the controls, that this is a recording. */
 
 import { useApp } from "../state/context";
 import { dayTime } from "../ui/format";

@@ -82,7 +82,7 @@ test("an answer is taken before the next report comes", async () => {
   expect(store.playback.value).toMatchObject({ playing: false, phase: "paused", begin: 100 });
 });
 
-test("a refusal is told, and the timeline goes back", async () => {
+test("a refusal is reported, and the timeline goes back", async () => {
   const { control, store } = replay({}, new Problem(409, "Damaged", "the recording is damaged there"));
   control.seek(150);
   await settled();

@@ -53,7 +53,7 @@ export class PlaybackController {
     this.ask(() => this.rest.playback({ speed }));
   }
 
-  /** Told by what the recording does when its turn comes: what was asked before may have changed that. */
+  /** Decided by the recording's state when the request's turn comes: earlier requests may have changed it. */
   private async toggle(): Promise<Partial<Playback>> {
     const playback = this.store.playback.peek();
     if (playback?.phase === "ended") return this.rest.playback({ position: playback.begin, playing: true });

@@ -8,7 +8,7 @@ export interface FieldError {
   message: string;
 }
 
-/** A refusal, in words for people; `status` 0 means that nobody answered. */
+/** A refusal, in words for people; `status` 0: no answer. */
 export class Problem extends Error {
   constructor(
     readonly status: number,

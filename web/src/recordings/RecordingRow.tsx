@@ -19,7 +19,7 @@ export function RecordingRow({ recording, onGone }: { recording: Recording; onGo
   const { session, store } = useApp();
   const asking = useSignal(false);
   const { name, state } = recording;
-  const told = STATES[state];
+  const tag = STATES[state];
   const { seconds, bytes } = figures(recording, store);
   const facts = [
     recording.began === null ? "" : dayTime(recording.began),
@@ -36,9 +36,9 @@ export function RecordingRow({ recording, onGone }: { recording: Recording; onGo
     >
       <p class="recording-head">
         <b>{name}</b>
-        {told && (
-          <span class={`tag ${state === "recording" ? "being-recorded" : state}`} title={told.hint}>
-            {told.word}
+        {tag && (
+          <span class={`tag ${state === "recording" ? "being-recorded" : state}`} title={tag.hint}>
+            {tag.word}
           </span>
         )}
       </p>
@@ -47,7 +47,7 @@ export function RecordingRow({ recording, onGone }: { recording: Recording; onGo
         <span data-testid="recording-length">{seconds === null ? "length unknown" : clockSpan(seconds)}</span>
         <span data-testid="recording-size">{size(bytes)}</span>
       </p>
-      {state === "unfinished" && <p class="muted small">{`${told!.hint} ${name}`}</p>}
+      {state === "unfinished" && <p class="muted small">{`${tag!.hint} ${name}`}</p>}
       {state !== "recording" &&
         (asking.value ? (
           <Confirm name={name} onGone={onGone} onKeep={() => (asking.value = false)} />

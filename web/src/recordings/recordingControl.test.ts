@@ -52,7 +52,7 @@ test("recording is being started until the Recorder says that it records", async
   expect(control.pending.value).toBeNull();
 });
 
-test("what does not come about is told with its reason after a while", async () => {
+test("a recording that does not start gives its reason after a while", async () => {
   const { store, control, notices } = page();
   await control.record({});
   store.latest.put({ ...IDLE, desired: true, reason: "no room on the computer" });
@@ -61,7 +61,7 @@ test("what does not come about is told with its reason after a while", async () 
   expect(notices()).toEqual(["The recording did not start. No room on the computer."]);
 });
 
-test("a refusal is told where it is seen, and ends the waiting", async () => {
+test("a refusal is shown in the tab, and ends the waiting", async () => {
   const refuse = async () => Promise.reject(new Problem(409, "Taken", "There is one called a."));
   const { store, control, notices } = page({ record: refuse });
   expect(await control.record({ name: "a" })).toBe(false);
@@ -72,7 +72,7 @@ test("a refusal is told where it is seen, and ends the waiting", async () => {
   expect(notices()).toHaveLength(1);
 });
 
-test("a recording that stops by itself is told once, and the list is read anew while it is looked at", () => {
+test("a recording that stops by itself is reported once, and the list is read again while it is looked at", () => {
   const { store, asked, notices } = page();
   store.latest.put(RECORDING);
   expect(asked.recordings).not.toHaveBeenCalled();

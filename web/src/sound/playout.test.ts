@@ -80,7 +80,7 @@ test("a hitch makes the reserve larger", () => {
   expect(playout.aim).toBeGreaterThan(0.13);
 });
 
-test("what is heard is told with the robot's time of it, and nothing when nothing is", () => {
+test("what is heard has the robot's time; silence has none", () => {
   const playout = new Playout(RATE);
   const first = playout.push(frame(0, 50), 1)!;
   playout.push(frame(1, 50.02), 1.02);

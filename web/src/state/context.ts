@@ -1,4 +1,4 @@
-/** What every component may use: the store, the session with the robot, the hands, the pictures, the sound, the map. */
+/** What every component may use: the store, the session with the robot, the driving, the pictures, the sound, the map. */
 
 import { createContext } from "preact";
 import { useContext } from "preact/hooks";

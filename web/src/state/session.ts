@@ -84,7 +84,7 @@ export class Session {
     return this.live.sendBinary(frame);
   }
 
-  /** Sends the emergency stop; while nobody hears it, it is owed and sent first thing on the next connection. */
+  /** Sends the emergency stop; without a connection, it is sent first thing on the next. */
   eStop(): void {
     if (this.send({ type: "e_stop" })) return;
     this.stopOwed = true;
@@ -102,7 +102,7 @@ export class Session {
   private async logInByAddress(): Promise<boolean> {
     const token = tokenIn(location.hash);
     if (token === null) return false;
-    // Not to be left in the history, nor in a link that somebody copies.
+    // Not to be left in the history, nor in a link that is copied.
     history.replaceState(null, "", location.pathname + location.search);
     try {
       await this.rest.logIn(token);

@@ -102,7 +102,7 @@ export function createStore() {
     stands: computed(() => live.value && status.value?.guard.state === "idle") as ReadonlySignal<boolean>,
 
     addEvents(fresh: RobotEvent[]): void {
-      // A robot that was started anew counts from the beginning again: the stamp tells its events apart.
+      // A robot that was restarted counts from the beginning again: the stamp distinguishes its events.
       const key = (event: RobotEvent) => `${event.id}@${event.stamp}`;
       const known = new Set(events.value.map(key));
       const added = fresh.filter((event) => !known.has(key(event)));

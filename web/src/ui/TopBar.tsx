@@ -184,7 +184,7 @@ function Metric(props: {
   );
 }
 
-/** A command nobody renews only grows older: after a second it is no figure about the link any more. */
+/** A command that is not renewed only grows older: after a second its age says nothing about the link. */
 function commandAge(guard: { command_age_ms: number | null; state: string } | undefined): number | null {
   const age = guard?.command_age_ms ?? null;
   return age !== null && age < 1000 ? age : null;

@@ -26,6 +26,6 @@ test("a behavior goes by its title, and drives while a hand only keeps the wheel
   expect(driverName(null, MODULES)).toBe("–");
 });
 
-test("without a word on holding, whoever has control drives", () => {
+test("without a word on holding, the one in control drives", () => {
   expect(driverName({ driver: { operator: "Ann", mine: true }, exploited: null }, MODULES)).toBe("You");
 });

@@ -97,7 +97,7 @@ test("a module is called as people call it", () => {
   expect(moduleTitle("GoToward", modules)).toBe("Go toward");
 });
 
-test("what several filters let through is a line each, one alone is told anyway", () => {
+test("what several filters let through is a line each, one alone is shown elsewhere", () => {
   expect(divisorLines({ "QR.images": 1, "QR.scans": 2, "QR.panorama": null })).toEqual([
     "QR.images all",
     "QR.scans 1 of 2",

@@ -11,15 +11,15 @@ export function SceneView() {
   const frame = useRef<HTMLIFrameElement>(null);
   const [scene, setScene] = useState<Scene>("loading");
   const [step, setStep] = useState(0);
-  const told = useRef(false);
+  const warned = useRef(false);
   const live = store.live.value;
   useEffect(() => {
     if (scene !== "shown" || new URLSearchParams(location.search).get("scene") === "full") return;
     let pace = startPace(performance.now(), step);
     let request = requestAnimationFrame(function frame(now) {
       pace = document.hidden ? startPace(now, pace.step) : paced(pace, now);
-      if (hopeless(pace) && !told.current) {
-        told.current = true;
+      if (hopeless(pace) && !warned.current) {
+        warned.current = true;
         store.notify("info", "The 3D view is slow on this computer. Hide it for smoother driving.");
       }
       if (pace.step !== step) setStep(pace.step);

@@ -9,7 +9,7 @@ const APART_S = 0.6;
 /** How far the robot may turn meanwhile for a frame to be still where the face is, rad. */
 const TURNED = 0.06;
 
-/** So long the sightings of a face are kept, and those of so long tell how it moves, s. */
+/** The sightings of a face are kept so long, and its velocity is estimated from them, s. */
 const KEPT_S = 2;
 const FIT_S = 0.6;
 

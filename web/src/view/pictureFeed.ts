@@ -24,7 +24,7 @@ export class PictureFeed {
     this.session.onBinary.set(this.kind, (frame) => void this.take(frame));
     this.session.onHello.add(() => {
       this.stamp.value = null;
-      this.tell();
+      this.request();
     });
     // A picture of before a jump stays until that of the new place comes, but not for long if none does.
     this.session.onJump.add(() => {
@@ -34,16 +34,16 @@ export class PictureFeed {
     });
     effect(() => {
       void this.shown.value;
-      this.tell();
+      this.request();
     });
-    document.addEventListener("visibilitychange", () => this.tell());
+    document.addEventListener("visibilitychange", () => this.request());
   }
 
   private wanted(): boolean {
     return this.shown.peek() && !document.hidden;
   }
 
-  private tell(): void {
+  private request(): void {
     const wanted = this.wanted();
     this.session.send({ type: "view", ...(this.kind === CAMERA ? { camera: wanted } : { panorama: wanted }) });
   }
