@@ -113,7 +113,7 @@ function useAround() {
 function Nothing({ closed }: { closed: Closed[] }) {
   return (
     <div class="around-nothing" data-testid="around-nothing">
-      <p>No people seen and no sounds heard yet.</p>
+      <p>No people or sounds yet.</p>
       {closed.map((one) => (
         <p key={one.what} class="muted" title={one.reason}>
           {one.reason ? `${one.text}: ${one.reason}` : `${one.text}.`}
