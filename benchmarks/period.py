@@ -24,7 +24,7 @@ from app.attention.desires import Source
 from app.base import logging_setup, paths
 from app.experiments.simulated import simulated_program
 from app.messages import Twist
-from app.runtime.realtime import be_punctual
+from app.runtime.realtime import tune_for_latency
 from benchmarks.report import Row, benchmark_main, row
 
 SETTLE_S = 12.0
@@ -65,7 +65,7 @@ async def _drive(seconds: float, *, one_core: bool) -> tuple[list[float], list[f
 
         async with system:
             await system.supervisor.started()
-            be_punctual()
+            tune_for_latency()
             if one_core:
                 await asyncio.to_thread(_confine, os.getpid(), {min(cores)})
                 if link.process_id is not None and len(cores) > 1:

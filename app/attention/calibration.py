@@ -33,7 +33,7 @@ class Point(_Model):
     cpu_spread: float = Field(0, ge=0, description="least to greatest of the runs, % of one core")
 
 
-class Fit(_Model):
+class CostFit(_Model):
     """``base + slope / φ``, by least squares; ``residual`` is the root mean square distance of the points from it."""
 
     base: float
@@ -49,8 +49,8 @@ class Relation(_Model):
     """What a filter's φ does to its module's CPU use and to how much it finds."""
 
     points: tuple[Point, ...] = Field(min_length=1)
-    cpu: Fit
-    events: Fit
+    cpu: CostFit
+    events: CostFit
 
     def cost(self, phi: float) -> float:
         """CPU (% of one core) at ``phi``: as measured there, else by the line."""
@@ -60,7 +60,7 @@ class Relation(_Model):
         return max(0.0, self.cpu.at(phi))
 
 
-class Calibration(_Model):
+class CostCalibration(_Model):
     """One computer's relations, by filter and parameters (:func:`relation_name`), and what they were measured on."""
 
     host: str
@@ -90,10 +90,10 @@ def relation_name(filter_name: str, parameters: Mapping[str, Any]) -> str:
     return f"{filter_name} with {', '.join(f'{key}={value}' for key, value in sorted(parameters.items()))}"
 
 
-def load_calibration(folder: Path, host: str) -> Calibration | None:
+def load_cost_calibration(folder: Path, host: str) -> CostCalibration | None:
     """The calibration of ``host`` in ``folder``, or None where there is none. Raises ConfigError."""
     path = calibration_file(folder, host)
-    return load_yaml(path).validate(Calibration) if path.is_file() else None
+    return load_yaml(path).validate(CostCalibration) if path.is_file() else None
 
 
 def calibration_file(folder: Path, host: str) -> Path:

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 from app.attention.problem import Problem, Selection
 
 
-class FilterBank(Protocol):
+class FilterTarget(Protocol):
     """The runtime's filters, by ``"Module.port"``."""
 
     def names(self) -> Collection[str]:
@@ -26,13 +26,6 @@ class ParameterSink(Protocol):
     def configure(self, module: str, parameters: Mapping[str, Any]) -> None:
         """Hand ``module`` all its parameters; an empty mapping returns it to its own settings."""
         ...
-
-
-class Clock(Protocol):
-    """The robot's clock."""
-
-    def now(self) -> float: ...
-    async def sleep_until(self, stamp: float) -> None: ...
 
 
 class Solver(Protocol):

@@ -26,7 +26,7 @@ from pydantic import (
     WithJsonSchema,
 )
 
-from app.attention.calibration import RESOURCE, Calibration
+from app.attention.calibration import RESOURCE, CostCalibration
 from app.attention.desires import GRAIN, SCALE
 from app.attention.families import StrategyFamily
 from app.base.yaml_source import Document, KeyPath, dotted, load_yaml, suggestion, validation_message
@@ -242,7 +242,7 @@ def load_strategies(
     classes: Iterable[str],
     ports: Mapping[str, Collection[str]] | None = None,
     undivided: Collection[str] = (),
-    calibration: Calibration | None = None,
+    calibration: CostCalibration | None = None,
 ) -> StrategyTable:
     """Read strategy files, in the order given, into one table.
 
@@ -269,7 +269,7 @@ def build_table(
     classes: Iterable[str],
     ports: Mapping[str, Collection[str]] | None = None,
     undivided: Collection[str] = (),
-    calibration: Calibration | None = None,
+    calibration: CostCalibration | None = None,
 ) -> StrategyTable:
     """The table of several read files; checks as :func:`load_strategies` does."""
     files = tuple(files)
@@ -323,7 +323,9 @@ def _entries(document: Document, file: StrategyFile) -> Iterator[tuple[KeyPath, 
                 raise document.error(f"strategy {member['name']!r}: {what}", ("families", index)) from None
 
 
-def _costs(document: Document, at: KeyPath, item: StrategyEntry, calibration: Calibration | None) -> dict[str, float]:
+def _costs(
+    document: Document, at: KeyPath, item: StrategyEntry, calibration: CostCalibration | None
+) -> dict[str, float]:
     """Each resource's cost, calibrated ones rounded up to what the solver counts in."""
     costs: dict[str, float] = {}
     for name, cost in item.costs.items():

@@ -17,9 +17,9 @@ from typing import Any, Final
 from app.attention.cached_solver import CachedSolver
 from app.attention.desires import GRAIN
 from app.attention.explaining import EXPLAIN_S, Explainer
-from app.attention.hysteresis import Hold, Hysteresis
+from app.attention.hysteresis import Hysteresis, HysteresisState
 from app.attention.intention import Intention, divisors_of, parameters_of
-from app.attention.interfaces import Clock, FilterBank, ParameterSink, Solver
+from app.attention.interfaces import FilterTarget, ParameterSink, Solver
 from app.attention.prepared import prepare
 from app.attention.problem import Problem, Selection, Weights, assess
 from app.attention.retry import Retry
@@ -28,6 +28,7 @@ from app.attention.strategies import MOST, StrategyTable
 from app.attention.timeline import Timeline
 from app.attention.timeline_writer import note_desires, note_filters, note_intention
 from app.attention.workspace import IntentionWorkspace, WorkspaceChange
+from app.runtime.clock import Clock
 
 _log = logging.getLogger(__name__)
 
@@ -59,7 +60,7 @@ class IntentionTranslator:
         self,
         workspace: IntentionWorkspace,
         table: StrategyTable,
-        filters: FilterBank,
+        filters: FilterTarget,
         parameters: ParameterSink,
         timeline: Timeline,
         clock: Clock,
@@ -89,7 +90,7 @@ class IntentionTranslator:
         self._solver: Solver = solver or CachedSolver(time_limit_s=time_limit_s)
         self._explainer = Explainer(table.resources, explain_limit_s, offload)
         self._weights = weights or Weights()
-        self._hold = Hold(hysteresis or Hysteresis())
+        self._hold = HysteresisState(hysteresis or Hysteresis())
         self._retry = Retry(timeline)
         self._offload = offload
         self._prepared = prepare(table.strategies)

@@ -31,7 +31,7 @@ class _Line:
     held: int = 0
 
 
-class SparingHandler(logging.StreamHandler[TextIO]):
+class RateLimitedHandler(logging.StreamHandler[TextIO]):
     """Writes to a stream; ``now`` gives seconds of any steady clock."""
 
     def __init__(self, stream: TextIO, *, now: Callable[[], float] = time.monotonic) -> None:

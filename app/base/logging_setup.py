@@ -13,7 +13,7 @@ import traceback
 from datetime import UTC, datetime
 from typing import Any, TextIO
 
-from app.base.log_rate_limit import SparingHandler
+from app.base.log_rate_limit import RateLimitedHandler
 
 LEVELS = ("debug", "info", "warning", "error")
 
@@ -43,7 +43,7 @@ def configure(level: str = "info", *, as_json: bool = False, stream: TextIO | No
     What is logged over and over is counted instead (:mod:`app.base.log_rate_limit`).
     """
     stream = sys.stderr if stream is None else stream
-    handler = SparingHandler(stream)
+    handler = RateLimitedHandler(stream)
     handler.setFormatter(JsonFormatter() if as_json else LineFormatter(colored=stream.isatty()))
     logging.basicConfig(level=level.upper(), handlers=[handler], force=True)
     logging.captureWarnings(True)

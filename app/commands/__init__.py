@@ -12,7 +12,7 @@ from app.commands import bench, calibrate, check, completion, detect, doctor, ex
 Subparsers = Any
 
 
-class Command(Protocol):
+class CliCommand(Protocol):
     """What each file here offers."""
 
     def add_parser(self, subparsers: Subparsers) -> None:
@@ -24,7 +24,7 @@ class Command(Protocol):
         ...
 
 
-COMMANDS: Mapping[str, Command] = {
+COMMANDS: Mapping[str, CliCommand] = {
     "run": run,
     "replay": replay,
     "log": log,

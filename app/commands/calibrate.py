@@ -16,10 +16,10 @@ from app.commands.output import add_json, print_json
 from app.commands.packaged import program_named
 
 if TYPE_CHECKING:
-    from app.attention.calibration import Calibration
+    from app.attention.calibration import CostCalibration
     from app.attention.strategies import StrategyTable
     from app.logs.log import Log, LogInfo
-    from app.logs.replay.calibration import Measurement, Progress, Run
+    from app.logs.replay.calibration import CalibrationProgress, Measurement, Run
     from app.program.config import Configuration
 
 #: A recording shorter than this says little.
@@ -90,7 +90,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log) -> int:
     from app.commands.calibrate_report import relations_table, strategies_document, strategies_table
-    from app.logs.replay.calibration import Progress, plan
+    from app.logs.replay.calibration import CalibrationProgress, plan
 
     info = log.info
     if args.seconds < LEAST_S:
@@ -116,7 +116,7 @@ def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log)
         "program": configuration.program.model_dump_json(include={"modules"}),
     }  # fmt: skip
     output = args.out or configuration.calibration_file
-    progress = Progress(output.with_suffix(".partial.json"), key)
+    progress = CalibrationProgress(output.with_suffix(".partial.json"), key)
     if not args.fresh and (taken_up := progress.load()):
         print(f"{taken_up} runs were made before and are taken up (--fresh measures them again)", file=sys.stderr)
     print(f"{len(runs)} runs of {seconds:.0f} s of {info.path.name}; Ctrl-C keeps what is measured", file=sys.stderr)
@@ -165,7 +165,7 @@ def _doubts(configuration: Configuration, info: LogInfo, runs: Sequence[Run]) ->
 
 
 def _measure(
-    log: Log, configuration: Configuration, runs: list[Run], progress: Progress, begin: float, seconds: float
+    log: Log, configuration: Configuration, runs: list[Run], progress: CalibrationProgress, begin: float, seconds: float
 ) -> dict[Run, Measurement]:
     from app.commands.progress import shown
     from app.logs.replay.batch_replay import batches
@@ -240,19 +240,21 @@ def _inputs(configuration: Configuration, log: Log, only: Sequence[str] | None) 
     }
 
 
-def _before(output: Path) -> Calibration | None:
+def _before(output: Path) -> CostCalibration | None:
     """What was measured before and is not measured now: it is kept. Raises ConfigError for a file that is none."""
-    from app.attention.calibration import Calibration
+    from app.attention.calibration import CostCalibration
     from app.base.yaml_source import load_yaml
 
-    return load_yaml(output).validate(Calibration) if output.is_file() else None
+    return load_yaml(output).validate(CostCalibration) if output.is_file() else None
 
 
-def _calibration(results: dict[Run, Measurement], version: str, log: str, before: Calibration | None) -> Calibration:
-    from app.attention.calibration import Calibration
+def _calibration(
+    results: dict[Run, Measurement], version: str, log: str, before: CostCalibration | None
+) -> CostCalibration:
+    from app.attention.calibration import CostCalibration
     from app.logs.replay.calibration import relations
 
-    return Calibration(
+    return CostCalibration(
         host=paths.host_name(),
         made=datetime.now(UTC).isoformat(timespec="seconds"),
         processor=paths.processor(),
@@ -274,7 +276,7 @@ def _check_writable(output: Path) -> None:
         raise ConfigError(f"cannot be written: {failure.strerror}; choose another with --out", str(output)) from None
 
 
-def _write(calibration: Calibration, output: Path) -> None:
+def _write(calibration: CostCalibration, output: Path) -> None:
     import yaml
 
     from app.logs.replay.calibration_plot import plot

@@ -156,10 +156,10 @@ def _remap(path: Path) -> None:
 def _channels(path: Path) -> tuple[str, ...]:
     """Check a table by itself, then every program beside it that uses it."""
     from app.base.yaml_source import load_yaml
-    from app.program.config import ChannelTable
+    from app.program.config import ChannelTableFile
 
     document = load_yaml(path)
-    for name, spec in document.validate(ChannelTable).root.items():
+    for name, spec in document.validate(ChannelTableFile).root.items():
         try:
             _ = spec.message_type
         except KeyError:
@@ -192,10 +192,10 @@ def _programs_naming(path: Path) -> list[Path]:
 
 
 def _calibration(path: Path) -> None:
-    from app.attention.calibration import Calibration
+    from app.attention.calibration import CostCalibration
     from app.base.yaml_source import parse
 
-    parse(path, Calibration)
+    parse(path, CostCalibration)
 
 
 #: Kind, the keys by which it is known, its check.

@@ -43,7 +43,7 @@ class ChannelContents:
 
 
 @dataclass(frozen=True, slots=True)
-class Contents:
+class LogContents:
     """What is in a log. Times in seconds of the robot's clock. ``problem`` says why ``state`` is not ``complete``."""
 
     path: str
@@ -64,7 +64,7 @@ class Contents:
     undecided: str = ""
 
 
-def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwatched) -> Contents:
+def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwatched) -> LogContents:
     """Everything there is to say. Raises LogError where it is no log at all, ConfigError where ``remap`` does not fit.
 
     Reads what stands at a file's end; all of it only where that is missing (``progress`` counts the bytes).
@@ -93,7 +93,7 @@ def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwat
         )
         for channel in sorted(info.channels.values(), key=lambda channel: channel.name)
     )
-    return Contents(
+    return LogContents(
         path=str(path),
         format=info.format,
         state="complete",
@@ -111,10 +111,10 @@ def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwat
     )
 
 
-def _undecided(doubt: Undecided) -> Contents:
+def _undecided(doubt: Undecided) -> LogContents:
     """What is known of a bag before a remap file assigns its topics to channels."""
     info = doubt.info
-    return Contents(
+    return LogContents(
         path=str(info.path),
         format=info.format,
         state="complete",
@@ -132,7 +132,7 @@ def _undecided(doubt: Undecided) -> Contents:
     )
 
 
-def _unreadable(path: Path, failure: LogError, progress: Progress) -> Contents:
+def _unreadable(path: Path, failure: LogError, progress: Progress) -> LogContents:
     """What is known of an MCAP file that does not open. Raises LogError if nothing is, or if it is not damaged."""
     found = examine(path, progress)
     if found.healthy:
@@ -142,7 +142,7 @@ def _unreadable(path: Path, failure: LogError, progress: Progress) -> Contents:
         state = "recording"
     elif not found.messages and not found.attachments:
         raise LogError(f"{path}: {NOTHING}")
-    return Contents(
+    return LogContents(
         path=str(path),
         format="MCAP",
         state=state,
@@ -159,7 +159,7 @@ def _unreadable(path: Path, failure: LogError, progress: Progress) -> Contents:
     )
 
 
-def print_contents(contents: Contents, *, as_json: bool) -> None:
+def print_contents(contents: LogContents, *, as_json: bool) -> None:
     """To standard output."""
     if as_json:
         print_json(asdict(contents))

@@ -133,7 +133,7 @@ def _headless(args: argparse.Namespace, log: Log, options: ReplayOptions) -> int
 
     from app.commands.progress import shown
     from app.commands.replay_report import print_report
-    from app.logs.replay.headless import Watch, run_headless
+    from app.logs.replay.headless import ReplayWatch, run_headless
 
     cv2.setNumThreads(1)
     logging_setup.configure("warning" if args.log_level == "info" else args.log_level, as_json=args.log_json)
@@ -142,7 +142,7 @@ def _headless(args: argparse.Namespace, log: Log, options: ReplayOptions) -> int
     begin = log.info.begin if options.begin is None else options.begin
     end = log.info.end if options.end is None else options.end
     with shown(f"replay {log.info.path.name}") as progress:
-        watch = Watch(lambda position: progress(position - begin, end - begin))
+        watch = ReplayWatch(lambda position: progress(position - begin, end - begin))
         report = run_headless(log, options, speed=_finite(args.speed), watch=watch)
     if args.json:
         print_json(report.document())

@@ -23,7 +23,7 @@ from app.base import logging_setup
 from app.commands.arguments import file_named
 from app.commands.body import add_body_options, chosen
 from app.commands.kernels import kernels_ready
-from app.runtime.realtime import be_punctual
+from app.runtime.realtime import tune_for_latency
 
 if TYPE_CHECKING:
     from app.program.config import Configuration
@@ -160,7 +160,7 @@ async def serve_once_started(system: System, serve: Callable[[], Coroutine[Any, 
     try:
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         if not failure.done():
-            be_punctual()
+            tune_for_latency()
             console = asyncio.create_task(serve(), name="console")
             tasks.append(console)
             await asyncio.wait({console, failure}, return_when=asyncio.FIRST_COMPLETED)

@@ -45,7 +45,7 @@ Buffer: TypeAlias = mmap | bytes
 
 
 @dataclass(frozen=True, slots=True)
-class Sound:
+class IntactRecord:
     """A record that holds together. ``content`` of a chunk is its records, decompressed.
 
     ``whole`` is False for a chunk whose end is missing: ``content`` is then what could be decompressed of its begin.
@@ -60,7 +60,7 @@ class Sound:
 
 
 @dataclass(frozen=True, slots=True)
-class Broken:
+class DamagedStretch:
     """Bytes that are no record. ``begin_ns`` and ``end_ns`` are a damaged chunk's own word on its messages' times.
 
     ``remains`` is what of a damaged chunk can still be decompressed: good for definitions that nothing else gives.
@@ -75,7 +75,7 @@ class Broken:
 
 
 @dataclass(frozen=True, slots=True)
-class Attached:
+class RecoveredAttachment:
     """An attachment, its checksum checked."""
 
     log_time: int
@@ -85,19 +85,19 @@ class Attached:
     data: bytes
 
 
-def scan(data: Buffer) -> Iterator[Sound | Broken]:
+def scan(data: Buffer) -> Iterator[IntactRecord | DamagedStretch]:
     """Every record of an MCAP file, in order, and every stretch between them that is none.
 
     Never raises for what the bytes are. A footer is sound only where the file's end follows it.
     """
     size = len(data)
     if data[: len(MAGIC)] != MAGIC:
-        yield Broken(0, min(len(MAGIC), size), "the mark at the file's begin")
+        yield DamagedStretch(0, min(len(MAGIC), size), "the mark at the file's begin")
     position = len(MAGIC)
     chunked = False
     while position < size:
         found = _record(data, position)
-        if isinstance(found, Sound) and (_checked(found.opcode) or _head_like(data, found.end)):
+        if isinstance(found, IntactRecord) and (_checked(found.opcode) or _head_like(data, found.end)):
             chunked = chunked or found.opcode == Opcode.CHUNK
             yield found
             position = found.end
@@ -105,13 +105,13 @@ def scan(data: Buffer) -> Iterator[Sound | Broken]:
                 return
             continue
         chunked = chunked or data[position : position + 1] == bytes([Opcode.CHUNK])
-        broken = found if isinstance(found, Broken) else Broken(position, found.end, "a record")
+        broken = found if isinstance(found, DamagedStretch) else DamagedStretch(position, found.end, "a record")
         by_length = broken.end if position < broken.end < size and _head_like(data, broken.end) else None
         end = by_length or _next_record(data, position + 1, chunked)
         if end == size and broken.remains and broken.end > size:
             # Cut off rather than damaged: what was written of the chunk is as it was meant.
-            yield Sound(Opcode.CHUNK, position, end, _whole_records(broken.remains), whole=False)
-            yield Broken(
+            yield IntactRecord(Opcode.CHUNK, position, end, _whole_records(broken.remains), whole=False)
+            yield DamagedStretch(
                 position,
                 end,
                 "the file ends within a chunk, whose readable begin was kept",
@@ -120,7 +120,7 @@ def scan(data: Buffer) -> Iterator[Sound | Broken]:
             )
             return
         what = "the file ends within a record" if end == size and broken.end > size else broken.what
-        yield Broken(position, end, what, broken.begin_ns, broken.end_ns, broken.remains)
+        yield DamagedStretch(position, end, what, broken.begin_ns, broken.end_ns, broken.remains)
         position = end
 
 
@@ -153,7 +153,7 @@ def strict(kind: type[RecordT], content: bytes) -> RecordT | None:
     return record if written[RECORD_HEAD.size :] == content else None
 
 
-def read_attachment(content: bytes) -> Attached | None:
+def read_attachment(content: bytes) -> RecoveredAttachment | None:
     """The attachment in ``content``, or None where it is damaged."""
     length = _attachment_length(content)
     if length is None or length != len(content):
@@ -170,18 +170,18 @@ def read_attachment(content: bytes) -> Attached | None:
             position += 4 + size
     except UnicodeDecodeError:
         return None
-    return Attached(log_time, create_time, texts[0], texts[1], content[position + 8 : length - 4])
+    return RecoveredAttachment(log_time, create_time, texts[0], texts[1], content[position + 8 : length - 4])
 
 
 # --- One record ----------------------------------------------------------------------------------------------------
 
 
-def _record(data: Buffer, position: int) -> Sound | Broken:
-    """The record at ``position``, or what is wrong with it; ``Broken.end`` is then where its length says it ends."""
+def _record(data: Buffer, position: int) -> IntactRecord | DamagedStretch:
+    """The record at ``position``, or what is wrong with it; ``DamagedStretch.end`` is as its length field says."""
     size = len(data)
     head = data[position : position + RECORD_HEAD.size]
     if len(head) < RECORD_HEAD.size:
-        return Broken(position, size, "a record")
+        return DamagedStretch(position, size, "a record")
     opcode, length = RECORD_HEAD.unpack(head)
     begin = position + RECORD_HEAD.size
     end = begin + length
@@ -190,13 +190,17 @@ def _record(data: Buffer, position: int) -> Sound | Broken:
     if opcode == Opcode.ATTACHMENT:
         return _attachment(data, position, min(end, size + 1))
     if end > size:
-        return Broken(position, size + 1, "a record")
+        return DamagedStretch(position, size + 1, "a record")
     if not _known(opcode):
-        return Broken(position, end, "a record of no known kind")
+        return DamagedStretch(position, end, "a record of no known kind")
     if opcode == Opcode.FOOTER and (length != 20 or data[end : end + len(MAGIC) + 1] != MAGIC):
-        return Broken(position, end, "the footer")
+        return DamagedStretch(position, end, "the footer")
     content = data[begin:end]
-    return Sound(opcode, position, end, content) if _holds(opcode, content) else Broken(position, end, "a record")
+    return (
+        IntactRecord(opcode, position, end, content)
+        if _holds(opcode, content)
+        else DamagedStretch(position, end, "a record")
+    )
 
 
 def _holds(opcode: int, content: bytes) -> bool:
@@ -229,7 +233,7 @@ _CERTAIN = frozenset({Opcode.CHUNK, Opcode.ATTACHMENT, Opcode.MESSAGE_INDEX, Opc
                       Opcode.HEADER, Opcode.SCHEMA, Opcode.CHANNEL})  # fmt: skip
 
 
-def _chunk(data: Buffer, position: int, end: int) -> Sound | Broken:
+def _chunk(data: Buffer, position: int, end: int) -> IntactRecord | DamagedStretch:
     """The chunk at ``position``. Its length is written twice; where they differ, the one that the checksum proves."""
     begin = position + RECORD_HEAD.size
     head = data[begin : begin + CHUNK.size + 4 + 8]
@@ -238,9 +242,9 @@ def _chunk(data: Buffer, position: int, end: int) -> Sound | Broken:
         compression = {b"": "", b"lz4": "lz4", b"zstd": "zstd"}[head[CHUNK.size : CHUNK.size + name_length]]
         (inner,) = struct.unpack_from("<Q", head, CHUNK.size + name_length)
     except (struct.error, KeyError):
-        return Broken(position, end, "a chunk's head")
+        return DamagedStretch(position, end, "a chunk's head")
     if size > MOST_UNPACKED:
-        return Broken(position, end, f"a chunk that says it unpacks to {amount(size)}", first, last)
+        return DamagedStretch(position, end, f"a chunk that says it unpacks to {amount(size)}", first, last)
     payload = begin + CHUNK.size + name_length + 8
     remains = b""
     for stop in dict.fromkeys((payload + inner, end)):
@@ -248,10 +252,10 @@ def _chunk(data: Buffer, position: int, end: int) -> Sound | Broken:
             content = _decompress(data[payload:stop], compression, size)
             remains = remains or content
             if _proven(content, size, crc):
-                return Sound(Opcode.CHUNK, position, stop, content, compression)
+                return IntactRecord(Opcode.CHUNK, position, stop, content, compression)
     if not remains and payload + inner > len(data):
         remains = _decompress(data[payload:], compression, size)
-    return Broken(position, end, "a chunk", first, last, remains)
+    return DamagedStretch(position, end, "a chunk", first, last, remains)
 
 
 def _proven(content: bytes, size: int, crc: int) -> bool:
@@ -318,14 +322,14 @@ def _whole_records(content: bytes) -> bytes:
     return content[:end]
 
 
-def _attachment(data: Buffer, position: int, end: int) -> Sound | Broken:
+def _attachment(data: Buffer, position: int, end: int) -> IntactRecord | DamagedStretch:
     begin = position + RECORD_HEAD.size
     for stop in (end, begin + (_attachment_length(data[begin : begin + 4096]) or 0)):
         if begin < stop <= len(data):
             content = data[begin:stop]
             if read_attachment(content) is not None:
-                return Sound(Opcode.ATTACHMENT, position, stop, content)
-    return Broken(position, end, "an attached file")
+                return IntactRecord(Opcode.ATTACHMENT, position, stop, content)
+    return DamagedStretch(position, end, "an attached file")
 
 
 def _attachment_length(content: bytes) -> int | None:
@@ -368,7 +372,7 @@ def _next_record(data: Buffer, position: int, chunked: bool) -> int:
         opcode = found[0][0]
         inside = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
         record = _record(data, position) if not (chunked and opcode in inside) else None
-        if isinstance(record, Sound) and (_head_like(data, record.end) or record.opcode == Opcode.FOOTER):
+        if isinstance(record, IntactRecord) and (_head_like(data, record.end) or record.opcode == Opcode.FOOTER):
             return position
         position += 1
     return len(data)

@@ -17,7 +17,7 @@ from mcap.records import Channel, Header, MessageIndex, Metadata, Schema
 
 from app.base.plain_file import open_plain
 from app.log_tools import recover
-from app.log_tools.recover import Broken, Sound
+from app.log_tools.recover import DamagedStretch, IntactRecord
 from app.logs.layout import PROFILE, library
 from app.logs.log import LogError
 from app.logs.mcap.open_file import is_being_written
@@ -91,7 +91,7 @@ def repair(
         check_new(target, force)
     _check_closed(path)
     with _mapped(path) as data:
-        found = _Look(data, progress, 2)
+        found = _Examination(data, progress, 2)
         report = _report(path, None, len(data), found)
         if report.healthy:
             return report
@@ -108,7 +108,7 @@ def repair(
 def examine(path: Path, progress: Progress = unwatched) -> RepairReport:
     """What :func:`repair` would find, without writing anything. Raises LogError where ``path`` cannot be read."""
     with _mapped(path) as data:
-        return _report(path, None, len(data), _Look(data, progress, 1))
+        return _report(path, None, len(data), _Examination(data, progress, 1))
 
 
 def _check_closed(path: Path) -> None:
@@ -135,7 +135,7 @@ def _mapped(path: Path) -> Iterator[mmap.mmap]:
         raise LogError(f"{path} cannot be read: {failure.strerror or failure}") from failure
 
 
-def _report(path: Path, out: Path | None, size: int, found: _Look) -> RepairReport:
+def _report(path: Path, out: Path | None, size: int, found: _Examination) -> RepairReport:
     known = {number: count for number, count in found.counts.items() if number in found.channels}
     return RepairReport(
         path=path,
@@ -154,7 +154,7 @@ def _report(path: Path, out: Path | None, size: int, found: _Look) -> RepairRepo
     )
 
 
-class _Look:
+class _Examination:
     """One going through all records: definitions wherever they stand, what there is, and what is hurt."""
 
     def __init__(self, data: mmap.mmap, progress: Progress, rounds: int) -> None:
@@ -171,13 +171,13 @@ class _Look:
         self._data = data
         self._data_ended = False
         #: Stretches that may have held messages, until it is known what time comes after them.
-        self._open: list[Broken] = []
+        self._open: list[DamagedStretch] = []
         #: Offsets of each channel's messages in the last chunk, which its index must agree with.
         self._offsets: dict[int, list[int]] = {}
         doubtful = []
         for part in recover.scan(data):
             progress(part.end, rounds * len(data))
-            if isinstance(part, Sound):
+            if isinstance(part, IntactRecord):
                 self._sound(part)
             else:
                 self._broken(part)
@@ -194,7 +194,7 @@ class _Look:
         """Whether the messages come to their end within the file: what ends them is there, or the file's own end."""
         return self._data_ended or (len(self._data) >= 2 * len(MAGIC) and self._data[-len(MAGIC) :] == MAGIC)
 
-    def _sound(self, part: Sound) -> None:
+    def _sound(self, part: IntactRecord) -> None:
         match part.opcode:
             case Opcode.CHUNK:
                 self._chunk(part)
@@ -215,17 +215,17 @@ class _Look:
             case _:
                 self._define(part.opcode, part.content)
 
-    def _broken(self, part: Broken) -> None:
+    def _broken(self, part: DamagedStretch) -> None:
         helpers = (Opcode.MESSAGE_INDEX, Opcode.DATA_END, Opcode.FOOTER)
         if self._data_ended or part.offset == 0 or self._data[part.offset] in helpers:
             self._hurt_index(part, part.what)
         else:
             self._open.append(part)
 
-    def _hurt_index(self, part: Sound | Broken, what: str) -> None:
+    def _hurt_index(self, part: IntactRecord | DamagedStretch, what: str) -> None:
         self.losses.append(Loss(part.offset, part.end - part.offset, what, 0.0, index=True))
 
-    def _chunk(self, part: Sound) -> None:
+    def _chunk(self, part: IntactRecord) -> None:
         self._offsets = {}
         if not self.counts:
             self.compression = part.compression
@@ -244,7 +244,7 @@ class _Look:
         self.end = log_time if self.end is None else max(self.end, log_time)
         return int(channel)
 
-    def _index(self, part: Sound) -> None:
+    def _index(self, part: IntactRecord) -> None:
         index = recover.strict(MessageIndex, part.content)
         if index is not None and sorted(at for _, at in index.records) != self._offsets.get(index.channel_id, []):
             self._hurt_index(part, "an index")
@@ -261,7 +261,7 @@ class _Look:
             for opcode, _, content in recover.records(remains):
                 self._define(opcode, content)
 
-    def _summary_holds(self, footer: Sound) -> bool:
+    def _summary_holds(self, footer: IntactRecord) -> bool:
         start, _, crc = struct.unpack("<QQI", footer.content)
         if not len(MAGIC) <= start < footer.offset:
             return False
@@ -279,7 +279,7 @@ class _Look:
         self._open.clear()
 
 
-def _rewrite(data: mmap.mmap, found: _Look, stream: IO[bytes], progress: Progress) -> None:
+def _rewrite(data: mmap.mmap, found: _Examination, stream: IO[bytes], progress: Progress) -> None:
     """Write everything sound to ``stream``."""
     header = found.header or Header(PROFILE, library())
     copy = McapCopy(stream, header.profile, header.library, found.compression)
@@ -293,7 +293,7 @@ def _rewrite(data: mmap.mmap, found: _Look, stream: IO[bytes], progress: Progres
 
     for part in recover.scan(data):
         progress(len(data) + part.end, 2 * len(data))
-        if isinstance(part, Broken):
+        if isinstance(part, DamagedStretch):
             continue
         if part.opcode == Opcode.CHUNK:
             for opcode, _, content in recover.records(part.content):

@@ -78,7 +78,7 @@ class MapLayer(Protocol):
         """
         ...
 
-    async def forget(self) -> None:
+    async def clear(self) -> None:
         """A map without a name is in use now, of which nothing is known."""
         ...
 
@@ -166,7 +166,7 @@ class Layers:
         while (due := next((layer for layer, told in self._told.items() if told != name), None)) is not None:
             self._told[due] = name
             try:
-                await (due.load(name) if name else due.forget())
+                await (due.load(name) if name else due.clear())
             except MapUnavailable as failure:
                 lack = lack or failure
         if lack is not None:

@@ -24,7 +24,7 @@ LONGEST_DELAY_S = 8.0
 TRUSTED_AFTER_S = 60.0
 
 
-class Restarts:
+class RestartBackoff:
     """When to start a body again: after 0.5 s, 1 s, 2 s ... 8 s, at most ``MOST_IN_A_ROW - 1`` times in a row."""
 
     def __init__(self) -> None:
@@ -46,19 +46,19 @@ class Restarts:
         return min(FIRST_DELAY_S * 2.0 ** (self._failures - 1), LONGEST_DELAY_S)
 
 
-class Revival:
+class BodyRestarter:
     """Starts ``link`` again after it has failed. ``problem`` says why the body does not answer; "" while it does."""
 
     def __init__(
-        self, link: RobotLink, supervisor: Supervisor, forget: Callable[[], None], timeline: Timeline, clock: Clock
+        self, link: RobotLink, supervisor: Supervisor, clear_state: Callable[[], None], timeline: Timeline, clock: Clock
     ) -> None:
-        """``forget`` clears every message that the program keeps."""
+        """``clear_state`` clears every message that the program keeps."""
         self._link = link
         self._supervisor = supervisor
-        self._forget = forget
+        self._clear_state = clear_state
         self._timeline = timeline
         self._clock = clock
-        self._restarts = Restarts()
+        self._restarts = RestartBackoff()
         self._observers: list[Callable[[str], None]] = []
         self.problem = ""
 
@@ -98,7 +98,7 @@ class Revival:
             else:
                 break
         self.up()
-        self._forget()
+        self._clear_state()
         self._supervisor.start_modules()
         self.problem = ""
         log.info("the body answers again")

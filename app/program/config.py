@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, Field, RootModel
 
-from app.attention.calibration import Calibration, calibration_file, load_calibration
+from app.attention.calibration import CostCalibration, calibration_file, load_cost_calibration
 from app.base import paths
 from app.base.errors import ConfigError
 from app.base.yaml_source import Document, load_yaml
@@ -58,7 +58,7 @@ class ProgramConfig(_Model):
     modules: dict[str, ModuleSpec] = Field(min_length=1)
 
 
-class ChannelTable(RootModel[dict[str, ChannelSpec]]):
+class ChannelTableFile(RootModel[dict[str, ChannelSpec]]):
     """The table of channels, as it stands in its file."""
 
 
@@ -71,7 +71,7 @@ class Configuration:
     program_document: Document
     channels_document: Document
     #: What modules cost on the computer it runs on; None where that was never measured.
-    calibration: Calibration | None = None
+    calibration: CostCalibration | None = None
 
     @property
     def folder(self) -> Path:
@@ -114,9 +114,9 @@ def load_configuration(path: Path, *, host: str | None = None) -> Configuration:
         if not (folder / relative).is_file():
             raise document.error(f"there is no file {relative} beside {path}", key)
     channels_document = load_yaml(folder / program.channels)
-    channels = channels_document.validate(ChannelTable).root
+    channels = channels_document.validate(ChannelTableFile).root
     host = host or paths.host_name()
-    calibration = load_calibration(folder / program.calibration, host)
+    calibration = load_cost_calibration(folder / program.calibration, host)
     if calibration is not None:
         measured = ", ".join(sorted(calibration.relations))
         log.info("costs as calibrated", extra={"host": host, "made": calibration.made, "filters": measured})

@@ -31,7 +31,7 @@ from app.maps.library import MapLibrary
 from app.maps.library import default_folder as default_maps_folder
 from app.modules.desire_classes import desire_classes
 from app.program.attachments import snapshot
-from app.program.body_restart import Revival
+from app.program.body_restart import BodyRestarter
 from app.program.config import Configuration, load_configuration
 from app.program.self_report import SelfReport
 from app.program.timeline_feed import TimelineFeed
@@ -125,7 +125,7 @@ class System:
         self.load = LoadMeter(meters, self.clock.now)
         self.watchdog = LoopWatchdog(meters)
         self.translator = self._make_translator()
-        self.revival = Revival(self.link, self.supervisor, self._forget, self.timeline, self.clock)
+        self.body_restarter = BodyRestarter(self.link, self.supervisor, self._clear_state, self.timeline, self.clock)
         self._stack = AsyncExitStack()
         self._tasks: list[asyncio.Task[None]] = []
         self._report = SelfReport(self.graph.channels, self.clock.now, self.graph.filters.divisors)
@@ -145,7 +145,7 @@ class System:
                 log.warning("%s", caution)
             stack.push_async_callback(self.link.stop)
             await self.link.start()
-            self.revival.up()
+            self.body_restarter.up()
             self.supervisor.observe(self._feed.module)
             self.supervisor.observe(self._report.module)
             self._report.open(self.workspace, self.translator, self.timeline)
@@ -171,21 +171,21 @@ class System:
         """Stop the modules, then the wheels, then the body."""
         await self._stack.aclose()
 
-    async def begin_anew(self, jump: Callable[[], None]) -> None:
+    async def reset(self, jump: Callable[[], None]) -> None:
         """End every module, forget all that was said, have ``jump`` move clock and body, and start all afresh.
 
         Desires of others than the modules, budgets and measured costs stay. Returns with the modules about to start.
         """
         await self.supervisor.stop_modules()
-        self._forget()
+        self._clear_state()
         self.timeline.clear()
         jump()
         self.supervisor.start_modules()
 
-    def _forget(self) -> None:
-        self.graph.forget()
-        self.freshness.forget()
-        self._feed.forget()
+    def _clear_state(self) -> None:
+        self.graph.reset()
+        self.freshness.reset()
+        self._feed.reset()
 
     async def keep_going(self) -> Exception:
         """As :meth:`wait_failed`, but a failed body is started again where it can be, unless it keeps dying."""
@@ -193,7 +193,7 @@ class System:
             failure = await self.wait_failed()
             if not isinstance(failure, LinkFailed) or not self.link.description.restartable:
                 return failure
-            final = await self.revival.revive(failure)
+            final = await self.body_restarter.revive(failure)
             if final is not None:
                 return final
 

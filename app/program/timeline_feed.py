@@ -48,7 +48,7 @@ class TimelineFeed:
         self._stale: dict[str, int] = {}
         self._over = dict.fromkeys(budgets, 0)
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Begin anew: whatever comes next is news."""
         self._guard = ""
         self._behavior = None

@@ -340,7 +340,7 @@ class Channel(Generic[M]):
         for subscription in self._subscriptions:
             subscription.end()
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """Forget :attr:`latest` and what waits in every inbox; the counters go on."""
         self.latest = None
         for subscription in self._subscriptions:

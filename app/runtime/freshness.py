@@ -153,7 +153,7 @@ class FreshnessWatch:
         """Call ``callback(channel, freshness)`` whenever a channel's state becomes another."""
         self._observers.append(callback)
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Begin anew: nothing measured, no state known, every channel's first message due from now on."""
         self._rates = {name: RateMeter() for name in self._rates}
         self._since.clear()

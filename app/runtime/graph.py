@@ -17,7 +17,7 @@ from app.runtime.digraph import find_cycle
 from app.runtime.errors import ModuleFailed
 from app.runtime.filter import CLOSED, RateFilter, check_divisor
 from app.runtime.module import Module, ModuleContext, Settings
-from app.runtime.pending_work import Activity
+from app.runtime.pending_work import PendingWork
 
 #: Raises the error for a wiring mistake: (message, key path in the configuration).
 WiringErrorFactory = Callable[[str, tuple[str, ...]], Exception]
@@ -157,7 +157,7 @@ class FilterBank:
         """The filters that are pinned now."""
         return self._pinned.keys()
 
-    def begin_anew(self) -> None:
+    def reset(self) -> None:
         """Let the next message pass wherever a filter is open, a pinned one's after its offset: as at the start."""
         for name, rate_filter in self._filters.items():
             rate_filter.begin(self._pinned.get(name, 0))
@@ -216,7 +216,7 @@ class Graph:
         """
         self._error = error
         self.clock = clock
-        self.activity = Activity()
+        self.pending_work = PendingWork()
         self.specs = dict(channels)
         self.channels: dict[str, Channel[Any]] = {}
         for name, channel_spec in channels.items():
@@ -304,14 +304,14 @@ class Graph:
         """Hand the intention's parameters to ``module``. Raises KeyError for one that is not in the graph."""
         self.modules[module].configure(parameters)
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Forget every message: what waits in inboxes, each channel's latest, how far each filter has counted; and
         what modules kept for their next instance."""
         for channel in self.channels.values():
-            channel.forget()
+            channel.clear()
         for slot in self.modules.values():
-            slot.context.kept.clear()
-        self.filters.begin_anew()
+            slot.context.persistent.clear()
+        self.filters.reset()
 
     def channel(self, name: str) -> Channel[Any]:
         """A channel by name. Raises KeyError naming those there are."""
@@ -333,7 +333,7 @@ class Graph:
             raise self._error(validation_message(module_class.Settings, detail), (*key, "settings", *where)) from None
         try:
             context = ModuleContext(name, self.clock, settings, services)
-            context.activity = self.activity
+            context.pending_work = self.pending_work
             return ModuleSlot(name, module_class, spec, context)
         except ModuleFailed as failure:
             raise self._error(str(failure), key) from None

@@ -14,7 +14,7 @@ LONGEST_STEP_S = 0.2
 HUNG_PERIODS = 10
 
 
-class GivenTime:
+class LoopTime:
     """Time that modules had to work in: no more than passed by either clock.
 
     ``clock`` is theirs, which in a recording may stand or run faster than any computer; ``pace`` is real time there and
@@ -36,7 +36,7 @@ class GivenTime:
         return self._given_s
 
 
-class ProgressWatch:
+class HangDetector:
     """Watches one run of a module; call :meth:`look` about every 0.1 s.
 
     A module makes no progress when an input has messages waiting and none is taken for ``limit_s``, or when a

@@ -20,7 +20,7 @@ from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import Clock
 from app.runtime.errors import InboxOverflow, ModuleFailed
 from app.runtime.load import CpuMeter, MeteredCoroutine
-from app.runtime.pending_work import Activity
+from app.runtime.pending_work import PendingWork
 from app.runtime.ports import Input, Output
 from app.runtime.worker import ModuleWorker
 
@@ -62,29 +62,29 @@ class ModuleContext:
         self.inputs: dict[str, Input[Any]] = {}
         self.outputs: dict[str, Output[Any]] = {}
         self.parameters: dict[str, Any] = {}
-        #: What an instance leaves to the one after a restart; see :attr:`Module.kept`.
-        self.kept: dict[str, Any] = {}
-        #: The latest instance made for this place.
+        #: Values that survive a restart; see :attr:`Module.persistent`.
+        self.persistent: dict[str, Any] = {}
+        #: The newest instance of the module.
         self.instance: Module | None = None
         self.meter = CpuMeter()
         self.worker = ModuleWorker(name)
-        #: For what may take long; its thread begins with the first of that.
-        self.behind = ModuleWorker(f"{name}, behind")
-        #: Where work in threads is counted; the graph's own.
-        self.activity = Activity()
+        #: Runs ``compute_background``; its thread starts with the first call.
+        self.background_worker = ModuleWorker(f"{name}, background")
+        #: Counts calls in threads; one object for the whole graph.
+        self.pending_work = PendingWork()
 
 
 class Module:
     """Base of all modules; see the top of this file, and docs/writing-a-module.md."""
 
-    #: What people call it.
+    #: Name of the module on the page and in messages.
     title: ClassVar[str] = ""
-    #: The model its settings are checked against.
+    #: Model that validates the settings.
     Settings: ClassVar[type[Settings]] = Settings
-    #: Which stream of the body each output relays: the way back from a recorded channel to the body's stream.
+    #: Stream of the body that each output relays; a replay feeds a recorded channel to the stream named here.
     streams: ClassVar[Mapping[str, str]] = {}
-    #: Inputs that only help with what comes on the others: nothing by themselves.
-    aids: ClassVar[frozenset[str]] = frozenset()
+    #: Inputs that improve the results of other inputs and are useless alone.
+    auxiliary_inputs: ClassVar[frozenset[str]] = frozenset()
 
     @classmethod
     def default_inputs(cls, channels: Mapping[str, ChannelSpec]) -> Mapping[str, str]:
@@ -103,7 +103,8 @@ class Module:
         #: As configuration gives them; a subclass with its own ``Settings`` annotates this with that class.
         self.settings: Settings = context.settings
         self.log = logging.getLogger(f"hbba.{context.name}")
-        #: When each periodic handler last came round, and its period (s): how the supervisor tells a hung one.
+        #: By periodic handler: time of its last call (robot's clock, s) and period (s). The supervisor detects hangs by
+        #: it.
         self.ticks: dict[str, tuple[float, float]] = {}
         self._handlers: list[tuple[Input[Any], Callable[[Any], Awaitable[None]]]] = []
         self._timers: list[tuple[float, Callable[[], Awaitable[None]]]] = []
@@ -112,13 +113,14 @@ class Module:
         context.instance = self
 
     @property
-    def kept(self) -> dict[str, Any]:
-        """What outlives this instance: after a restart the next one finds it here. For little that must not be told
-        twice (the next number to give out), or frozen values that would be lost for good (a map nobody saved); what it
-        may have failed of is handed on once, not again and again. Begins empty, and again whenever all begins anew (a
-        replay that jumps).
+    def persistent(self) -> dict[str, Any]:
+        """Values that survive a restart of the module: the next instance reads them here.
+
+        Meant for small values that must not repeat (the next number of a track) and for frozen values that cannot be
+        computed again (a map that was not saved). A value that may itself have caused the failure is to be removed once
+        it was read. The dictionary is empty at the beginning, and again after a reset of the program (a replay jumps).
         """
-        return self._context.kept
+        return self._context.persistent
 
     # --- declaring ---
 
@@ -237,18 +239,20 @@ class Module:
         One at a time, in the order asked. Raises what ``function`` raises.
         """
         loop = asyncio.get_running_loop()
-        with self._context.activity.one():
+        with self._context.pending_work.one():
             return await loop.run_in_executor(self._context.worker, self._context.meter.call, function, *args)
 
-    async def compute_behind(self, function: Callable[..., T], *args: Any) -> T:
-        """As :meth:`compute`, in a second thread of this module: for work that may take long and holds up no message.
+    async def compute_background(self, function: Callable[..., T], *args: Any) -> T:
+        """As :meth:`compute`, in a second thread of this module: for long work that must delay no message.
 
-        What it shares with :meth:`compute` must bear two threads. It has the priority of all others: a thread of less
-        that holds the interpreter's lock would hold up everybody while the computer is busy.
+        Data shared with :meth:`compute` must be safe for two threads. The thread has normal priority: with a lower one,
+        a busy computer could suspend it while it holds the interpreter lock (GIL), and every other thread would wait.
         """
         loop = asyncio.get_running_loop()
-        with self._context.activity.one():
-            return await loop.run_in_executor(self._context.behind, self._context.meter.call, function, *args)
+        with self._context.pending_work.one():
+            return await loop.run_in_executor(
+                self._context.background_worker, self._context.meter.call, function, *args
+            )
 
     async def run(self, started: Callable[[], None] = lambda: None) -> None:
         """Live: start, call ``started``, serve every input and timer until cancelled or until one raises, stop."""

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 LONGEST_SPIN = 100
 
 
-class Activity:
+class PendingWork:
     """Counts the calls under way; for use on the event loop."""
 
     def __init__(self) -> None:

@@ -97,7 +97,7 @@ class Output(Generic[M]):
         self.channel, self.filter, self.offered = former.channel, former.filter, former.offered
         self.filter.on_change = self._filter_changed
         former.channel, former.filter, former.last_word = None, RateFilter(CLOSED), None
-        former.forget_callbacks()
+        former.clear_callbacks()
 
     def publish(self, message: M) -> None:
         """Publish ``message`` if the filter lets it pass; an unwired output swallows it."""
@@ -127,7 +127,7 @@ class Output(Generic[M]):
 
         return end
 
-    def forget_callbacks(self) -> None:
+    def clear_callbacks(self) -> None:
         """Forget everybody who asked to be told whether this output is wanted."""
         self._wanted_callbacks.clear()
         if self._stop_listening is not None:

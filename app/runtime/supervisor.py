@@ -21,7 +21,7 @@ from app.runtime.clock import Clock
 from app.runtime.errors import ModuleFailed
 from app.runtime.graph import ModuleSlot
 from app.runtime.half_imports import forget_half_imports
-from app.runtime.hang_detector import GivenTime, ProgressWatch
+from app.runtime.hang_detector import HangDetector, LoopTime
 from app.runtime.load import MeteredCoroutine
 from app.runtime.worker import ModuleWorker
 
@@ -67,13 +67,13 @@ class _Run:
         self.began_at = given
         self.serving_since: float | None = None
         self.hung = hung
-        self._progress: ProgressWatch | None = None
+        self._progress: HangDetector | None = None
 
     def serve(self, now: float, given: float) -> None:
         """Note that it has started: at ``now`` of the robot's clock, ``given`` of the time modules have to work."""
         self.serving_since = now
         inputs = self.slot.context.inputs.values()
-        self._progress = ProgressWatch(inputs, self.slot.module.ticks, self.slot.spec.hang_after_s, given)
+        self._progress = HangDetector(inputs, self.slot.module.ticks, self.slot.spec.hang_after_s, given)
 
     def look(self, given: float) -> None:
         """Resolve ``hung`` if the module is."""
@@ -95,7 +95,7 @@ class Supervisor:
         self._slots = slots
         self._clock = clock
         self._pace = pace or clock
-        self._given = GivenTime(clock, self._pace)
+        self._given = LoopTime(clock, self._pace)
         self._observers: list[Callable[[ModuleState], None]] = []
         self._tasks: dict[str, asyncio.Task[None]] = {}
         self._watching: asyncio.Task[None] | None = None
@@ -225,12 +225,12 @@ class Supervisor:
             self._replace_workers(slot)
 
     def _replace_workers(self, slot: ModuleSlot) -> None:
-        for worker in (slot.context.worker, slot.context.behind):
+        for worker in (slot.context.worker, slot.context.background_worker):
             worker.shutdown(cancel_futures=True)
             self._leaving.append(worker)
         self._leaving = [worker for worker in self._leaving if worker.alive]
         slot.context.worker = ModuleWorker(slot.name)
-        slot.context.behind = ModuleWorker(f"{slot.name}, behind")
+        slot.context.background_worker = ModuleWorker(f"{slot.name}, background")
 
     def _change(self, slot: ModuleSlot, *, status: Status, **changes: object) -> None:
         before = self.states[slot.name]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.attention.calibration import Calibration
+from app.attention.calibration import CostCalibration
 from app.attention.strategies import CLOSED, Strategy, StrategyTable
 from app.commands.calibrate_report import relations_table, strategies_table
 from app.logs.replay.calibration import Measurement, Run, relations
@@ -27,7 +27,7 @@ RESULTS = {
     Run("Eye", "left", 4): Measurement(0.6, 15, 60),
     Run("Ear", "sound", 1, parameters='{"microphones": 2}'): Measurement(3.0, 0, 60),
 }
-FOUND = Calibration(host="here", made="now", relations=relations(RESULTS))
+FOUND = CostCalibration(host="here", made="now", relations=relations(RESULTS))
 
 
 def test_each_strategy_that_uses_what_was_measured_is_told_with_what_it_declares() -> None:

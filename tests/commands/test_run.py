@@ -93,7 +93,7 @@ class Program:
 @pytest.fixture
 def not_punctual(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is for the life of a process is not for that of a test."""
-    monkeypatch.setattr("app.commands.run.be_punctual", lambda: None)
+    monkeypatch.setattr("app.commands.run.tune_for_latency", lambda: None)
 
 
 @pytest.mark.usefixtures("not_punctual")

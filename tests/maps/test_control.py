@@ -54,7 +54,7 @@ class Layer:
         if name == self._lacks:
             raise MapUnavailable(f"nothing is known of {name}")
 
-    async def forget(self) -> None:
+    async def clear(self) -> None:
         self.told.append("")
 
 

@@ -172,6 +172,6 @@ def test_whatever_comes_after_forgetting_is_news(feed: TimelineFeed, timeline: T
     once = told(timeline)
     tell()
     assert told(timeline) == once
-    feed.forget()
+    feed.reset()
     tell()
     assert told(timeline) == once * 2

@@ -432,7 +432,7 @@ async def test_a_channel_that_forgets_has_nothing_waiting_and_counts_on(make: Ma
     inbox, safe = numbers.subscribe("inbox", capacity=2), numbers.subscribe("safe", capacity=1, lossless=True)
     for value in range(3):
         numbers.publish(make(value))
-    numbers.forget()
+    numbers.clear()
     assert numbers.latest is None
     for subscription in (inbox, safe):
         counters = subscription.statistics()
@@ -452,6 +452,6 @@ async def test_forgetting_makes_room_for_who_waits_to_send(make: Make) -> None:
     sending = asyncio.create_task(numbers.send(make(2), deadline_s=5))
     await asyncio.sleep(1)
     assert not sending.done()
-    numbers.forget()
+    numbers.clear()
     await sending
     assert (await safe.receive()).linear_mps == 2

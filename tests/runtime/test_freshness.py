@@ -311,9 +311,9 @@ async def test_a_watch_that_forgets_waits_for_first_messages_anew(graph: Graph) 
             watch.sample(clock.now())
         now = clock.now()
         assert watch.latest["images"].rate_hz == pytest.approx(10, abs=1)
-        graph.channels["images"].forget()
+        graph.channels["images"].clear()
         assert watch.read(now)["images"].state == "stale", "nothing came for longer than is allowed"
-        watch.forget()
+        watch.reset()
         assert watch.latest == {}
         # Time has gone back: what holds now began now, and nothing was measured yet.
         there = watch.sample(now - 100)["images"]

@@ -387,7 +387,7 @@ def test_a_graph_that_forgets_filters_as_at_its_start(build: Build, make: Callab
         for value in range(4):
             graph.channels["n"].publish(make(value))
             passed.append(inbox.statistics().passed - before)
-        graph.forget()
+        graph.reset()
         assert graph.channels["n"].latest is None
         assert not inbox.waiting
     assert passed == [0, 1, 1, 1] * 2
@@ -413,9 +413,9 @@ def test_a_filter_that_is_given_back_obeys_again(build: Build) -> None:
 def test_what_a_module_keeps_is_there_for_its_next_instance_until_all_is_forgotten(build: Build) -> None:
     graph = build(*WIRED)
     slot = graph.modules["A"]
-    assert slot.module.kept == {}
-    slot.module.kept["next"] = 7
-    assert slot.module_class(slot.context).kept == {"next": 7}
-    assert graph.modules["B"].module.kept == {}
-    graph.forget()
-    assert slot.module.kept == {}
+    assert slot.module.persistent == {}
+    slot.module.persistent["next"] = 7
+    assert slot.module_class(slot.context).persistent == {"next": 7}
+    assert graph.modules["B"].module.persistent == {}
+    graph.reset()
+    assert slot.module.persistent == {}

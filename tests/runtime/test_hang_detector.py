@@ -6,7 +6,7 @@ import pytest
 
 from app.messages import Twist
 from app.runtime.channel import Channel
-from app.runtime.hang_detector import ProgressWatch
+from app.runtime.hang_detector import HangDetector
 from app.runtime.ports import Input
 
 
@@ -21,7 +21,7 @@ class Stage:
         self.channel = channel
         self.ticks: dict[str, tuple[float, float]] = {}
         unwired: Input[Any] = Input("M", "other", Twist, 1, False, False)
-        self.watch = ProgressWatch((self.port, unwired), self.ticks, limit_s, self.now)
+        self.watch = HangDetector((self.port, unwired), self.ticks, limit_s, self.now)
 
     def pass_time(self, seconds: float, step_s: float = 0.1) -> str | None:
         stuck = None

@@ -71,7 +71,7 @@ def look_through(args: argparse.Namespace, seeker: Seeker, title: str, command: 
     paths = find_images(args.files)
     if args.draw is not None:
         make_folder(args.draw, "--draw")
-    look = _Look(args, seeker)
+    look = _PictureSearch(args, seeker)
     documents = []
     with shown(title) as progress:
         for done, path in enumerate(paths):
@@ -109,7 +109,7 @@ def for_json(documents: list[Found]) -> list[Found]:
     return [{name: value for name, value in document.items() if name != "found"} for document in documents]
 
 
-class _Look:
+class _PictureSearch:
     def __init__(self, args: argparse.Namespace, seeker: Seeker) -> None:
         self._args, self._seeker = args, seeker
         self._names: set[str] = set()

@@ -19,7 +19,7 @@ from app.commands.detect.sounds import (
     listen_through,
     open_recording,
 )
-from app.commands.detect.voices_report import Heard, Writer, percept, print_tables, summary
+from app.commands.detect.voices_report import TrackSummary, Writer, percept, print_tables, summary
 from app.commands.output import add_json, print_json
 from app.commands.packaged import config_file
 from app.commands.progress import Progress
@@ -135,7 +135,7 @@ def _heard(
     lifted = array.positions - array.middle + np.array([0.0, 0.0, args.height or 0.0])
     used = MicrophoneArray(lifted, body_m=array.body_m).subset(args.microphones or len(array))
     pipeline = VoicePipeline(used, rate, PipelineSettings(separation=args.separate is not None))
-    tracks: dict[int, Heard] = {}
+    tracks: dict[int, TrackSummary] = {}
     timeline: list[dict[str, Any]] = []
     writer = None if args.separate is None else Writer(args.separate, unused(path.stem, names))
     done = 0
@@ -144,7 +144,7 @@ def _heard(
             sources, separated = pipeline.process(_filled(block, pipeline.step), done / rate, done)
             done += len(block)
             for source in sources.sources:
-                tracks.setdefault(source.track, Heard(sources.stamp)).add(sources.stamp, source)
+                tracks.setdefault(source.track, TrackSummary(sources.stamp)).add(sources.stamp, source)
             if args.json:
                 timeline.append(percept(sources, args.height is not None))
             if writer is not None and separated is not None:

@@ -17,7 +17,7 @@ MOVED_DEG = 15.0
 
 
 @dataclass(slots=True)
-class Heard:
+class TrackSummary:
     """What is told of one track."""
 
     begin_s: float
@@ -111,7 +111,7 @@ def percept(sources: SoundSources, ranges: bool) -> dict[str, Any]:
     return {"time_s": round(sources.stamp, 4), "sources": told}
 
 
-def summary(track: int, told: Heard, ranges: bool) -> dict[str, Any]:
+def summary(track: int, told: TrackSummary, ranges: bool) -> dict[str, Any]:
     """One track's summary."""
     import numpy as np
 

@@ -22,7 +22,7 @@ import numpy as np
 from app.base.geometry import Pose2, Pose3
 from app.base.plain_file import open_plain
 from app.logs.importers.carmen_clock import ASSUMED_PERIOD_S, Advance, CarmenClock, Clock
-from app.logs.importers.carmen_lines import KINDS, Beams, Odom, Param, parse
+from app.logs.importers.carmen_lines import KINDS, CarmenOdometry, CarmenScan, Param, parse
 from app.logs.importers.range_limit import FarEnd
 from app.logs.log import LogError, Logged, LoggedChannel, LogInfo
 from app.logs.manifest import Manifest
@@ -177,9 +177,9 @@ class CarmenLog:
                 raise
 
     def _messages_of(
-        self, row: Odom | Beams, stamp: float, twist: tuple[float, float], wanted: Collection[str]
+        self, row: CarmenOdometry | CarmenScan, stamp: float, twist: tuple[float, float], wanted: Collection[str]
     ) -> Iterator[tuple[str, LaserScan | Odometry]]:
-        if isinstance(row, Odom):
+        if isinstance(row, CarmenOdometry):
             if "odometry" in wanted:
                 yield "odometry", Odometry(stamp, row.pose, row.linear_mps, row.angular_radps)
             return
@@ -191,7 +191,7 @@ class CarmenLog:
         if channel in wanted:
             yield channel, self._scan(channel, row, stamp)
 
-    def _scan(self, channel: str, row: Beams, stamp: float) -> LaserScan:
+    def _scan(self, channel: str, row: CarmenScan, stamp: float) -> LaserScan:
         limit = self._limit(row)
         ranges = np.where(row.ranges < limit, row.ranges, np.float32(np.inf))
         intensities = np.zeros_like(ranges) if row.intensities is None else row.intensities
@@ -201,7 +201,7 @@ class CarmenLog:
             self._mount(channel, row),
         )  # fmt: skip
 
-    def _limit(self, row: Beams) -> float:
+    def _limit(self, row: CarmenScan) -> float:
         """The range (m) from which a reading says that nothing was seen."""
         pile = self._pile_m.get(row.kind)
         if row.maximum is None and pile is not None:
@@ -210,7 +210,7 @@ class CarmenLog:
         codes = low if low <= self._survey.farthest_m[row.kind] < top else _LMS_CODES_CM
         return min(codes, row.maximum or math.inf)
 
-    def _mount(self, channel: str, row: Beams) -> Pose3:
+    def _mount(self, channel: str, row: CarmenScan) -> Pose3:
         """Pose of the laser in the base: as the line's two poses say, or the parameters, where those are the same."""
         turn = 0.0 if channel == "scan" else math.pi
         if row.robot is not None and row.laser is not None and row.robot != row.laser:
@@ -255,12 +255,12 @@ class CarmenLog:
         return ignored
 
 
-def _twist(row: Odom | Beams) -> tuple[float, float] | None:
-    return (row.linear_mps, row.angular_radps) if isinstance(row, Odom) else row.twist
+def _twist(row: CarmenOdometry | CarmenScan) -> tuple[float, float] | None:
+    return (row.linear_mps, row.angular_radps) if isinstance(row, CarmenOdometry) else row.twist
 
 
-def _kind(row: Odom | Beams) -> str:
-    return "ODOM" if isinstance(row, Odom) else row.kind
+def _kind(row: CarmenOdometry | CarmenScan) -> str:
+    return "ODOM" if isinstance(row, CarmenOdometry) else row.kind
 
 
 def _surveyed(path: Path) -> _Survey:
@@ -329,7 +329,7 @@ def _gone_through(path: Path, clock: Clock, advance: Advance) -> _Survey:
         survey.kinds[kind] += 1
         survey.begin = min(survey.begin, times[0])
         survey.end = times[0]
-        if isinstance(row, Beams) and row.ranges.size:
+        if isinstance(row, CarmenScan) and row.ranges.size:
             _count_readings(survey, row)
     if first_back and isinstance(clock, CarmenClock):
         survey.back = (
@@ -339,7 +339,7 @@ def _gone_through(path: Path, clock: Clock, advance: Advance) -> _Survey:
     return survey
 
 
-def _count_readings(survey: _Survey, row: Beams) -> None:
+def _count_readings(survey: _Survey, row: CarmenScan) -> None:
     if row.blank:
         survey.blank[row.kind] += row.blank
     survey.wordless[row.kind] += row.maximum is None
@@ -357,7 +357,7 @@ def _first_clock(path: Path) -> CarmenClock:
             row = parse(line)
         except ValueError:
             continue
-        if isinstance(row, Odom | Beams):
+        if isinstance(row, CarmenOdometry | CarmenScan):
             first.append(row.times)
             if len(first) == _FIRST_LINES:
                 break

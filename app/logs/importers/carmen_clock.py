@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import Self
 
-from app.logs.importers.carmen_lines import Times
+from app.logs.importers.carmen_lines import CarmenTimes
 from app.logs.stamps import Onward
 
 #: A line of a log that goes back further than this (s), or on further, was not written at the time that it says.
@@ -32,7 +32,7 @@ class CarmenClock:
     started: bool = False
     stamps: dict[str, Onward] = field(default_factory=dict)
 
-    def next(self, kind: str, times: Times) -> tuple[float, float] | None:
+    def next(self, kind: str, times: CarmenTimes) -> tuple[float, float] | None:
         """Arrival and capture (s) of a line; None for times that cannot be.
 
         Arrivals never go back: the lines of a log are in the order of their arrival, though some loggers wrote times a
@@ -76,7 +76,7 @@ class OrderClock:
         """The time (s) of the last line."""
         return max(self.lines - 1, 0) * self.period_s
 
-    def next(self, kind: str, times: Times) -> tuple[float, float]:
+    def next(self, kind: str, times: CarmenTimes) -> tuple[float, float]:
         """Arrival and capture (s) of a line: the same."""
         self.lines += 1
         return self.at, self.at
@@ -98,7 +98,7 @@ class Advance:
     advancing: Counter[str] = field(default_factory=Counter)
     greatest: dict[str, float] = field(default_factory=dict)
 
-    def count(self, kind: str, times: Times, timed: bool) -> None:
+    def count(self, kind: str, times: CarmenTimes, timed: bool) -> None:
         """Count a line; ``timed``: whether its times are possible."""
         self.lines[kind] += 1
         if not timed:

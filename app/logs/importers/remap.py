@@ -67,7 +67,7 @@ class Frames(_Model):
     odom: str | None = None
 
 
-class Source(_Model):
+class RemapSource(_Model):
     """What a channel is made of: one ``topic``, a transform (``tf: odom -> base_link``), or a camera's topics."""
 
     topic: TopicName | None = None
@@ -89,7 +89,7 @@ class Source(_Model):
         return value
 
     @model_validator(mode="after")
-    def _one_kind(self) -> Source:
+    def _one_kind(self) -> RemapSource:
         if [self.topic, self.tf, self.color].count(None) != 2:
             raise ValueError("exactly one of `topic`, `tf` and `color` says where a channel comes from")
         for_cameras = {"depth", "info", "X_BC", "tolerance_s"} & self.model_fields_set
@@ -112,7 +112,7 @@ class Remap(_Model):
     """The whole file. Made in memory it has no lines to name in errors; :func:`load_remap` gives it them."""
 
     frames: Frames = Frames()
-    channels: Mapping[str, Source] = Field(default_factory=dict)
+    channels: Mapping[str, RemapSource] = Field(default_factory=dict)
     _document: Document | None = PrivateAttr(default=None)
 
     def error(self, message: str, key_path: Sequence[str | int]) -> ConfigError:

@@ -11,7 +11,7 @@ from rosbags.interfaces import Connection
 from app.base.geometry import Pose3
 from app.logs.importers import ros_messages as ros
 from app.logs.importers.remap import Remap, Undecided
-from app.logs.importers.ros_camera import Calibration, PinholeCamera
+from app.logs.importers.ros_camera import CameraInfo, PinholeCamera
 from app.logs.importers.ros_open import DAMAGE, opened, words
 from app.logs.importers.ros_stream import Received, RosStream, Setting, add_transforms, is_static
 from app.logs.importers.ros_topics import (
@@ -20,11 +20,11 @@ from app.logs.importers.ros_topics import (
     PLAIN,
     TF_TYPES,
     Ambiguous,
+    BagTopic,
     ChannelSource,
     FromCamera,
     FromTf,
     FromTopic,
-    Topic,
     described,
     guessed,
     ignored,
@@ -152,23 +152,23 @@ class RosBag:
         except DAMAGE as failure:
             raise LogError(f"{self._path}: is damaged: {words(failure)}") from None
 
-    def _topics(self) -> list[Topic]:
+    def _topics(self) -> list[BagTopic]:
         topics = []
         for name, info in sorted(self._reader.topics.items()):
             # Several publishers may say different things of a topic's type; the first is taken.
             kind = info.msgtype or self._connections[name][0].msgtype
-            topic = Topic(name, kind, info.msgcount)
+            topic = BagTopic(name, kind, info.msgcount)
             if info.msgcount and (kind in COLOR_TYPES or kind == INFO_TYPE or kind in PLAIN):
                 first = self._peek(name)
                 holds = ros.encoding_of(first.message) if kind in COLOR_TYPES else ""
                 frame = ros.frame_of(first.message) if hasattr(first.message, "header") else ""
-                topic = Topic(name, kind, info.msgcount, holds, frame)
+                topic = BagTopic(name, kind, info.msgcount, holds, frame)
             topics.append(topic)
-        others: dict[str, Topic] = {}
+        others: dict[str, BagTopic] = {}
         for connection in self._others:
             before = others.get(connection.topic)
             count = connection.msgcount + (before.count if before else 0)
-            others[connection.topic] = Topic(connection.topic, connection.msgtype, count)
+            others[connection.topic] = BagTopic(connection.topic, connection.msgtype, count)
         return topics + sorted(others.values(), key=lambda topic: topic.name)
 
     def _peek(self, topic: str) -> Received:
@@ -203,10 +203,10 @@ class RosBag:
         odom = (chosen and chosen.odom) or "odom"
         return base.lstrip("/"), odom.lstrip("/")
 
-    def _settled(self, topics: list[Topic], notes: list[str]) -> Setting:
+    def _settled(self, topics: list[BagTopic], notes: list[str]) -> Setting:
         by_name = {topic.name: topic for topic in topics}
         placements: dict[str, Pose3] = {}
-        calibrations: dict[str, Calibration | None] = {}
+        calibrations: dict[str, CameraInfo | None] = {}
         tolerances: dict[str, float] = {}
         for channel, source in self._channels.items():
             if isinstance(source, FromCamera):
@@ -239,8 +239,8 @@ class RosBag:
                 )
         return Setting(self._base, frozenset(self._tf), placements, calibrations, tolerances)
 
-    def _calibration(self, channel: str, source: FromCamera, notes: list[str]) -> Calibration | None:
-        calibration = Calibration.of(self._peek(source.info).message) if source.info else None
+    def _calibration(self, channel: str, source: FromCamera, notes: list[str]) -> CameraInfo | None:
+        calibration = CameraInfo.of(self._peek(source.info).message) if source.info else None
         if calibration is None:
             notes.append(
                 f"{channel}: no CameraInfo with a calibration: taken for a camera of 57 degrees without distortion"
@@ -256,7 +256,7 @@ class RosBag:
     def _duration_s(self) -> float:
         return max(self._reader.end_time - 1 - self._reader.start_time, 0) / SECOND
 
-    def _described(self, topics: list[Topic], notes: list[str], *, chosen: bool) -> LogInfo:
+    def _described(self, topics: list[BagTopic], notes: list[str], *, chosen: bool) -> LogInfo:
         channels = {}
         counts = {topic.name: topic.count for topic in topics}
         for name, source in self._channels.items():
@@ -266,12 +266,12 @@ class RosBag:
             channels[name] = LoggedChannel(name, message_type(source), count, rate)
         return self._log_info(topics, channels, ignored(topics, self._channels, chosen), tuple(notes))
 
-    def _undecided(self, topics: list[Topic]) -> LogInfo:
+    def _undecided(self, topics: list[BagTopic]) -> LogInfo:
         return self._log_info(topics, {}, {topic.name: described(topic) for topic in topics}, ())
 
     def _log_info(
         self,
-        topics: list[Topic],
+        topics: list[BagTopic],
         channels: dict[str, LoggedChannel],
         reasons: Mapping[str, str],
         notes: tuple[str, ...],

@@ -16,9 +16,9 @@ import numpy as np
 
 from app.base.geometry import Pose3, wrap_angle
 from app.logs.importers import ros_messages as ros
-from app.logs.importers.ros_camera import Calibration, PinholeCamera, fitted
+from app.logs.importers.ros_camera import CameraInfo, PinholeCamera, fitted
 from app.logs.importers.ros_topics import ChannelSource, FromCamera, FromTf, FromTopic, rectified
-from app.logs.importers.transforms import Placed, Transforms
+from app.logs.importers.transforms import StampedTransform, Transforms
 from app.logs.log import Logged
 from app.messages import Image, JointState, LaserScan, Odometry, Twist, read_only
 
@@ -53,12 +53,12 @@ class Setting:
     base: str
     tf: frozenset[str]
     placements: Mapping[str, Pose3]
-    calibrations: Mapping[str, Calibration | None]
+    calibrations: Mapping[str, CameraInfo | None]
     tolerances: Mapping[str, float]
 
 
 @dataclass(slots=True)
-class _Camera:
+class _CameraStream:
     """What a camera's pictures need: its depths of the last moments, and its calibrations by the pictures' size."""
 
     depths: deque[tuple[float, Received]] = field(default_factory=deque)
@@ -77,7 +77,7 @@ class RosStream:
         self._channels = channels
         self._topics: dict[str, list[str]] = {}
         self._depth_of: dict[str, list[str]] = {}
-        self._cameras: dict[str, _Camera] = {}
+        self._cameras: dict[str, _CameraStream] = {}
         self._odometry: dict[str, Odometry | None] = {}
         self._complaints: set[str] = set()
         for name, source in channels.items():
@@ -87,7 +87,7 @@ class RosStream:
                 self._odometry[name] = None
             else:
                 self._topics.setdefault(source.color, []).append(name)
-                self._cameras[name] = _Camera()
+                self._cameras[name] = _CameraStream()
                 if source.depth:
                     self._depth_of.setdefault(source.depth, []).append(name)
 
@@ -228,7 +228,7 @@ def add_transforms(transforms: Transforms, message: Any, at: float, *, static: b
         quaternion = (float(q.x), float(q.y), float(q.z), float(q.w))
         if not sum(value * value for value in quaternion) > 1e-6:
             continue  # no rotation: tf refuses these too
-        placed = Placed(stamp, (float(t.x), float(t.y), float(t.z)), quaternion)
+        placed = StampedTransform(stamp, (float(t.x), float(t.y), float(t.z)), quaternion)
         transforms.add(ros.frame_of(stamped), child, placed, static=static)
         children.append((child, stamp))
     return children

@@ -48,7 +48,7 @@ def slerp(a: Quaternion, b: Quaternion, fraction: float) -> Quaternion:
 
 
 @dataclass(frozen=True, slots=True)
-class Placed:
+class StampedTransform:
     """Pose of a child frame in its parent at ``stamp`` (s)."""
 
     stamp: float
@@ -59,18 +59,18 @@ class Placed:
         """As a pose. Raises ValueError for a quaternion of length 0."""
         return Pose3(rotation(self.quaternion), np.array(self.translation, dtype=np.float64))
 
-    def between(self, other: Placed, stamp: float) -> Placed:
+    def between(self, other: StampedTransform, stamp: float) -> StampedTransform:
         """Interpolated at ``stamp`` between this and a later one."""
         f = (stamp - self.stamp) / (other.stamp - self.stamp)
         x, y, z = (a + f * (b - a) for a, b in zip(self.translation, other.translation, strict=True))
-        return Placed(stamp, (x, y, z), slerp(self.quaternion, other.quaternion, f))
+        return StampedTransform(stamp, (x, y, z), slerp(self.quaternion, other.quaternion, f))
 
 
 @dataclass(slots=True)
 class _Edge:
     parent: str
     static: bool
-    past: list[Placed] = field(default_factory=list)
+    past: list[StampedTransform] = field(default_factory=list)
 
 
 class Transforms:
@@ -85,7 +85,7 @@ class Transforms:
         self._tolerance_s = tolerance_s
         self._edges: dict[str, _Edge] = {}
 
-    def add(self, parent: str, child: str, placed: Placed, *, static: bool) -> None:
+    def add(self, parent: str, child: str, placed: StampedTransform, *, static: bool) -> None:
         """A transform that was published; a frame that stood still stays so."""
         edge = self._edges.get(child)
         if edge is None or edge.parent != parent or (static and not edge.static):
@@ -159,7 +159,7 @@ class Transforms:
             frame = edge.parent
         return pose
 
-    def _at(self, past: list[Placed], stamp: float) -> Placed | None:
+    def _at(self, past: list[StampedTransform], stamp: float) -> StampedTransform | None:
         after = bisect_right(past, stamp, key=_stamp)
         if 0 < after < len(past):
             return past[after - 1].between(past[after], stamp)
@@ -167,5 +167,5 @@ class Transforms:
         return nearest if abs(nearest.stamp - stamp) <= self._tolerance_s else None
 
 
-def _stamp(placed: Placed) -> float:
+def _stamp(placed: StampedTransform) -> float:
     return placed.stamp

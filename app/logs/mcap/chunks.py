@@ -69,7 +69,7 @@ class ChunkSpan:
 
 
 @dataclass(slots=True)
-class Contents:
+class FileContents:
     """What a file holds: ``end`` is the byte after its last whole chunk; ``complete`` files have a summary."""
 
     header: Header = field(default_factory=lambda: Header("", ""))
@@ -107,9 +107,9 @@ def spans(file: BinaryIO) -> Iterator[Span]:
         offset += RECORD_HEAD.size + length
 
 
-def scan(file: BinaryIO) -> Contents:
+def scan(file: BinaryIO) -> FileContents:
     """Look through ``file``, skipping what chunks hold. Raises LogError where it is no MCAP file."""
-    found = Contents(end=len(MAGIC))
+    found = FileContents(end=len(MAGIC))
     pending: Span | None = None
     indexes: list[Span] = []
 
@@ -150,7 +150,7 @@ def scan(file: BinaryIO) -> Contents:
     return found
 
 
-def complete(path: Path) -> Contents:
+def complete(path: Path) -> FileContents:
     """Give a file that has no end its summary, in place, cutting off what was half written.
 
     Raises LogError where it is no MCAP file, OSError where it cannot be written.
@@ -219,7 +219,7 @@ class _Summary:
         """How many message records there are."""
         return sum(self._counts.values())
 
-    def take(self, file: BinaryIO, found: Contents, shift: dict[int, int] | None) -> None:
+    def take(self, file: BinaryIO, found: FileContents, shift: dict[int, int] | None) -> None:
         """Add what ``file`` holds, whose records now stand at ``shift[offset]`` (None: where they were)."""
 
         def place(span: Span) -> int:

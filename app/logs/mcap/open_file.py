@@ -84,7 +84,7 @@ class RecordEncoder(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Topic:
+class FileTopic:
     """A topic as a file tells of it: ``definition`` is its type's text, ``metadata`` stands in its channel record."""
 
     name: str
@@ -122,7 +122,7 @@ class McapFile:
 
     def __init__(
         self, path: Path, encoder: RecordEncoder, manifest: Manifest, at: float,
-        topics: dict[str, Topic] | None = None, open_file: OpenFile = create,
+        topics: dict[str, FileTopic] | None = None, open_file: OpenFile = create,
     ) -> None:  # fmt: skip
         """Create ``path`` and begin it with ``manifest``, recorded ``at`` (robot's clock, s).
 
@@ -135,7 +135,7 @@ class McapFile:
         self.messages = 0
         self._encoder = encoder
         self._records = 0
-        self._topics: dict[str, Topic] = {} if topics is None else topics
+        self._topics: dict[str, FileTopic] = {} if topics is None else topics
         self._ids: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
         self._closed = False
@@ -220,11 +220,11 @@ class McapFile:
         if topic is None:
             if metadata is None:
                 metadata = self._encoder.channel_metadata(record.topic)
-            topic = Topic(record.topic, record.type, self._encoder.definition(record.type), metadata)
+            topic = FileTopic(record.topic, record.type, self._encoder.definition(record.type), metadata)
             self._topics[record.topic] = topic
         return self._register(topic)
 
-    def _register(self, topic: Topic) -> int:
+    def _register(self, topic: FileTopic) -> int:
         schema = self._schemas.get(topic.type)
         if schema is None:
             schema = self._writer.register_schema(topic.type, layout.SCHEMA_ENCODING, topic.definition.encode())

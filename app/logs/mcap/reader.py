@@ -18,7 +18,7 @@ from app.logs.manifest import AttachedFile, Manifest
 from app.logs.mcap.bounds import BoundedReader, check_chunks, records_of
 from app.logs.mcap.damage import LogDamaged, missing, place
 from app.logs.mcap.structure import DAMAGE, MAGIC, RECORD_HEAD, is_closed
-from app.logs.ros.decoder import Contents, Decoder, StoredTopic, contents
+from app.logs.ros.decoder import DecodableContents, Decoder, StoredTopic, contents
 from app.logs.stamps import from_ns, to_ns
 
 FORMAT = "HBBA MCAP"
@@ -140,7 +140,7 @@ class McapLog:
         check_chunks(self._path, self._file, summary)
         return reader, summary
 
-    def _topics(self) -> Contents:
+    def _topics(self) -> DecodableContents:
         topics = []
         for channel in self._summary.channels.values():
             schema = self._summary.schemas.get(channel.schema_id)

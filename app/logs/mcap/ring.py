@@ -13,7 +13,7 @@ from typing import Any
 
 from app.logs.log import LogError
 from app.logs.manifest import Manifest
-from app.logs.mcap.open_file import McapFile, OpenFile, RecordEncoder, Topic, create
+from app.logs.mcap.open_file import FileTopic, McapFile, OpenFile, RecordEncoder, create
 from app.logs.mcap.ring_folder import SEGMENT, STATE, make_home, save
 from app.logs.output import Progress, unwatched
 
@@ -56,7 +56,7 @@ class Ring:
         self.folder = folder
         self.keep_s = keep_s
         self._new_encoder = new_encoder
-        self._topics: dict[str, Topic] = {}
+        self._topics: dict[str, FileTopic] = {}
         self._manifest = manifest
         self._state_key = state_key
         self._segment_s = segment_s
@@ -122,7 +122,7 @@ class Ring:
             self._file.abandon()
         self._lock_file.close()
 
-    def hold(self, at: float, seconds: float | None) -> Hold:
+    def hold(self, at: float, seconds: float | None) -> HeldSegments:
         """Close the segment in progress and keep those of the last ``seconds`` (None: all) from being deleted.
 
         Called in the writer's thread; the hold is used and released in any other. Raises OSError.
@@ -133,7 +133,7 @@ class Ring:
         with self._guard:
             for segment in chosen:
                 self._held[segment.path] = self._held.get(segment.path, 0) + 1
-        return Hold(chosen, self._release)
+        return HeldSegments(chosen, self._release)
 
     def _release(self, segments: Iterable[Segment]) -> None:
         with self._guard:
@@ -196,14 +196,14 @@ class Ring:
                 shutil.rmtree(self._home, ignore_errors=True)
 
 
-class Hold:
+class HeldSegments:
     """Segments that stay until they are copied; release it by leaving the ``with`` block."""
 
     def __init__(self, segments: list[Segment], release: Callable[[Iterable[Segment]], None]) -> None:
         self.segments = segments
         self._release = release
 
-    def __enter__(self) -> Hold:
+    def __enter__(self) -> HeldSegments:
         return self
 
     def __exit__(self, *_: object) -> None:

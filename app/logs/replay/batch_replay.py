@@ -30,7 +30,7 @@ _ONE_ALONE = 1_000_000_000
 
 
 @dataclass(frozen=True, slots=True)
-class SideBySide:
+class BatchReplay:
     """A program of ``runs`` of one module: the nth by the module ``names[n]``, which tells what it finds on the channel
     ``events[n]`` (None: on none); ``pins`` holds its filters, ``parameters`` is what each is handed."""
 
@@ -48,12 +48,12 @@ class SideBySide:
                 filters.pin(f"{name}.{run.port}", Pin(run.phi, run.offset))
 
 
-def side_by_side(configuration: Configuration, runs: Sequence[Run], attended: Collection[str]) -> SideBySide:
+def batch_program(configuration: Configuration, runs: Sequence[Run], attended: Collection[str]) -> BatchReplay:
     """The program that makes ``runs``, all of one module, at once.
 
     Of the filters ``attended`` by attention (``Module.port``), those not measured are closed. Those measured let one
-    message pass and then wait for :meth:`SideBySide.begin`. A module's events are what it tells on its first output, as
-    configuration names them.
+    message pass and then wait for :meth:`BatchReplay.begin`. A module's events are the messages of its first output in
+    configuration order.
     """
     module = runs[0].module
     spec = configuration.program.modules[module]
@@ -68,7 +68,7 @@ def side_by_side(configuration: Configuration, runs: Sequence[Run], attended: Co
         ports = (port for owner, _, port in (other.partition(".") for other in attended) if owner == module)
         pins.update({f"{name}.{port}": Pin(CLOSED) for port in ports})
         pins[f"{name}.{run.port}"] = Pin(run.phi if run.phi == 1 else _ONE_ALONE)
-    return SideBySide(
+    return BatchReplay(
         replace(
             configuration, program=configuration.program.model_copy(update={"modules": modules}), channels=channels
         ),
@@ -102,7 +102,7 @@ def batches(runs: Sequence[Run], most: int = MOST) -> list[list[Run]]:
     return found
 
 
-class TakingTurns(CpuMeter):
+class ExclusiveCpuMeter(CpuMeter):
     """A meter whose module computes only while no other one with the same ``lock`` does; waiting costs nothing."""
 
     __slots__ = ("_turn",)
@@ -117,11 +117,11 @@ class TakingTurns(CpuMeter):
             return super().call(function, *args)
 
 
-def take_turns(system: System) -> None:
+def serialize_computing(system: System) -> None:
     """Have the modules of ``system``, which does not run yet, compute one after the other.
 
     Beside each other they would push each other out of the processor's caches, and each would seem dearer.
     """
     lock = threading.RLock()
     for slot in system.graph.modules.values():
-        slot.context.meter = TakingTurns(lock)
+        slot.context.meter = ExclusiveCpuMeter(lock)

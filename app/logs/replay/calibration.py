@@ -16,7 +16,7 @@ from itertools import groupby
 from pathlib import Path
 from statistics import median
 
-from app.attention.calibration import Fit, Point, Relation, relation_name
+from app.attention.calibration import CostFit, Point, Relation, relation_name
 from app.attention.strategies import CLOSED, StrategyTable
 
 
@@ -127,7 +127,7 @@ def _point(phi: int, measurements: Sequence[Measurement]) -> Point:
     )
 
 
-def fit(points: Iterable[tuple[float, float]]) -> Fit:
+def fit(points: Iterable[tuple[float, float]]) -> CostFit:
     """The line ``base + slope / φ`` with the least squared distances from ``points`` (φ, value).
 
     Through one point alone (or several of one φ), the value is taken as proportional to 1/φ.
@@ -144,10 +144,10 @@ def fit(points: Iterable[tuple[float, float]]) -> Fit:
         slope = math.fsum((x - mean_x) * (y - mean_y) for x, y in zip(xs, ys, strict=True)) / spread
         base = mean_y - slope * mean_x
     squares = math.fsum((base + slope * x - y) ** 2 for x, y in zip(xs, ys, strict=True))
-    return Fit(base=round(base, 5), slope=round(slope, 5), residual=round(math.sqrt(squares / n), 5))
+    return CostFit(base=round(base, 5), slope=round(slope, 5), residual=round(math.sqrt(squares / n), 5))
 
 
-class Progress:
+class CalibrationProgress:
     """Results so far, on disk after every batch, so that a calibration that was interrupted goes on where it was.
 
     ``key`` says what they are results of (recording, program, version): those of another key are not used.
@@ -185,7 +185,7 @@ class Progress:
 def measure_all(
     runs: Sequence[Run],
     measure: Callable[[Sequence[Run]], Sequence[Measurement]],
-    progress: Progress,
+    progress: CalibrationProgress,
     batches: Callable[[Sequence[Run]], Sequence[Sequence[Run]]],
 ) -> dict[Run, Measurement]:
     """Make the runs that ``progress`` does not have yet, in order and in ``batches``; the results of all ``runs``."""

@@ -12,11 +12,11 @@ from typing import Any
 from app.attention.intention import Intention
 from app.logs.library import RecordingLibrary
 from app.logs.log import Log
-from app.logs.replay.message_hash import Digest
+from app.logs.replay.message_hash import MessageHash
 from app.logs.replay.options import ReplayOptions
 from app.logs.replay.replay import Replay
 from app.logs.replay.replay_config import OWN_RECORDS
-from app.logs.replay.report import ChannelReport, InputReport, IntentionLine, ModuleReport, ReplayReport
+from app.logs.replay.report import ChannelReport, InputReport, IntentionLine, ReplayedModule, ReplayReport
 from app.messages import LoadRecord, LogLine, RecorderStatus
 from app.modules.recording.recorder import Recorder
 from app.program.system import System
@@ -37,7 +37,7 @@ _OF_THE_MACHINE = (LoadRecord, LogLine, RecorderStatus)
 
 
 @dataclass(frozen=True, slots=True)
-class Watch:
+class ReplayWatch:
     """What may be looked on with while a replay runs; all are called on the loop and must not wait.
 
     ``progress(position)``: so far (robot's clock, s). ``message(channel, message)``: everything that the report counts.
@@ -57,7 +57,7 @@ def run_headless(
     *,
     speed: float | None = None,
     recordings: RecordingLibrary | None = None,
-    watch: Watch | None = None,
+    watch: ReplayWatch | None = None,
     digests: bool = True,
 ) -> ReplayReport:
     """Replay ``log`` and say what came of it; not to be called on an event loop.
@@ -68,7 +68,7 @@ def run_headless(
     options = options or ReplayOptions()
     clock = VirtualClock(origin=log.info.begin if options.begin is None else options.begin)
     replay = Replay(log, clock, options, recordings=recordings, reproducible=True)
-    watch = watch or Watch()
+    watch = watch or ReplayWatch()
     watch.built(replay.system)
     journal = _Journal(replay.system, watch, digests)
     return run_virtual(_relive(replay, journal, speed), patience_s=PATIENCE_S)
@@ -138,7 +138,7 @@ async def _real_sleep(seconds: float) -> None:
     await asyncio.get_running_loop().run_in_executor(None, time.sleep, seconds)
 
 
-def _module(system: System, name: str, before_ns: int) -> ModuleReport:
+def _module(system: System, name: str, before_ns: int) -> ReplayedModule:
     slot = system.graph.modules[name]
     inputs = {}
     for port_name, port in slot.context.inputs.items():
@@ -147,7 +147,7 @@ def _module(system: System, name: str, before_ns: int) -> ModuleReport:
             inputs[port_name] = InputReport(
                 port.channel.name, float(count.divisor), count.received, count.passed, count.taken, count.dropped
             )
-    return ModuleReport(
+    return ReplayedModule(
         cpu_s=(slot.context.meter.cpu_ns - before_ns) / 1e9,
         inputs=inputs,
         outputs={port: system.graph.channels[channel].published for port, channel in sorted(slot.spec.outputs.items())},
@@ -158,7 +158,7 @@ def _module(system: System, name: str, before_ns: int) -> ModuleReport:
 class _Journal:
     """Notes what every channel of the program says, without being a consumer of any."""
 
-    def __init__(self, system: System, watch: Watch, digests: bool) -> None:
+    def __init__(self, system: System, watch: ReplayWatch, digests: bool) -> None:
         self.watch = watch
         self.intentions: list[IntentionLine] = []
         self._system = system
@@ -166,7 +166,7 @@ class _Journal:
         graph = system.graph
         # What the program says; what is fed to it from the log is none of its doing.
         self._digests = {
-            name: Digest()
+            name: MessageHash()
             for name, channel in graph.channels.items()
             if channel.message_type not in _OF_THE_MACHINE
             and (name in graph.producers or channel.message_type in OWN_RECORDS)

@@ -9,9 +9,9 @@ from functools import cache
 from typing import Any, get_args, get_origin, get_type_hints
 
 from app.logs.log import Log
-from app.logs.replay.batch_replay import side_by_side, take_turns
+from app.logs.replay.batch_replay import batch_program, serialize_computing
 from app.logs.replay.calibration import Measurement, Run
-from app.logs.replay.headless import Watch, run_headless
+from app.logs.replay.headless import ReplayWatch, run_headless
 from app.logs.replay.options import ReplayOptions
 from app.program.config import Configuration
 from app.program.system import System
@@ -43,7 +43,7 @@ class Bench:
 
         ``progress`` is told which share of it is done. Raises ConfigError, LogError, LinkFailed.
         """
-        program = side_by_side(self._configuration, runs, self._attended)
+        program = batch_program(self._configuration, runs, self._attended)
         before = self.begin - WARM_UP_S
         events: Counter[str | None] = Counter()
         warmed: dict[str, float] = {}
@@ -69,10 +69,10 @@ class Bench:
             config=program.configuration,
             desires=False,
         )
-        watch = Watch(
+        watch = ReplayWatch(
             progress=lambda position: progress((position - before) / (self.end - before)),
             message=count,
-            built=take_turns,
+            built=serialize_computing,
             beside=warm_up,
         )
         report = run_headless(self._log, options, watch=watch, digests=False)

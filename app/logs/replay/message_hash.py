@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 
-class Digest:
+class MessageHash:
     """Of all messages of a channel, in their order."""
 
     def __init__(self) -> None:
@@ -32,7 +32,7 @@ class Digest:
 
 def fingerprint(message: Any) -> str:
     """Of one message; also of numbers, texts, arrays, tuples and mappings of them."""
-    digest = Digest()
+    digest = MessageHash()
     digest.add(message)
     return digest.hex()
 

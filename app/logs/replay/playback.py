@@ -14,7 +14,7 @@ from app.logs.log import Log, LogError, LogInfo
 from app.logs.mcap.damage import LogDamaged, missing
 from app.logs.replay.playback_state import Phase, PlaybackState, checked_speed
 from app.logs.replay.replay_body import ReplayBody
-from app.logs.replay.seek import Places
+from app.logs.replay.seek import Seeker
 from app.program.system import System
 from app.runtime.channel import Channel
 from app.runtime.filter import CLOSED
@@ -47,7 +47,7 @@ class Playback:
         self._clock = clock
         self._info = log.info
         self._end = min(log.info.end, clock.end)
-        self._places = Places(system, body, clock, log)
+        self._seeker = Seeker(system, body, clock, log)
         self._speed = checked_speed(speed)
         self._playing = playing
         self._ended = False
@@ -74,7 +74,7 @@ class Playback:
 
     async def __aenter__(self) -> Playback:
         """Begin to play. The program (:attr:`system`) must be running; the scene where it begins is shown at once."""
-        self._places.open()
+        self._seeker.open()
         if self._clock.now() > self._info.begin:
             self._target = self._clock.now()
         self._body.on_waiting = self._on_waiting
@@ -101,7 +101,7 @@ class Playback:
         if self._driver is not None:
             self._driver.cancel()
             await asyncio.wait({self._driver})
-        await self._places.close()
+        await self._seeker.close()
         for future in (*self._waiting, *self._steps):
             future.cancel()
 
@@ -145,20 +145,20 @@ class Playback:
     @property
     def moving(self) -> bool:
         """Whether it is just between two places: from the end of all modules until the jump is told."""
-        return self._places.moving
+        return self._seeker.moving
 
     @property
     def attention(self) -> Sequence[Any]:
         """What the recording tells of its attention in the minute before the last jump: DesiresRecord, IntentionRecord
         and Divisors in their order, first those that stood when that minute began."""
-        return self._places.attention
+        return self._seeker.attention
 
     def spoke(self, channel: str, begin: float, end: float) -> bool:
         """Whether ``channel`` said anything from ``begin`` to ``end`` (s), in the minute before the last jump.
 
         True where the recording cannot tell without being gone through.
         """
-        if (spoken := self._places.spoken) is None:
+        if (spoken := self._seeker.spoken) is None:
             return True
         return any(first <= end and last >= begin for first, last in spoken.get(channel, ()))
 
@@ -285,7 +285,7 @@ class Playback:
 
     async def _advance(self) -> None:
         """Move time on by hand to the next thing that waits for it, once nothing is left to be done now."""
-        await self._places.quiet()
+        await self._seeker.quiet()
         if self._changed.is_set():
             return
         self._clock.advance_to(self._next_due())
@@ -294,7 +294,7 @@ class Playback:
     async def _come_to_the_end(self) -> None:
         if self._clock.now() >= self._end:
             # What came last is worked on before it is over.
-            await self._places.worked()
+            await self._seeker.worked()
             self._end_if_there()
 
     def _next_due(self) -> float:
@@ -310,12 +310,12 @@ class Playback:
     async def _step_once(self) -> None:
         done = self._steps[0]
         try:
-            until = min(await self._places.next_step(), self._end)
+            until = min(await self._seeker.next_step(), self._end)
             while self._target is None and self._clock.now() < until:
-                await self._places.quiet()
+                await self._seeker.quiet()
                 self._clock.advance_to(min(self._next_due(), until))
             # What came then is worked on before anybody is told.
-            await self._places.worked()
+            await self._seeker.worked()
         except LogError as failure:
             _fail([done], failure)
         else:
@@ -333,7 +333,7 @@ class Playback:
         self._jumping = True
         failure: LogError | None = None
         try:
-            await self._places.go(position, self._jumped)
+            await self._seeker.go(position, self._jumped)
         except LogError as error:
             log.error("cannot go to %.3f s: %s", position - self._info.begin, error)
             failure = error
@@ -376,11 +376,11 @@ class Playback:
 
     async def _show_unseen(self) -> None:
         """Show who came while time stands what there is to be seen."""
-        await self._places.quiet()
+        await self._seeker.quiet()
         channels, self._unseen = self._unseen, set()
         try:
             # Once it moves, more comes by itself.
-            await self._places.show(channels, lambda: self._playing or bool(self._steps) or self._target is not None)
+            await self._seeker.show(channels, lambda: self._playing or bool(self._steps) or self._target is not None)
         except LogError as failure:
             log.error("cannot show what stands here: %s", failure)
 
@@ -390,7 +390,7 @@ class Playback:
         for name in channels:
             channel = self.system.graph.channels[name]
             try:
-                await self._places.show({name}, partial(self._has_said_more, channel, channel.published))
+                await self._seeker.show({name}, partial(self._has_said_more, channel, channel.published))
             except LogError as failure:
                 log.error("cannot show what stands here: %s", failure)
 

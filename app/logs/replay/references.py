@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from app.base import paths
 from app.logs.open import open_log
-from app.logs.replay.headless import Watch, run_headless
+from app.logs.replay.headless import ReplayWatch, run_headless
 from app.logs.replay.options import ReplayOptions
 from app.logs.replay.report import ReplayReport
 from app.messages import EncodedImage, Exploitation, Faces, Landmarks, PointCloud, QRCodes
@@ -62,7 +62,7 @@ def measure(log_file: Path = LOG, config: Path | None = None) -> Values:
     figures = _Figures()
     options = ReplayOptions(config=config or paths.config_dir() / "lab.yaml")
     try:
-        report = run_headless(log, options, watch=Watch(message=figures.take), digests=False)
+        report = run_headless(log, options, watch=ReplayWatch(message=figures.take), digests=False)
     finally:
         log.close()
     return {"channels": _counts(report), **figures.values(), "intentions": _intentions(report)}

@@ -17,7 +17,7 @@ from app.logs.mcap.damage import missing
 from app.logs.replay.options import ReplayOptions
 from app.logs.replay.recorded_desires import CountedIds, RecordedDesires
 from app.logs.replay.replay_config import NOT_ASKED, ReplayProgram, deaf_modules, prepare
-from app.logs.replay.state_at import Past
+from app.logs.replay.state_at import RecordedState
 from app.messages import DesiresRecord, RecorderStatus
 from app.modules.recording.recorder import Recorder
 from app.program.system import System
@@ -114,7 +114,9 @@ class Replay:
             await self.system.translator.settled()
             if self.options.desires and self._desire_channels:
                 # The body, held, does not read yet.
-                for logged in await asyncio.to_thread(Past(self.log).of_types, (DesiresRecord,), self.body.begin):
+                for logged in await asyncio.to_thread(
+                    RecordedState(self.log).of_types, (DesiresRecord,), self.body.begin
+                ):
                     self._desires.take(logged.message)
             self._record()
             await self.system.translator.settled()

@@ -118,7 +118,9 @@ def deaf_modules(program: ReplayProgram, graph: Graph) -> dict[str, str]:
     found = {}
     for name, slot in graph.modules.items():
         inputs = slot.context.inputs.values()
-        open_to = [p for p in inputs if p.connected and not p.always_open and p.name not in slot.module.aids]
+        open_to = [
+            p for p in inputs if p.connected and not p.always_open and p.name not in slot.module.auxiliary_inputs
+        ]
         if open_to and slot.context.outputs and all(f"{name}.{port.name}" in program.silent for port in open_to):
             channels = sorted({program.silent[f"{name}.{port.name}"] for port in open_to})
             if not isinstance(slot.module, Recorder):

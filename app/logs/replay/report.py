@@ -11,7 +11,7 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class ChannelReport:
-    """``messages`` published on a channel, and their :class:`app.logs.replay.message_hash.Digest` ("" without one)."""
+    """``messages`` published on a channel, and their ``MessageHash`` in hexadecimal ("" without one)."""
 
     messages: int
     digest: str
@@ -30,7 +30,7 @@ class InputReport:
 
 
 @dataclass(frozen=True, slots=True)
-class ModuleReport:
+class ReplayedModule:
     """``cpu_s``: thread CPU time (s) charged to the module while the log spoke; ``outputs``: messages published by
     output port; ``restarts``: how often it failed."""
 
@@ -66,7 +66,7 @@ class ReplayReport:
     end: float
     delivered: int
     channels: Mapping[str, ChannelReport]
-    modules: Mapping[str, ModuleReport]
+    modules: Mapping[str, ReplayedModule]
     intentions: tuple[IntentionLine, ...]
     notes: tuple[str, ...]
     wall_s: float
@@ -108,7 +108,7 @@ class ReplayReport:
         return {**whole, "recorded": self.recorded or None, "cost": cost}
 
 
-def _without_times(module: ModuleReport) -> dict[str, Any]:
+def _without_times(module: ReplayedModule) -> dict[str, Any]:
     told: dict[str, Any] = _jsonable(asdict(module))
     del told["cpu_s"]
     return told

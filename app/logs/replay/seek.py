@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from app.logs.log import Indexed, Log, Logged
 from app.logs.replay.replay_body import ReplayBody
-from app.logs.replay.state_at import ACCUMULATED, Past
+from app.logs.replay.state_at import ACCUMULATED, RecordedState
 from app.messages import (
     Audio,
     DesiresRecord,
@@ -45,7 +45,7 @@ SHOW_WITHIN_S = 0.3
 _READ_AGAIN_S = 0.001
 
 
-class Places:
+class Seeker:
     """:meth:`open` before anything else, :meth:`close` at the end. ``log`` is read in a thread of its own."""
 
     def __init__(self, system: System, body: ReplayBody, clock: ReplayClock, log: Log) -> None:
@@ -53,7 +53,7 @@ class Places:
         self._body = body
         self._clock = clock
         self._info = log.info
-        self._past = Past(log)
+        self._past = RecordedState(log)
         self._reader: ThreadPoolExecutor | None = None
         #: Between two places: from the end of all modules until the jump is told.
         self.moving = False
@@ -83,7 +83,7 @@ class Places:
         known, wishes, attention = await self._read(self._standing, position)
         self.moving = True
         try:
-            await system.begin_anew(lambda: self._jump(position, known))
+            await system.reset(lambda: self._jump(position, known))
             await _patiently(system.supervisor.started(), START_WITHIN_S)
             for logged in wishes:
                 body.show(logged.channel, logged.message)
@@ -115,10 +115,10 @@ class Places:
 
     async def quiet(self) -> None:
         """Wait until everybody waits: for time, or for somebody outside."""
-        activity, translator = self._system.graph.activity, self._system.translator
+        pending, translator = self._system.graph.pending_work, self._system.translator
         while True:
             await translator.settled()
-            await activity.quiet()
+            await pending.quiet()
             if self._body.reading:
                 await asyncio.sleep(_READ_AGAIN_S)
             elif translator.is_settled:

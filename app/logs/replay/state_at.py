@@ -30,7 +30,7 @@ def taken_at(logged: Logged) -> float:
     return stamp if 0.0 <= logged.at - stamp <= LONGEST_DELAY_S else logged.at
 
 
-class Past:
+class RecordedState:
     """Looks back in ``log``, past what is damaged in it where the log says where that ends.
 
     Its methods read the file: call them off the event loop, one at a time.

@@ -13,7 +13,7 @@ from app.base.geometry import Pose2
 from app.logs.ros import typestore
 from app.logs.ros.frames import BASE, header
 from app.logs.ros.info import InfoTopic
-from app.logs.ros.record import MAIN, Record, Topic
+from app.logs.ros.record import MAIN, Record, RecordTopic
 from app.logs.ros.record_templates import assembled, with_length
 from app.messages import PointCloud, read_only
 
@@ -62,7 +62,7 @@ class PointCloudConverter:
     """``sensor_msgs/PointCloud2`` in ``base_link`` with colours, and the pose of its base."""
 
     def __init__(self, channel: str) -> None:
-        self._cloud = Topic(f"/{channel}", CloudHead.TYPE, "points")
+        self._cloud = RecordTopic(f"/{channel}", CloudHead.TYPE, "points")
         self._info = InfoTopic(channel, PointCloudInfo)
         self.topics = (self._cloud, self._info.topic)
         self._head = CloudHead(BASE, XYZ_RGB)

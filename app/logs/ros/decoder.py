@@ -52,14 +52,14 @@ class DecodableChannel:
 
 
 @dataclass(frozen=True, slots=True)
-class Contents:
+class DecodableContents:
     """What of a file can be read: ``channels`` by name; topics ``ignored``, and why."""
 
     channels: Mapping[str, DecodableChannel]
     ignored: Mapping[str, str] = field(default_factory=dict)
 
 
-def contents(topics: Iterable[StoredTopic]) -> Contents:
+def contents(topics: Iterable[StoredTopic]) -> DecodableContents:
     """Sort the topics of a file into channels that this program can read and topics it cannot."""
     ignored: dict[str, str] = {}
     of_channel: dict[str, list[StoredTopic]] = {}
@@ -75,7 +75,7 @@ def contents(topics: Iterable[StoredTopic]) -> Contents:
             channels[name] = _channel(name, stored)
         except _Unreadable as reason:
             ignored.update({topic.name: str(reason) for topic in stored})
-    return Contents(channels, ignored)
+    return DecodableContents(channels, ignored)
 
 
 class Decoder:

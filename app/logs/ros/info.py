@@ -10,7 +10,7 @@ from typing import Generic, Protocol, TypeVar
 
 from app.base.geometry import Pose3
 from app.logs.ros.generated import generated
-from app.logs.ros.record import Record, Topic
+from app.logs.ros.record import Record, RecordTopic
 from app.logs.ros.record_templates import stamped
 
 
@@ -27,7 +27,7 @@ class InfoTopic(Generic[InfoT]):
 
     def __init__(self, channel: str, cls: type[InfoT]) -> None:
         self._generated = generated(cls)
-        self.topic = Topic(f"/{channel}/info", self._generated.type)
+        self.topic = RecordTopic(f"/{channel}/info", self._generated.type)
         self._key: Hashable = None
         self._data = b""
 

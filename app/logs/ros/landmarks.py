@@ -10,7 +10,7 @@ import numpy as np
 from app.logs.ros import typestore
 from app.logs.ros.frames import ODOM
 from app.logs.ros.native_types import GeneratedConverter
-from app.logs.ros.record import Record, Topic
+from app.logs.ros.record import Record, RecordTopic
 from app.logs.stamps import SECOND
 from app.messages import Landmark, Landmarks
 
@@ -27,7 +27,7 @@ class LandmarksConverter(GeneratedConverter):
 
     def __init__(self, channel: str) -> None:
         super().__init__(channel, Landmarks)
-        self._markers = Topic(f"/{channel}/markers", _MARKERS, None)
+        self._markers = RecordTopic(f"/{channel}/markers", _MARKERS, None)
         self.topics = (*self.topics, self._markers)
         self._drawn: tuple[Landmark, ...] = ()
 

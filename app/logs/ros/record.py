@@ -22,7 +22,7 @@ MAIN = ""
 
 
 @dataclass(frozen=True, slots=True)
-class Topic:
+class RecordTopic:
     """A topic that a channel's messages are written to.
 
     ``part`` names what of the message it carries: :data:`MAIN`, or any other name; None where it is only drawn from
@@ -38,7 +38,7 @@ class Converter(Protocol):
     """One channel's messages of one class, to records and back. Used by one thread; it may remember what it wrote."""
 
     @property
-    def topics(self) -> tuple[Topic, ...]:
+    def topics(self) -> tuple[RecordTopic, ...]:
         """Every topic it writes to; exactly one of them is the main part."""
         ...
 

@@ -12,7 +12,7 @@ from typing import Any
 from app.logs.control import RecorderUnavailable
 from app.logs.library import RecordingLibrary, default_name
 from app.logs.log import LogError
-from app.logs.mcap.ring import Hold, Ring
+from app.logs.mcap.ring import HeldSegments, Ring
 from app.logs.mcap.ring_folder import begin_of, leftovers, rescue, size_of
 from app.logs.mcap.writer import MEGABYTE, RecordingWriter, Sink, in_words
 
@@ -111,13 +111,13 @@ class RingSaver:
         return await asyncio.to_thread(self._charge, function, *args)
 
 
-def _hold(sink: Sink, at: float, seconds: float | None) -> Hold:
+def _hold(sink: Sink, at: float, seconds: float | None) -> HeldSegments:
     if not isinstance(sink, Ring):
         raise RecorderUnavailable(NO_RING)
     return sink.hold(at, seconds)
 
 
-async def _held(held: Future[Hold]) -> Hold:
+async def _held(held: Future[HeldSegments]) -> HeldSegments:
     """Wait for it; a hold that nobody waits for any more when it comes is released, or its segments stayed for ever."""
     try:
         return await asyncio.shield(asyncio.wrap_future(held))
@@ -126,6 +126,6 @@ async def _held(held: Future[Hold]) -> Hold:
         raise
 
 
-def _let_go(held: Future[Hold]) -> None:
+def _let_go(held: Future[HeldSegments]) -> None:
     if held.exception() is None:
         held.result().release()

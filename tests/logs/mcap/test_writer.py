@@ -21,7 +21,7 @@ from mcap.records import Statistics
 from app.logs.mcap.disk_time import DiskTime
 from app.logs.mcap.file_sink import FileSink
 from app.logs.mcap.open_file import is_being_written
-from app.logs.mcap.ring import Hold, Ring
+from app.logs.mcap.ring import HeldSegments, Ring
 from app.logs.mcap.ring_folder import leftovers, rescue
 from app.logs.mcap.writer import Limits, RecordingWriter, Sink, weight
 from app.logs.ros.encoder import Encoder
@@ -357,7 +357,7 @@ def test_a_call_that_the_disk_fails_ends_the_recording_with_its_reason(tmp_path:
     writer = RecordingWriter(ring, Limits(), lambda: BEGIN, free_bytes=lambda _: 1 << 40)
     writer.put(BEGIN, "odometry", odometry(BEGIN))
 
-    def hold(sink: Sink) -> Hold:
+    def hold(sink: Sink) -> HeldSegments:
         assert isinstance(sink, Ring)
         sink.flush()
         disk.error = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))

@@ -23,7 +23,7 @@ from app.link import LinkFailed
 from app.logs.library import RecordingLibrary
 from app.logs.mcap.reader import McapLog
 from app.logs.open import open_log
-from app.logs.replay.headless import Watch, run_headless
+from app.logs.replay.headless import ReplayWatch, run_headless
 from app.logs.replay.options import ReplayOptions
 from app.logs.replay.report import ReplayReport
 from app.messages import Exploitation, QRCodes, Twist
@@ -69,7 +69,7 @@ def test_the_operators_hands_drive_again() -> None:
         if channel == "teleop_twist":
             twists.append(said)
 
-    run_headless(lab_log(), watch=Watch(message=message))
+    run_headless(lab_log(), watch=ReplayWatch(message=message))
     assert driven[0] is None
     assert driven[-1] is None
     assert "Teleop" in driven
@@ -110,7 +110,7 @@ def standing(report: ReplayReport, options: ReplayOptions) -> set[str]:
         if channel == "workspace":
             seen.update(record.id for record in said.desires)
 
-    run_headless(lab_log(), options, watch=Watch(message=message))
+    run_headless(lab_log(), options, watch=ReplayWatch(message=message))
     return seen
 
 
@@ -124,7 +124,7 @@ def pictures_taken(phi: float, offset: int) -> list[float]:
     # The detector alone: what the others take is their own affair.
     only = ("Kinect", "Hokuyo", "QRCodeDetector")
     options = ReplayOptions(only=only, phi={"QRCodeDetector.images": phi}, offset=offset, desires=False)
-    run_headless(lab_log(), options, watch=Watch(message=message), digests=False)
+    run_headless(lab_log(), options, watch=ReplayWatch(message=message), digests=False)
     return stamps
 
 
@@ -143,7 +143,7 @@ def test_an_offset_counts_from_the_first_opening_of_an_attended_filter() -> None
         if isinstance(said, QRCodes):
             stamps.append(said.stamp)
 
-    run_headless(lab_log(), ReplayOptions(offset=3, desires=False), watch=Watch(message=message))
+    run_headless(lab_log(), ReplayOptions(offset=3, desires=False), watch=ReplayWatch(message=message))
     images = [logged.message.stamp for logged in lab_log().messages(channels={"kinect"})]
     assert stamps == images[3:]
 

@@ -56,7 +56,7 @@ async def test_it_plays_in_real_time_stands_and_goes_on(lab: Prepared) -> None:
         state = play.playback.state
         assert (state.phase, state.playing) == ("paused", False)
         count = len(odometry)
-        await play.playback._places.quiet()
+        await play.playback._seeker.quiet()
         assert play.playback.state.position == state.position
         assert len(odometry) - count <= 1
         play.playback.play()
@@ -83,7 +83,7 @@ async def test_whoever_asks_for_more_after_a_failure_is_told_and_not_kept_waitin
         raise RuntimeError("a mistake of ours")
 
     async with played(lab) as play, asyncio.timeout(PATIENCE_S):
-        monkeypatch.setattr(play.playback._places, "next_step", fail)
+        monkeypatch.setattr(play.playback._seeker, "next_step", fail)
         for asked in (play.playback.step, play.playback.step, partial(play.playback.seek, BEGIN + 1.0)):
             with pytest.raises(LogError, match="playback failed: a mistake of ours"):
                 await asked()
@@ -312,7 +312,7 @@ async def test_time_waits_for_a_file_that_is_slow(slow: Prepared) -> None:
         await asyncio.wait_for(waits.wait(), PATIENCE_S)
         stood = play.playback.state.position
         assert stood < BEGIN + 2.5, "later only by what a busy computer makes of it"
-        await play.playback._places._system.graph.activity.quiet()
+        await play.playback._seeker._system.graph.pending_work.quiet()
         assert play.playback.state.position == stood
         assert play.playback.state.phase == "playing"
         slow[0].gate.set()

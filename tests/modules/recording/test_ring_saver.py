@@ -14,7 +14,7 @@ import pytest
 from app.logs.control import RecorderUnavailable
 from app.logs.library import RecordingLibrary
 from app.logs.log import LogError
-from app.logs.mcap.ring import Hold, Ring
+from app.logs.mcap.ring import HeldSegments, Ring
 from app.logs.mcap.ring_folder import leftovers
 from app.messages import EventRecord, Odometry
 from app.modules.recording import ring_saver
@@ -186,7 +186,7 @@ async def test_a_recording_that_takes_the_rings_place_throws_nothing_away(
 async def test_a_saving_under_way_is_not_robbed_by_the_recording_that_follows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    begun, go_on, found_ended, save = threading.Event(), threading.Event(), threading.Event(), Hold.save
+    begun, go_on, found_ended, save = threading.Event(), threading.Event(), threading.Event(), HeldSegments.save
 
     def slow(*args: Any) -> Path:
         begun.set()
@@ -199,7 +199,7 @@ async def test_a_saving_under_way_is_not_robbed_by_the_recording_that_follows(
             found_ended.set()
         return found
 
-    monkeypatch.setattr(Hold, "save", slow)
+    monkeypatch.setattr(HeldSegments, "save", slow)
     monkeypatch.setattr(ring_saver, "leftovers", looking)
     async with Robot(tmp_path) as robot:
         await turning(robot)
