@@ -28,6 +28,7 @@ from app.attention.strategies import MOST, StrategyTable
 from app.attention.timeline import Timeline
 from app.attention.timeline_writer import note_desires, note_filters, note_intention
 from app.attention.workspace import IntentionWorkspace, WorkspaceChange
+from app.base.observers import Observers
 from app.runtime.clock import Clock
 
 _log = logging.getLogger(__name__)
@@ -95,7 +96,7 @@ class IntentionTranslator:
         self._offload = offload
         self._prepared = prepare(table.strategies)
         self._capacities = table.capacities()
-        self._observers: list[Callable[[Intention], None]] = []
+        self._observers: Observers[[Intention]] = Observers("the intention")
         self._current: Intention | None = None
         self._version = 1
         self._answered = 0
@@ -121,15 +122,9 @@ class IntentionTranslator:
         return dict(self._capacities)
 
     def observe(self, callback: Callable[[Intention], None]) -> Callable[[], None]:
-        """Call ``callback`` with every intention applied, and again once its reasons are complete; returns what ends
-        it."""
-        self._observers.append(callback)
-
-        def end() -> None:
-            if callback in self._observers:
-                self._observers.remove(callback)
-
-        return end
+        """Call ``callback`` with every intention applied, and again once its reasons are complete; returns a function
+        that ends this."""
+        return self._observers.add(callback)
 
     def problem(self) -> Problem:
         """The selection problem as it stands now."""
@@ -209,7 +204,7 @@ class IntentionTranslator:
             self._late = 0
             if selection is not None:
                 self._apply(problem, selection)
-            self._tell_progress(answered=version)
+            self._note_progress(answered=version)
             if self._current is not None and version == self._version:
                 await self._explain(problem, self._current.selection, version)
 
@@ -305,7 +300,7 @@ class IntentionTranslator:
         self._counts["applied"] += 1
         note_intention(self._timeline, before, intention)
         note_filters(self._timeline, old, changed)
-        self._tell(intention)
+        self._observers.notify(intention)
 
     def _configure(self, before: Mapping[str, Mapping[str, Any]], after: Mapping[str, Mapping[str, Any]]) -> None:
         for module in sorted({*before, *after}):
@@ -326,9 +321,9 @@ class IntentionTranslator:
             return
         if reasons is not None and reasons != self._current.reasons:
             self._current = replace(self._current, reasons=reasons)
-            self._tell(self._current)
+            self._observers.notify(self._current)
         self._explained = version
-        self._tell_progress()
+        self._note_progress()
 
     async def _keep_time(self) -> None:
         """Let desires expire, look again at a switch held back once it has lasted, ask anew a solver that failed."""
@@ -364,16 +359,7 @@ class IntentionTranslator:
         self._version += 1
         self._changed.set()
 
-    def _tell(self, intention: Intention) -> None:
-        for observer in tuple(self._observers):
-            try:
-                observer(intention)
-            except Exception:  # noqa: BLE001 - whatever an observer got wrong
-                # Attention must not end with a reader: that one is dropped, loudly.
-                self._observers.remove(observer)
-                _log.exception("an observer of the intention failed and is no longer told: %r", observer)
-
-    def _tell_progress(self, *, answered: int | None = None) -> None:
+    def _note_progress(self, *, answered: int | None = None) -> None:
         if answered is not None:
             self._answered = answered
         self._progress.set()

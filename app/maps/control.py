@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Protocol
 
 from app.base.geometry import Pose2
+from app.base.observers import Observers
 from app.messages import Zone
 
 #: File names, and what writes each.
@@ -89,7 +90,7 @@ class MapControl:
     def __init__(self, log: logging.Logger | None = None) -> None:
         self._keeper: MapKeeper | None = None
         self._layers = Layers()
-        self._observers: list[Callable[[], None]] = []
+        self._observers: Observers[[]] = Observers("the map in use")
         self._log = log or logging.getLogger(__name__)
 
     async def add(self, layer: MapLayer) -> Callable[[], None]:
@@ -99,10 +100,10 @@ class MapControl:
             await self._told(self._keeper.name, same=True)
         return leave
 
-    def on_change(self, callback: Callable[[], None]) -> None:
+    def on_change(self, callback: Callable[[], None]) -> Callable[[], None]:
         """Call ``callback()`` whenever another map was taken into use or begun, before its layers are told: what was a
         place on the former one is none any more."""
-        self._observers.append(callback)
+        return self._observers.add(callback)
 
     async def resume(self, name: str, *, same: bool) -> None:
         """A keeper that is about to attach has the map ``name`` in use; ``same``: its former instance had it too, and
@@ -132,8 +133,7 @@ class MapControl:
         return _Layered(self._keeper, self._layers, self._changed)
 
     def _changed(self) -> None:
-        for observer in tuple(self._observers):
-            observer()
+        self._observers.notify()
 
     async def _told(self, name: str, *, same: bool) -> None:
         try:

@@ -11,6 +11,7 @@ import logging
 from collections.abc import Callable
 
 from app.attention.timeline import Timeline
+from app.base.observers import Observers
 from app.link import LinkFailed, RobotLink
 from app.runtime.clock import Clock
 from app.runtime.supervisor import Supervisor
@@ -59,24 +60,19 @@ class BodyRestarter:
         self._timeline = timeline
         self._clock = clock
         self._restarts = RestartBackoff()
-        self._observers: list[Callable[[str], None]] = []
+        self._observers: Observers[[str]] = Observers("the body's state")
         self.problem = ""
 
     def up(self) -> None:
-        """The body has come up."""
+        """Note that the body runs."""
         self._restarts.up(self._clock.now())
 
     def observe(self, callback: Callable[[str], None]) -> Callable[[], None]:
-        """Call ``callback(problem)`` when the body is lost and when it is back (""); returns what ends it."""
-        self._observers.append(callback)
+        """Call ``callback(problem)`` when the body is lost and when it is back (""); returns a function that ends
+        this."""
+        return self._observers.add(callback)
 
-        def end() -> None:
-            if callback in self._observers:
-                self._observers.remove(callback)
-
-        return end
-
-    async def revive(self, failure: LinkFailed) -> LinkFailed | None:
+    async def restart(self, failure: LinkFailed) -> LinkFailed | None:
         """Bring the body up after ``failure``; returns None once it and the modules run again, else why it never will.
 
         Meanwhile no module runs, so nothing drives.
@@ -114,8 +110,7 @@ class BodyRestarter:
         self._notify()
 
     def _notify(self) -> None:
-        for observer in tuple(self._observers):
-            observer(self.problem)
+        self._observers.notify(self.problem)
 
 
 def _final(failure: LinkFailed) -> LinkFailed:

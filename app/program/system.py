@@ -193,7 +193,7 @@ class System:
             failure = await self.wait_failed()
             if not isinstance(failure, LinkFailed) or not self.link.description.restartable:
                 return failure
-            final = await self.body_restarter.revive(failure)
+            final = await self.body_restarter.restart(failure)
             if final is not None:
                 return final
 

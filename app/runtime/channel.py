@@ -13,19 +13,17 @@ For each subscription, at any time::
 from __future__ import annotations
 
 import asyncio
-import logging
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
+from app.base.observers import Observers
 from app.messages import Message
 from app.runtime.errors import ChannelClosed, InboxOverflow, WouldBlock
 from app.runtime.filter import RateFilter
 
 M = TypeVar("M", bound=Message)
-
-log = logging.getLogger("hbba.channel")
 
 
 @dataclass(frozen=True, slots=True)
@@ -277,8 +275,8 @@ class Channel(Generic[M]):
         self.published = 0
         self._closed = False
         self._wanted = False
-        self._wanted_callbacks: list[Callable[[bool], None]] = []
-        self._observers: tuple[Callable[[M], None], ...] = ()
+        self._wanted_observers: Observers[[bool]] = Observers(f"demand for channel {name}")
+        self._observers: Observers[[M]] = Observers(f"channel {name}")
 
     def publish(self, message: M) -> None:
         """Give ``message`` to every subscription; never waits. Raises ChannelClosed after :meth:`close`."""
@@ -288,8 +286,8 @@ class Channel(Generic[M]):
         self.latest = message
         for subscription in self._subscriptions:
             subscription.offer(message)
-        for observer in self._observers:
-            observer(message)
+        if self._observers:
+            self._observers.notify(message)
 
     async def send(self, message: M, deadline_s: float) -> None:
         """Publish once every lossless inbox has room.
@@ -347,16 +345,11 @@ class Channel(Generic[M]):
             subscription.discard()
 
     def observe(self, callback: Callable[[M], None]) -> Callable[[], None]:
-        """Call ``callback`` with every message published, within its ``publish``; returns what ends it.
+        """Call ``callback`` with every message published, within its ``publish``; returns a function that ends this.
 
-        An observer is no consumer: the channel is not :attr:`wanted` for it. It must not raise.
+        An observer is no subscription: the channel is not :attr:`wanted` for it. An observer that raises is removed.
         """
-        self._observers = (*self._observers, callback)
-
-        def end() -> None:
-            self._observers = tuple(o for o in self._observers if o is not callback)
-
-        return end
+        return self._observers.add(callback)
 
     @property
     def wanted(self) -> bool:
@@ -366,16 +359,11 @@ class Channel(Generic[M]):
     def on_wanted(self, callback: Callable[[bool], None]) -> Callable[[], None]:
         """Call ``callback(wanted)`` now and whenever :attr:`wanted` changes.
 
-        Returns what ends it, which may be called twice.
+        Returns a function that ends this, which may be called twice. A callback that raises later is removed.
         """
-        self._wanted_callbacks.append(callback)
+        remove = self._wanted_observers.add(callback)
         callback(self._wanted)
-
-        def end() -> None:
-            if callback in self._wanted_callbacks:
-                self._wanted_callbacks.remove(callback)
-
-        return end
+        return remove
 
     def _set_subscriptions(self, subscriptions: tuple[Subscription[M], ...]) -> None:
         self._subscriptions = subscriptions
@@ -386,12 +374,7 @@ class Channel(Generic[M]):
         wanted = any(s.filter.is_open for s in self._subscriptions)
         if wanted != self._wanted:
             self._wanted = wanted
-            for callback in tuple(self._wanted_callbacks):
-                try:
-                    callback(wanted)
-                except Exception:  # logged with its traceback
-                    # It must not reach whoever happened to write the filter, half-way through an intention.
-                    log.exception("channel %s: a source could not be told whether it is wanted", self.name)
+            self._wanted_observers.notify(wanted)
 
     def statistics(self) -> ChannelStatistics:
         """The counters now, by subscription."""

@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from app.base.observers import Observers
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.digraph import Feed, slowdowns
 from app.runtime.filter import CLOSED
@@ -146,12 +147,13 @@ class FreshnessWatch:
         self._stale_since: dict[str, float] = {}
         self._logged: set[str] = set()
         self._sources = sources(graph)
-        self._observers: list[Callable[[str, Freshness], None]] = []
+        self._observers: Observers[[str, Freshness]] = Observers("the freshness of channels")
         self.latest: dict[str, Freshness] = {}
 
-    def observe(self, callback: Callable[[str, Freshness], None]) -> None:
-        """Call ``callback(channel, freshness)`` whenever a channel's state becomes another."""
-        self._observers.append(callback)
+    def observe(self, callback: Callable[[str, Freshness], None]) -> Callable[[], None]:
+        """Call ``callback(channel, freshness)`` at every change of a channel's state; returns a function that ends
+        this."""
+        return self._observers.add(callback)
 
     def reset(self) -> None:
         """Begin anew: nothing measured, no state known, every channel's first message due from now on."""
@@ -166,8 +168,7 @@ class FreshnessWatch:
         before, self.latest = self.latest, self.read(now)
         for name, freshness in self.latest.items():
             if name not in before or before[name].state != freshness.state:
-                for observer in self._observers:
-                    observer(name, freshness)
+                self._observers.notify(name, freshness)
             self._log(name, freshness, now)
         return self.latest
 

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
+from app.base.observers import Observers
 from app.messages import Message
 from app.runtime.channel import Channel, Subscription
 from app.runtime.errors import ModuleFailed
 from app.runtime.filter import CLOSED, RateFilter
 
 M = TypeVar("M", bound=Message)
-
-log = logging.getLogger("hbba.module")
 
 
 class Input(Generic[M]):
@@ -79,14 +77,14 @@ class Output(Generic[M]):
         #: Asked for a closing word when the filter closes.
         self.last_word: Callable[[], M | None] | None = None
         self.offered = 0
-        self._wanted_callbacks: list[Callable[[bool], None]] = []
-        self._told_wanted = False
+        self._wanted_observers: Observers[[bool]] = Observers(f"demand for {module}.{name}")
+        self._reported_wanted = False
         self._stop_listening: Callable[[], None] | None = None
 
     def connect(self, channel: Channel[M]) -> None:
         """Publish on ``channel`` from now on (done once, by the graph)."""
         self.channel = channel
-        if self._wanted_callbacks:
+        if self._wanted_observers:
             self._listen(channel)
 
     def succeed(self, former: Output[M]) -> None:
@@ -111,25 +109,20 @@ class Output(Generic[M]):
         return self.channel is not None and self.channel.wanted and self.filter.is_open
 
     def on_wanted(self, callback: Callable[[bool], None]) -> Callable[[], None]:
-        """Call ``callback(wanted)`` now and whenever :attr:`wanted` changes; returns what ends it.
+        """Call ``callback(wanted)`` now and whenever :attr:`wanted` changes; returns a function that ends this.
 
-        Ends by itself with this module instance: a restarted one registers anew.
+        It ends with this module instance: after a restart the next instance registers again.
         """
-        self._wanted_callbacks.append(callback)
+        remove = self._wanted_observers.add(callback)
         callback(self.wanted)
         if self._stop_listening is None and self.channel is not None:
-            self._told_wanted = self.wanted
+            self._reported_wanted = self.wanted
             self._listen(self.channel)
-
-        def end() -> None:
-            if callback in self._wanted_callbacks:
-                self._wanted_callbacks.remove(callback)
-
-        return end
+        return remove
 
     def clear_callbacks(self) -> None:
-        """Forget everybody who asked to be told whether this output is wanted."""
-        self._wanted_callbacks.clear()
+        """Remove every callback of :meth:`on_wanted`."""
+        self._wanted_observers.clear()
         if self._stop_listening is not None:
             self._stop_listening()
             self._stop_listening = None
@@ -141,7 +134,7 @@ class Output(Generic[M]):
         self.last_word = last_word
 
     def _listen(self, channel: Channel[M]) -> None:
-        self._stop_listening = channel.on_wanted(self._tell_wanted)
+        self._stop_listening = channel.on_wanted(self._report_wanted)
 
     def _filter_changed(self, _before: float, after: float) -> None:
         # On a stream that has ended a last word is not received, and a rewrite of many filters must not stop half-way.
@@ -149,15 +142,10 @@ class Output(Generic[M]):
             message = self.last_word()
             if message is not None:
                 self.channel.publish(message)
-        self._tell_wanted(self.wanted)
+        self._report_wanted(self.wanted)
 
-    def _tell_wanted(self, _: bool) -> None:
+    def _report_wanted(self, _: bool) -> None:
         wanted = self.wanted
-        if wanted != self._told_wanted:
-            self._told_wanted = wanted
-            for callback in tuple(self._wanted_callbacks):
-                try:
-                    callback(wanted)
-                except Exception:
-                    # As in Channel: whoever wrote the filter is half-way through an intention.
-                    log.exception("%s.%s: a source could not be told whether it is wanted", self.module, self.name)
+        if wanted != self._reported_wanted:
+            self._reported_wanted = wanted
+            self._wanted_observers.notify(wanted)

@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+from app.base.observers import Observers
 from app.runtime.clock import Clock
 from app.runtime.errors import ModuleFailed
 from app.runtime.graph import ModuleSlot
@@ -96,7 +97,7 @@ class Supervisor:
         self._clock = clock
         self._pace = pace or clock
         self._given = LoopTime(clock, self._pace)
-        self._observers: list[Callable[[ModuleState], None]] = []
+        self._observers: Observers[[ModuleState]] = Observers("the states of modules")
         self._tasks: dict[str, asyncio.Task[None]] = {}
         self._watching: asyncio.Task[None] | None = None
         self._runs: dict[str, _Run] = {}
@@ -105,14 +106,8 @@ class Supervisor:
         self.states = {name: ModuleState(name, "stopped", 0.0) for name in slots}
 
     def observe(self, callback: Callable[[ModuleState], None]) -> Callable[[], None]:
-        """Call ``callback(state)`` at every change of a module's state; returns what ends it."""
-        self._observers.append(callback)
-
-        def end() -> None:
-            if callback in self._observers:
-                self._observers.remove(callback)
-
-        return end
+        """Call ``callback(state)`` at every change of a module's state; returns a function that ends this."""
+        return self._observers.add(callback)
 
     async def __aenter__(self) -> Supervisor:
         self.start_modules()
@@ -239,12 +234,7 @@ class Supervisor:
         if state == before:
             return
         self.states[slot.name] = state
-        for observer in tuple(self._observers):
-            try:
-                observer(state)
-            except Exception:  # logged with its traceback
-                # Who looks on must not decide whether a module is restarted.
-                log.exception("an observer of %s failed", slot.name)
+        self._observers.notify(state)
 
 
 def _report_failures(results: Iterable[object]) -> None:

@@ -427,6 +427,23 @@ async def test_an_observer_sees_everything_and_wants_nothing(make: Make) -> None
 
 
 @in_virtual_time
+async def test_an_observer_that_fails_disturbs_neither_the_producer_nor_the_consumers(
+    make: Make, caplog: pytest.LogCaptureFixture
+) -> None:
+    numbers = channel()
+    inbox = numbers.subscribe("inbox", capacity=2)
+
+    def fails(message: Twist) -> None:
+        raise LookupError
+
+    numbers.observe(fails)
+    numbers.publish(make(1))
+    numbers.publish(make(2))
+    assert inbox.statistics().passed == 2
+    assert caplog.text.count("is removed") == 1
+
+
+@in_virtual_time
 async def test_a_channel_that_forgets_has_nothing_waiting_and_counts_on(make: Make) -> None:
     numbers = channel()
     inbox, safe = numbers.subscribe("inbox", capacity=2), numbers.subscribe("safe", capacity=1, lossless=True)

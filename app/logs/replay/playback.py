@@ -10,6 +10,7 @@ from functools import partial
 from typing import Any, TypeVar
 
 from app.attention.intention import Intention
+from app.base.observers import Observers
 from app.logs.log import Log, LogError, LogInfo
 from app.logs.mcap.damage import LogDamaged, missing
 from app.logs.replay.playback_state import Phase, PlaybackState, checked_speed
@@ -66,8 +67,8 @@ class Playback:
         self._changed = asyncio.Event()
         self._watching = ExitStack()
         self._opened: Set[str] = frozenset()
-        self._observers: list[Callable[[PlaybackState], None]] = []
-        self._jump_observers: list[Callable[[float], None]] = []
+        self._observers: Observers[[PlaybackState]] = Observers("playback")
+        self._jump_observers: Observers[[float]] = Observers("jumps of playback")
         self._driver: asyncio.Task[None] | None = None
 
     # --- Life --------------------------------------------------------------------------------------------------------
@@ -134,13 +135,13 @@ class Playback:
         )
 
     def observe(self, callback: Callable[[PlaybackState], None]) -> Callable[[], None]:
-        """Call ``callback(state)`` at every change but the mere passing of time; returns what ends it."""
-        return _listed(self._observers, callback)
+        """Call ``callback(state)`` at every change but that of the position; returns a function that ends this."""
+        return self._observers.add(callback)
 
     def on_jump(self, callback: Callable[[float], None]) -> Callable[[], None]:
-        """Call ``callback(position)`` at every jump, when everything before it is forgotten and before anything of
-        the new place is shown; returns what ends it."""
-        return _listed(self._jump_observers, callback)
+        """Call ``callback(position)`` at every jump: after all state is cleared, before messages of the new position
+        are published. Returns a function that ends this."""
+        return self._jump_observers.add(callback)
 
     @property
     def moving(self) -> bool:
@@ -170,12 +171,12 @@ class Playback:
         if self._ended and self._target is None:
             self._target = self._info.begin
         self._playing = True
-        self._tell()
+        self._update()
 
     def pause(self) -> None:
         """Stand still."""
         self._playing = False
-        self._tell()
+        self._update()
 
     def set_speed(self, speed: float | None) -> None:
         """Seconds of the recording in a real second, 0.1 to 20; None: as fast as possible with nothing dropped.
@@ -183,7 +184,7 @@ class Playback:
         Raises ValueError saying what is allowed.
         """
         self._speed = checked_speed(speed)
-        self._tell()
+        self._update()
 
     async def seek(self, position: float) -> None:
         """Be at ``position`` (robot's clock, s; beyond an end: at that end), playing or standing as before.
@@ -211,7 +212,7 @@ class Playback:
         """Ask for what ``asked`` is the list of, and wait until it is done."""
         done: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         asked.append(done)
-        self._tell()
+        self._update()
         await done
 
     def _check_alive(self) -> None:
@@ -222,17 +223,15 @@ class Playback:
 
     # --- Time --------------------------------------------------------------------------------------------------------
 
-    def _tell(self) -> None:
-        """Something changed: have time pass as it should from now on, and say so."""
+    def _update(self) -> None:
+        """After a change: set the rate of time, and notify the observers."""
         free = self._target is None and not self._jumping and not self._steps and not self._ended
         self._rate = self._speed if free and self._playing and self._speed is not None else 0.0
         self._run()
         if free and self._playing:
             self._unseen.clear()
         self._changed.set()
-        state = self.state
-        for observer in tuple(self._observers):
-            observer(state)
+        self._observers.notify(self.state)
 
     def _run(self) -> None:
         rate = 0.0 if self._body_waits else self._rate
@@ -248,10 +247,10 @@ class Playback:
         self._problem = missing(damage, self._info)
         log.warning("%s: %s", self._info.path.name, self._problem)
         self._playing = False
-        self._tell()
+        self._update()
 
     async def _drive(self) -> None:
-        self._tell()
+        self._update()
         while True:
             self._changed.clear()
             if self._target is not None:
@@ -305,7 +304,7 @@ class Playback:
         if self._clock.now() >= self._end and self._target is None and not self._ended:
             self._ended = True
             self._playing = False
-            self._tell()
+            self._update()
 
     async def _step_once(self) -> None:
         done = self._steps[0]
@@ -322,7 +321,7 @@ class Playback:
             _finish([done])
         self._steps.remove(done)
         self._end_if_there()
-        self._tell()
+        self._update()
 
     # --- Place -------------------------------------------------------------------------------------------------------
 
@@ -348,12 +347,11 @@ class Playback:
             else:
                 _fail(waiting, failure)
         self._end_if_there()
-        self._tell()
+        self._update()
 
     def _jumped(self, position: float) -> None:
         self._ended = False
-        for observer in tuple(self._jump_observers):
-            observer(position)
+        self._jump_observers.notify(position)
 
     def _want(self, channels: Set[str]) -> None:
         """Somebody begins to listen to ``channels``; while time stands, nothing of them would come."""
@@ -396,16 +394,6 @@ class Playback:
 
     def _has_said_more(self, channel: Channel[Any], said: int) -> bool:
         return channel.published != said or self._target is not None
-
-
-def _listed(observers: list[T], callback: T) -> Callable[[], None]:
-    observers.append(callback)
-
-    def end() -> None:
-        if callback in observers:
-            observers.remove(callback)
-
-    return end
 
 
 def _finish(futures: Iterable[asyncio.Future[None]]) -> None:
