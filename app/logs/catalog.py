@@ -19,7 +19,7 @@ from mcap.records import Metadata
 
 from app.base.plain_file import open_plain
 from app.logs.layout import FACTS
-from app.logs.library import NAME, SUFFIX, RecordingLibrary
+from app.logs.library import RecordingLibrary
 from app.logs.log import LogError
 from app.logs.mcap.bounds import BoundedReader
 from app.logs.mcap.chunks import body, spans
@@ -69,18 +69,12 @@ class Catalog:
 
     def recordings(self) -> list[Recording]:
         """Every recording, the newest first; none where there is no folder yet. Raises OSError if it cannot be read."""
-        try:
-            with os.scandir(self._library.folder) as entries:
-                paths = [Path(entry.path) for entry in entries if entry.name.endswith(SUFFIX) and entry.is_file()]
-        except FileNotFoundError:
-            return []
         known = {}
         with self._lock:
-            for path in paths:
-                name = path.name.removesuffix(SUFFIX)
-                # Others may delete it between two looks.
+            for name, path in self._library.entries():
+                # Another program may delete it meanwhile.
                 with suppress(FileNotFoundError):
-                    if NAME.fullmatch(name) is not None:
+                    if path.is_file():
                         known[name] = self._look(name, path, path.stat())
             self._known = known
         found = [recording for _, recording in known.values()]

@@ -12,6 +12,7 @@ from typing import Protocol
 
 from app.base.geometry import Pose2
 from app.base.observers import Observers
+from app.base.service_slot import ServiceSlot
 from app.messages import Zone
 
 #: File names, and what writes each.
@@ -84,11 +85,11 @@ class MapLayer(Protocol):
         ...
 
 
-class MapControl:
-    """The one way to the map: a service of the program. The module attaches itself while it lives."""
+class MapControl(ServiceSlot[MapKeeper]):
+    """The service of the map in use: its keeper, which a module attaches while it runs, and the layers beside it."""
 
     def __init__(self, log: logging.Logger | None = None) -> None:
-        self._keeper: MapKeeper | None = None
+        super().__init__(lambda: MapUnavailable("this program makes no maps: SLAM2D does not run"))
         self._layers = Layers()
         self._observers: Observers[[]] = Observers("the map in use")
         self._log = log or logging.getLogger(__name__)
@@ -96,8 +97,8 @@ class MapControl:
     async def add(self, layer: MapLayer) -> Callable[[], None]:
         """Keep ``layer`` with every map, and tell it of the one in use; returns what takes it away."""
         leave = self._layers.add(layer)
-        if self._keeper is not None:
-            await self._told(self._keeper.name, same=True)
+        if self.available:
+            await self._told(self.provider.name, same=True)
         return leave
 
     def on_change(self, callback: Callable[[], None]) -> Callable[[], None]:
@@ -110,30 +111,10 @@ class MapControl:
         who was told of it then knows more than what was kept."""
         await self._told(name, same=same)
 
-    def attach(self, keeper: MapKeeper) -> Callable[[], None]:
-        """The keeper is there; returns what detaches it."""
-        self._keeper = keeper
-
-        def detach() -> None:
-            if self._keeper is keeper:
-                self._keeper = None
-
-        return detach
-
-    @property
-    def available(self) -> bool:
-        """Whether anybody keeps a map."""
-        return self._keeper is not None
-
     @property
     def keeper(self) -> MapKeeper:
-        """Whoever keeps the map. Raises MapUnavailable where nobody does."""
-        if self._keeper is None:
-            raise MapUnavailable("this program makes no maps: SLAM2D does not run")
-        return _Layered(self._keeper, self._layers, self._changed)
-
-    def _changed(self) -> None:
-        self._observers.notify()
+        """The keeper of the map, with its layers. Raises MapUnavailable while there is none."""
+        return _Layered(self.provider, self._layers, self._observers.notify)
 
     async def _told(self, name: str, *, same: bool) -> None:
         try:

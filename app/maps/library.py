@@ -11,7 +11,6 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-import re
 import shutil
 import tempfile
 import threading
@@ -23,14 +22,12 @@ from pathlib import Path
 import numpy as np
 
 from app.base.errors import ConfigError
+from app.base.library import Library, data_folder
 from app.maps.control import MapUnavailable
 from app.maps.map_server import MOST_CELLS, pgm_bytes, read_map, yaml_text
 from app.maps.picture import shown_png
 from app.maps.zones import read_zones, zones_text
 from app.messages import OccupancyGrid, Zone
-
-#: What a map may be called: nothing that could leave the folder.
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,99}")
 
 #: What is being kept for so long (s) is not any more.
 _ABANDONED_S = 3600.0
@@ -65,26 +62,19 @@ class MapFacts:
     problem: str = ""
 
 
-class MapLibrary:
+class MapLibrary(Library):
     """Maps in one folder. All methods touch the disk: call them off the event loop.
 
     Those that take a name raise ValueError for one that may not be, UnknownMap for one that no map has, ConfigError for
     a map whose files are damaged, and OSError where the disk refuses.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        #: Several threads come here: none may see a map that is half replaced.
-        self._replacing = threading.Lock()
+    kind = "map"
 
-    def path(self, name: str) -> Path:
-        """The folder that the map ``name`` has or would have. Raises ValueError for a name that may not be."""
-        if not NAME.fullmatch(name):
-            raise ValueError(
-                f"a map's name has 1 to 100 letters, digits, '.', '_' or '-' and begins with a letter or a digit,"
-                f" not {name!r}"
-            )
-        return self.folder / name
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder)
+        #: Several threads call the methods: none may see a map that is half replaced.
+        self._replacing = threading.Lock()
 
     def names(self) -> list[str]:
         """Every map there is, sorted."""
@@ -103,8 +93,7 @@ class MapLibrary:
                 with contextlib.suppress(FileNotFoundError):  # it was given up, or has become a map, just now
                     if time.time() - left.stat().st_mtime > _ABANDONED_S:
                         shutil.rmtree(left, ignore_errors=True)
-        found = (entry.name for entry in self.folder.iterdir() if (entry / MAP).is_file())
-        return sorted(name for name in found if NAME.fullmatch(name))
+        return sorted(name for name, path in self.entries() if (path / MAP).is_file())
 
     def existing(self, name: str) -> Path:
         """The folder of the map ``name``."""
@@ -224,8 +213,5 @@ def _write(path: Path, data: bytes) -> None:
 
 
 def default_folder() -> Path:
-    """``$HBBA_MAPS``, or ``hbba/maps`` in the user's data folder (XDG Base Directory Specification)."""
-    if named := os.environ.get("HBBA_MAPS"):
-        return Path(named)
-    data = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
-    return Path(data) / "hbba" / "maps"
+    """``$HBBA_MAPS``, or ``hbba/maps`` in the user's data folder."""
+    return data_folder("HBBA_MAPS", "maps")

@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.logs.library import NAME, RecordingLibrary, default_name
+from app.base.library import NAME
+from app.logs.library import RecordingLibrary, default_name
 
 
 def candidates(name: str, at: float = 0.0, count: int = 4) -> list[str]:
