@@ -52,7 +52,7 @@ class CachedSolver:
         return known
 
     def solve(self, problem: Problem) -> Selection:
-        """As :func:`solve`, from memory if it is there."""
+        """As :func:`solve`, from the cache if the answer is there."""
         known = self.recall(problem)
         if known is not None:
             return known
@@ -65,7 +65,8 @@ class CachedSolver:
         return selection
 
     def among(self, problem: Problem, names: Collection[str]) -> Selection:
-        """As :func:`solve` were there no strategies but ``names``; neither remembered nor from memory."""
+        """As :func:`solve` with the strategies ``names`` alone; the answer is neither cached nor taken from the
+        cache."""
         only = frozenset(names)
         smaller = replace(problem, strategies=tuple(s for s in problem.strategies if s.name in only))
         return self._explained(problem, solve(smaller, time_limit_s=self.time_limit_s))

@@ -1,8 +1,8 @@
-"""What modules cost on this computer, measured: c(φ) and events(φ), read from ``config/calibration/<host>.yaml``.
+"""Measured costs of modules on this computer: c(φ) and events(φ), read from ``config/calibration/<host>.yaml``.
 
 The thesis measured each perception at several φ on a recording, and found CPU use and events to be close to linear in
-1/φ (thesis 4.2.3, figure 4.4). ``hbba calibrate`` measures and writes this file; a strategy refers to it with
-``costs: {cpu: {calibrated_or: 6}}``: the measured cost where this computer was calibrated, else 6.
+1/φ (thesis 4.2.3, figure 4.4). ``hbba calibrate`` measures and writes this file; a strategy refers to it with ``costs:
+{cpu: {calibrated_or: 6}}``: the measured cost where this computer was calibrated, else 6.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class _Model(BaseModel):
 
 
 class Point(_Model):
-    """One φ as measured."""
+    """Measurements at one φ."""
 
     phi: int = Field(ge=1)
     cpu: float = Field(ge=0, description="% of one core, in real time: the median of the runs")
@@ -46,7 +46,7 @@ class CostFit(_Model):
 
 
 class Relation(_Model):
-    """What a filter's φ does to its module's CPU use and to how much it finds."""
+    """CPU use and number of events of a module as functions of φ of one filter."""
 
     points: tuple[Point, ...] = Field(min_length=1)
     cpu: CostFit
@@ -61,7 +61,8 @@ class Relation(_Model):
 
 
 class CostCalibration(_Model):
-    """One computer's relations, by filter and parameters (:func:`relation_name`), and what they were measured on."""
+    """Relations of one computer, by filter and parameters (:func:`relation_name`), and the data they were measured
+    on."""
 
     host: str
     made: str = Field(description="date and time, ISO 8601")
@@ -84,7 +85,7 @@ class CostCalibration(_Model):
 
 
 def relation_name(filter_name: str, parameters: Mapping[str, Any]) -> str:
-    """What the relation of ``Module.port`` is called, where the module is handed ``parameters`` by a strategy."""
+    """The key of the relation of ``Module.port`` for a strategy that sets ``parameters`` of the module."""
     if not parameters:
         return filter_name
     return f"{filter_name} with {', '.join(f'{key}={value}' for key, value in sorted(parameters.items()))}"
@@ -97,5 +98,5 @@ def load_cost_calibration(folder: Path, host: str) -> CostCalibration | None:
 
 
 def calibration_file(folder: Path, host: str) -> Path:
-    """Where the calibration of ``host`` is or would be."""
+    """Path of the calibration of ``host``, which need not exist."""
     return folder / f"{host}.yaml"

@@ -1,4 +1,4 @@
-"""What each class may contribute to a selection: the sets of its strategies that may be selected together."""
+"""Options of each class: the sets of its strategies that may be selected together."""
 
 from __future__ import annotations
 
@@ -102,13 +102,13 @@ def _efficient(
 ) -> list[tuple[int, tuple[int, ...], tuple[int, ...]]]:
     """Options (value, costs, strategies) by falling value, without those that another dominates.
 
-    Where costs are several, each is compared with a bounded number of better ones: one too many does no harm.
+    With several costs, each is compared with a bounded number of better ones: an option too many is harmless.
     """
     options.sort(key=itemgetter(0), reverse=True)
     kept: list[tuple[int, tuple[int, ...], tuple[int, ...]]] = []
     for option in options:
         costs = option[1]
-        # Where there is one cost, the one kept last is the cheapest so far.
+        # With one cost, the option kept last is the cheapest so far.
         rivals = kept[-1:] if len(costs) == 1 else kept[:_MOST_OPTIONS]
         if not any(all(a <= b for a, b in zip(better[1], costs, strict=True)) for better in rivals):
             kept.append(option)

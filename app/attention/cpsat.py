@@ -53,7 +53,7 @@ def solve_cpsat(instance: IntegerProgram, deadline: float, hint: tuple[int, ...]
         value = int(solver.value(objective))
         if number == 0:
             most = value if status == cp_model.OPTIMAL else math.ceil(solver.best_objective_bound)
-            # What the criteria packed below Ω contribute lies in [-shift, reach - shift[.
+            # The sum of the criteria packed below Ω is in [-shift, reach - shift[.
             bound = (most + shift) // reach
         if status != cp_model.OPTIMAL:
             return ProgramSolution(best, bound, False)
@@ -149,8 +149,8 @@ class _Selection:
                 self.model.add_implication(self.serving[s], self.fulfilled[k])
 
     def _cover(self) -> None:
-        """What a class produces, less what others require of it, reaches what is desired of it where that counts as
-        fulfilled, and is never less than nothing."""
+        """Constraints: the produced utility of a class, less the utility required of it, reaches the desired utility
+        where the class counts as fulfilled, and is never negative."""
         instance = self._instance
         drawn: dict[int, list[Any]] = {k: [] for k in instance.needed}
         for s, needs in enumerate(instance.requires):

@@ -13,7 +13,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from app.attention.desires import GRAIN, SCALE
 
-#: The word that stands for φ in a family's filters.
+#: The placeholder of φ in a family's filters.
 PHI = "phi"
 _Number = Annotated[float, Field(ge=0, le=1e9, allow_inf_nan=False)]
 
@@ -54,7 +54,7 @@ def _named_by_phi(names: str) -> str:
 
 
 class CalibratedByPhi(_Model):
-    """What calibration of this computer says, and the line that holds where it was not calibrated."""
+    """The calibrated cost, and the line used on a computer without a calibration."""
 
     calibrated_or: CostByPhi
 

@@ -1,6 +1,6 @@
-"""A selection problem in whole numbers: what both exact searches work on.
+"""A selection problem in whole numbers, the input of both exact searches.
 
-Strategies that cannot be part of any useful selection are left out: those of classes that nobody desires and nothing
+Strategies that cannot be part of any useful selection are left out: those of classes without a desire that no strategy
 requires, those of inhibited classes or requiring one, and those too weak for their class where nothing else needs it.
 
 The objective is lexicographic: Ω first, then the ties of ARCHITECTURE.md in order. Each criterion is a whole-number
@@ -14,7 +14,7 @@ radix (Python's integers have no bound), :attr:`IntegerProgram.criteria` one by 
 5. fewest strategies
 6. table order: of the first strategy in which two selections differ, the one that has it
 
-By 3 to 5 no set of strategies that serves nothing survives: without it a selection is never worse, and by 5 better.
+By 3 to 5 no selection contains strategies that serve nothing: without them it is never worse, and by 5 better.
 """
 
 from __future__ import annotations

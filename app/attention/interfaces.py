@@ -1,4 +1,4 @@
-"""What the Intention Translator needs of others: filters, modules' parameters, a clock, a solver."""
+"""Interfaces that the Intention Translator uses: filters, parameters of modules, a solver."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class FilterTarget(Protocol):
 
 
 class ParameterSink(Protocol):
-    """Where the parameters P' of modules go."""
+    """Receives the parameters P' of modules."""
 
     def configure(self, module: str, parameters: Mapping[str, Any]) -> None:
         """Hand ``module`` all its parameters; an empty mapping returns it to its own settings."""
@@ -29,7 +29,7 @@ class ParameterSink(Protocol):
 
 
 class Solver(Protocol):
-    """What answers problems. All but ``recall`` are called beside the event loop, one at a time."""
+    """Solves selection problems. All methods but ``recall`` are called beside the event loop, one at a time."""
 
     def prepare(self, problem: Problem) -> None:
         """Load what such problems may take, before the first is asked."""

@@ -71,7 +71,7 @@ def solve_search(
     known: tuple[int, _Node | None] | None = None
     multipliers = [0] * len(choice.capacities)
     if combinations_ <= _SMALL:
-        # Over in milliseconds; but on a computer that stands still meanwhile even that can be too long.
+        # Takes milliseconds; but on a computer that is suspended meanwhile even that can be too long.
         deadline = math.inf
     elif choice.capacities:
         multipliers = _multipliers(choice, instance.omega_unit)
@@ -266,10 +266,11 @@ def _multipliers(choice: ClassOptions, unit: int) -> list[int]:
 
 
 def _ordered(choice: ClassOptions, multipliers: Sequence[int]) -> tuple[ClassOptions, list[int]]:
-    """Resources by how many classes use them, the first counting in full; classes so that labels stay few.
+    """Order resources by the number of classes that use them (the first counts exactly), and classes so that labels
+    stay few.
 
-    Classes that share a resource of few users stand together, so that what it has left is soon no longer told apart;
-    then the others, the least decided last.
+    Classes that share a resource with few users follow each other, so that the rest of the resource soon needs no
+    distinction; then the others, the least decided last.
     """
     size = len(choice.capacities)
     users = [sum(any(option.costs[j] for option in group) for group in choice.groups) for j in range(size)]

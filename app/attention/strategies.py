@@ -40,7 +40,7 @@ MOST = 1e9
 
 @dataclass(frozen=True, slots=True)
 class Location:
-    """Where something was declared: ``file`` as people named it, ``line`` from 1."""
+    """Position of a declaration: ``file`` as given by the user, ``line`` from 1."""
 
     file: str
     line: int
@@ -51,7 +51,7 @@ class Location:
 
 @dataclass(frozen=True, slots=True)
 class Resource:
-    """What strategies share: ``capacity`` and costs are in ``unit``; capacity 1 with costs of 1 excludes mutually."""
+    """A shared resource: ``capacity`` and costs are in ``unit``; capacity 1 with costs of 1 excludes mutually."""
 
     name: str
     capacity: float
@@ -65,7 +65,7 @@ class Strategy:
 
     ``utility`` is the produced utility v in ]0, 8]. ``requires`` maps a class to the utility l that this strategy needs
     of it. ``filters`` maps ``"Module.port"`` to its divisor φ: an integer from 1, or ``math.inf`` for closed.
-    ``parameters`` maps a module to what it is handed while the strategy is selected. ``costs`` maps a resource to the
+    ``parameters`` maps a module to its parameters while the strategy is selected. ``costs`` maps a resource to the
     amount used.
     """
 
@@ -119,10 +119,11 @@ def exclusive(one: Strategy, other: Strategy) -> bool:
 
 
 def trimmed(table: StrategyTable, ports: Mapping[str, Collection[str]]) -> StrategyTable:
-    """The table for a program of which only the modules in ``ports`` (with these ports) are there.
+    """The table for a program that has only the modules in ``ports`` (with these ports).
 
-    Strategies lose the filters and parameters of what is not there; those that had filters and lost them all are left
-    out. What excluded each other by a filter that is gone still does: by a resource of its own, of which there is 1.
+    Strategies lose filters and parameters of missing modules; a strategy that had filters and lost them all is left
+    out. Strategies that excluded each other by a filter that is gone still do: by a resource of its own with capacity
+    1.
     """
 
     def there(name: str) -> bool:

@@ -27,8 +27,8 @@ EventKind = Literal[
 
 @dataclass(frozen=True, slots=True)
 class TimelineEvent:
-    """One event. ``id`` grows by one from 1; ``stamp`` is the robot's clock in seconds; ``subject`` names what it is
-    about (a desire class, a module, a filter); ``data`` is JSON-able; ``text`` is one sentence for people."""
+    """One event. ``id`` grows by one from 1; ``stamp`` is the robot's clock in seconds; ``subject`` is the name of its
+    subject (a desire class, a module, a filter); ``data`` is JSON-able; ``text`` is one sentence for people."""
 
     id: int
     stamp: float
@@ -103,7 +103,7 @@ class Timeline:
         return tuple(reversed(found))
 
     def clear(self) -> None:
-        """Forget every event; ids grow on, so that what is added after is told from what was."""
+        """Remove every event; ids grow on, so that events added later are distinct from the former ones."""
         self._events.clear()
 
     def observe(self, callback: Callable[[TimelineEvent], None]) -> Callable[[], None]:

@@ -1,5 +1,4 @@
-"""What attention writes on the timeline: desires, intentions and filters, each with data for machines and a
-sentence."""
+"""Attention's events on the timeline: desires, intentions and filters, each with data for machines and a sentence."""
 
 from __future__ import annotations
 
@@ -73,7 +72,7 @@ def divisor_json(divisor: float) -> int | None:
 
 
 def source_words(source: Source) -> str:
-    """Whoever desires, as a sentence names it: its kind and its name, said once where they are the same."""
+    """The author of a desire as sentences name it: kind and name, once where they are equal."""
     kind = _KINDS.get(source.kind, source.kind)
     return kind if source.name in ("", source.kind) else f"{kind} {source.name}"
 

@@ -34,7 +34,7 @@ from app.runtime.clock import Clock
 _log = logging.getLogger(__name__)
 
 _PATIENCE: Final = 3
-"""So many results in a row may come too late before one that still holds under the newest desires is applied."""
+"""Number of results in a row that may come too late before one that still holds under the newest desires is applied."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +127,7 @@ class IntentionTranslator:
         return self._observers.add(callback)
 
     def problem(self) -> Problem:
-        """The selection problem as it stands now."""
+        """The current selection problem."""
         previous = frozenset(self._current.selection.strategies) if self._current else frozenset()
         desires = self._workspace.strongest()
         return Problem(
@@ -216,8 +216,8 @@ class IntentionTranslator:
             _log.warning("part of the solver cannot be loaded: %s", failure)
 
     async def _answered_by_solver(self, problem: Problem, version: int) -> Selection | None:
-        """What shall be selected; None after a failure, which leaves the last intention in force and has the solver
-        asked again after a while."""
+        """The new selection; None after a failure: the last intention stays in force, and the solver is called again
+        after a while."""
         self._counts["solved"] += 1
         self._retry.begin()
         try:
@@ -326,7 +326,8 @@ class IntentionTranslator:
         self._note_progress()
 
     async def _keep_time(self) -> None:
-        """Let desires expire, look again at a switch held back once it has lasted, ask anew a solver that failed."""
+        """Remove expired desires, reconsider a switch that hysteresis held back, and call a solver that failed
+        again."""
         while True:
             self._timer.clear()
             wakes = [self._workspace.next_expiry, self._retry.at]

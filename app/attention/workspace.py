@@ -23,7 +23,7 @@ class _Unset:
 
 
 KEEP: Final = _Unset()
-"""As an argument of :meth:`IntentionWorkspace.change`: leave this field as it is."""
+"""Default of the arguments of :meth:`IntentionWorkspace.change`: this field stays as it is."""
 
 
 class UnknownDesire(Exception):

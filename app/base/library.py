@@ -14,7 +14,7 @@ NAME = re.compile(rf"[A-Za-z0-9][A-Za-z0-9._-]{{0,{LONGEST_NAME - 1}}}")
 
 
 def name_rule(kind: str) -> str:
-    """One sentence about the valid names of a ``kind`` ("recording")."""
+    """The sentence that states the valid names of a ``kind`` ("recording")."""
     return (
         f"a {kind}'s name has 1 to {LONGEST_NAME} letters, digits, '.', '_' or '-' and begins with a letter or a digit"
     )
@@ -23,7 +23,7 @@ def name_rule(kind: str) -> str:
 class Library:
     """Entries in one folder: files or folders called name + :attr:`suffix`. Methods that read the disk say so."""
 
-    #: One entry, as error messages call it.
+    #: The noun for an entry in error messages.
     kind: ClassVar[str] = "thing"
     #: Ending of the file or folder of each entry.
     suffix: ClassVar[str] = ""

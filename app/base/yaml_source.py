@@ -30,9 +30,9 @@ KeyPath = tuple[str | int, ...]
 ModelT = TypeVar("ModelT", bound=BaseModel)
 
 
-#: What a mapping is called where it is written as YAML.
+#: YAML's word for a mapping, as messages use it.
 MAPPING = "a mapping (name: value lines)"
-#: What should stand there, by the type of pydantic's error.
+#: The value expected, by the type of pydantic's error.
 _SHAPES = {
     **dict.fromkeys(("model_type", "model_attributes_type", "dict_type", "mapping_type"), MAPPING),
     **dict.fromkeys(("list_type", "tuple_type"), "a list"),
@@ -66,7 +66,8 @@ _SCALARS = (
 
 
 class _CoreLoader(yaml.SafeLoader):
-    """SafeLoader with the scalars of YAML 1.2's core schema. Its errors tell most."""
+    """SafeLoader with the scalars of YAML 1.2's core schema. Of the loaders, its error messages are the most
+    precise."""
 
 
 class _QuickLoader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]  # known at run time alone
@@ -114,9 +115,9 @@ for _loader in (_CoreLoader, _QuickLoader):
 
 @dataclass(frozen=True)
 class Document:
-    """A file's content and where each value stands.
+    """A file's content and the position of each value.
 
-    ``data`` is what the file says (dict, list, str, int, float, bool, None); ``file`` its name for people; ``lines``
+    ``data`` is the parsed content (dict, list, str, int, float, bool, None); ``file`` its name for people; ``lines``
     the line, from 1, of each key path.
     """
 
@@ -278,9 +279,9 @@ def likeliest(word: str, known: Collection[str]) -> str:
 
 
 def validation_message(model: type[BaseModel] | None, detail: ErrorDetails, mapping: str = MAPPING) -> str:
-    """One sentence for people about one pydantic error of ``model``: what is wrong and what is allowed.
+    """One sentence for people about one pydantic error of ``model``: the mistake and the allowed values.
 
-    Without a model it is not known which keys are allowed; ``mapping`` is what a mapping is called where it is written.
+    Without a model the allowed keys are not known; ``mapping`` is the word for a mapping in the file's format.
     """
     location = detail["loc"]
     if detail["type"] == "extra_forbidden":
@@ -374,7 +375,7 @@ def _check_digits(node: yaml.ScalarNode, file: str, path: KeyPath) -> None:
 
 
 def _model_at(model: type[BaseModel], location: Sequence[str | int]) -> type[BaseModel] | None:
-    """The pydantic model that holds the value at ``location`` inside ``model``, if the annotations tell."""
+    """The pydantic model that holds the value at ``location`` inside ``model``, if the annotations say so."""
     kind: Any = model
     for key in location:
         candidates = _choices(kind)

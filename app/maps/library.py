@@ -29,7 +29,7 @@ from app.maps.picture import shown_png
 from app.maps.zones import read_zones, zones_text
 from app.messages import OccupancyGrid, Zone
 
-#: What is being kept for so long (s) is not any more.
+#: Age (s) beyond which an unfinished map is abandoned.
 _ABANDONED_S = 3600.0
 
 MAP, PICTURE, ZONES, GRAPH = "map.yaml", "map.pgm", "zones.yaml", "graph.npz"
@@ -45,11 +45,11 @@ class MapNameTaken(MapUnavailable):
 
 @dataclass(frozen=True, slots=True)
 class MapFacts:
-    """What is known of a kept map.
+    """Facts of a saved map.
 
-    ``size_m``: width and height of its picture; ``known_m2``: how much of that is known; ``saved``: Unix time (s);
-    ``graph``: whether mapping can go on from it; ``zones``: how many it has; ``problem``: why it cannot be used, "" if
-    it can (the figures are 0 then).
+    ``size_m``: width and height of its picture; ``known_m2``: area of the known cells; ``saved``: Unix time (s);
+    ``graph``: whether mapping can go on from it; ``zones``: their number; ``problem``: the reason why it cannot be
+    used, "" if it can (the figures are 0 then).
     """
 
     name: str
@@ -65,8 +65,8 @@ class MapFacts:
 class MapLibrary(Library):
     """Maps in one folder. All methods touch the disk: call them off the event loop.
 
-    Those that take a name raise ValueError for one that may not be, UnknownMap for one that no map has, ConfigError for
-    a map whose files are damaged, and OSError where the disk refuses.
+    Methods that take a name raise ValueError for an invalid one, UnknownMap if no map has it, ConfigError for a map
+    whose files are damaged, and OSError.
     """
 
     kind = "map"
@@ -89,7 +89,7 @@ class MapLibrary(Library):
                 else:
                     left.rename(former)
             for left in self.folder.glob(".new-*"):
-                # Of a program that died while it kept a map: nobody writes one for that long.
+                # Left by a program that died while it saved a map: writing one takes less time.
                 with contextlib.suppress(FileNotFoundError):  # it was given up, or has become a map, just now
                     if time.time() - left.stat().st_mtime > _ABANDONED_S:
                         shutil.rmtree(left, ignore_errors=True)
@@ -109,7 +109,7 @@ class MapLibrary(Library):
         return [self.facts(name) for name in self.names()]
 
     def facts(self, name: str) -> MapFacts:
-        """What is known of the map ``name``; a damaged one says what its problem is."""
+        """Facts of the map ``name``; ``problem`` describes damage."""
         path = self.existing(name)
         saved = (path / MAP).stat().st_mtime
         try:
@@ -142,10 +142,10 @@ class MapLibrary(Library):
         others: Mapping[str, Callable[[Path], None]] | None = None,
         former: str = "",
     ) -> None:
-        """Keep ``grid`` and ``zones`` as the map ``name``; an older one of this name is replaced, wholly or not at all.
+        """Save ``grid`` and ``zones`` as the map ``name``; an older map of this name is replaced, wholly or not at all.
 
-        ``others``: file names and what writes each. ``former``: the name that this map had before, if any: what
-        somebody else keeps with it goes along.
+        ``others``: file names, and the function that writes each. ``former``: the name of this map before, if any:
+        files that others saved with it are copied.
         """
         path = self.path(name)
         if grid.cells.size > MOST_CELLS:

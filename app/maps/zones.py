@@ -67,7 +67,7 @@ class ZoneEntry(BaseModel):
         area = 0.5 * math.fsum(
             a[0] * b[1] - b[0] * a[1] for a, b in zip(polygon, (*polygon[1:], polygon[0]), strict=True)
         )
-        # A crossed one may come to nothing though it covers something: its extent tells.
+        # A polygon that crosses itself may have area 0 though it covers something: its extent decides.
         xs, ys = zip(*polygon, strict=True)
         if abs(area) < SMALLEST_M2 and (max(xs) - min(xs)) * (max(ys) - min(ys)) < SMALLEST_M2:
             raise ValueError("should cover some floor: its corners stand in one line or on one point")

@@ -53,7 +53,7 @@ def snapshot(configuration: Configuration, graph: Graph, robot: str, body: Body 
 
 
 def _body_files(robot_file: Path) -> list[Path]:
-    """What describes the body; nothing where the file does not, since the link came from elsewhere."""
+    """Files that describe the body; none where the body's file names none, since the link was given by the caller."""
     try:
         return [*body_files(load_body(robot_file))]
     except ConfigError:

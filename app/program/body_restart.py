@@ -1,8 +1,8 @@
-"""A body that died is started again, while program and console stay up.
+"""Restarts a body whose process died, while program and console keep running.
 
-Its odometry begins again elsewhere, so whatever was built on the old one is void: all modules end before and begin
-afresh after, as when a recording jumps. A body that dies or fails to start ``MOST_IN_A_ROW`` times in a row ends the
-program.
+The odometry of the new body begins at another origin, which invalidates everything computed from the old one: all
+modules stop first and start again with it, as when a recording jumps. After ``MOST_IN_A_ROW`` failures in a row (died,
+or did not start) the program ends.
 """
 
 from __future__ import annotations

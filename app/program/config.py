@@ -23,7 +23,7 @@ class _Model(BaseModel):
 
 
 class AttentionConfig(_Model):
-    """How intentions are chosen."""
+    """Settings of attention: how intentions are chosen."""
 
     safe_strategies: tuple[str, ...] = Field(
         (), description="strategies kept while the solver has not answered yet, or cannot"
@@ -35,7 +35,7 @@ class AttentionConfig(_Model):
 
 
 class ConsoleConfig(_Model):
-    """Where the console listens."""
+    """The address of the console."""
 
     host: str = "127.0.0.1"
     port: int = Field(8080, ge=0, le=65535, description="0: any free port")
@@ -47,7 +47,7 @@ class ConsoleConfig(_Model):
 
 
 class ProgramConfig(_Model):
-    """One robot program, as it stands in its file; paths are relative to the file."""
+    """One robot program, as its file declares it; paths are relative to the file."""
 
     robot: Path
     channels: Path
@@ -59,7 +59,7 @@ class ProgramConfig(_Model):
 
 
 class ChannelTableFile(RootModel[dict[str, ChannelSpec]]):
-    """The table of channels, as it stands in its file."""
+    """The file of the channel table."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +70,7 @@ class Configuration:
     channels: dict[str, ChannelSpec]
     program_document: Document
     channels_document: Document
-    #: What modules cost on the computer it runs on; None where that was never measured.
+    #: Measured costs of modules on this computer; None without a calibration.
     calibration: CostCalibration | None = None
 
     @property
@@ -80,7 +80,7 @@ class Configuration:
 
     @property
     def calibration_file(self) -> Path:
-        """Where the calibration of this computer is or would be."""
+        """Path of this computer's calibration, which need not exist."""
         return calibration_file(self.path(self.program.calibration), paths.host_name())
 
     def path(self, relative: Path) -> Path:
@@ -92,7 +92,7 @@ class Configuration:
         return f"{self.program_document.file}:{self.program_document.line(key)}"
 
     def wiring_error(self, message: str, key: tuple[str, ...]) -> ConfigError:
-        """The ConfigError for a mistake in the graph, pointing into the file where ``key`` stands."""
+        """The ConfigError for a mistake in the graph, with the line of ``key`` in its file."""
         if key[0] == "channels":
             return self.channels_document.error(f"{'.'.join(key[1:])}: {message}", key[1:])
         return self.program_document.error(f"{'.'.join(key)}: {message}", key)

@@ -1,5 +1,5 @@
-"""What the program notes on its timeline besides attention's own events: modules, guard, exploitation, overload,
-channels whose news is too old.
+"""Events of the program on the timeline, beside those of attention: modules, guard, exploitation, overload, stale
+channels.
 
 A bad state is noted once on entering and once on leaving, never in between.
 """
@@ -49,7 +49,7 @@ class TimelineFeed:
         self._over = dict.fromkeys(budgets, 0)
 
     def reset(self) -> None:
-        """Begin anew: whatever comes next is news."""
+        """Clear the known states: the next report of each is an event again."""
         self._guard = ""
         self._behavior = None
         self._slow_world = False

@@ -181,9 +181,9 @@ class Subscription(Generic[M]):
         return not self.lossless or len(self._inbox) < self._capacity or self._closed or not self._attended
 
     async def wait_for_room(self, give_up_at: float) -> bool:
-        """Wait until a message is taken, or no more will be; False if the loop's time ``give_up_at`` came first.
+        """Wait until a message is taken, or the consumer leaves; False if the loop's time ``give_up_at`` came first.
 
-        However the wait ends, it leaves nothing behind.
+        A cancelled wait leaves no state behind.
         """
         loop = asyncio.get_running_loop()
         sender: asyncio.Future[bool] = loop.create_future()
@@ -210,18 +210,19 @@ class Subscription(Generic[M]):
         self._wake_senders()
 
     def leave(self) -> None:
-        """Say that nobody takes from here for now: the consumer is down.
+        """Mark the consumer as down.
 
-        The inbox goes on as before, but a lossless one that is full holds no sender up and what it loses is only
-        counted: a broken consumer is no fault of its producer.
+        The inbox goes on as before, but a lossless inbox that is full blocks no sender, and its losses are only
+        counted: a consumer that failed must not fail its producer.
         """
         self._attended = False
         self._wake_senders()
 
     def adopt(self) -> int:
-        """Take over from a consumer that is gone, with what waits; returns how many messages a lossless inbox lost.
+        """Take over from a consumer that ended, with the messages that wait; returns how many messages a lossless inbox
+        lost.
 
-        Whoever still waits here is cancelled, and the loss counts as known.
+        A ``receive`` of the former consumer that still waits is cancelled; the loss is not raised again.
         """
         self._attended = True
         if self._waiter is not None:
@@ -231,7 +232,7 @@ class Subscription(Generic[M]):
         return lost
 
     def discard(self) -> None:
-        """Throw away what waits; a loss that was not told yet is forgotten with it."""
+        """Discard the messages that wait, and a loss that was not raised yet."""
         self._discarded += len(self._inbox)
         self._inbox.clear()
         self._overflowed = 0
@@ -292,7 +293,7 @@ class Channel(Generic[M]):
     async def send(self, message: M, deadline_s: float) -> None:
         """Publish once every lossless inbox has room.
 
-        Raises InboxOverflow after ``deadline_s``, having given it to nobody.
+        Raises InboxOverflow after ``deadline_s``; no subscription received the message then.
         """
         for subscription in self._lossless:
             if not subscription.has_room():
@@ -302,7 +303,7 @@ class Channel(Generic[M]):
 
     async def _wait_room(self, deadline_s: float) -> None:
         give_up_at = asyncio.get_running_loop().time() + deadline_s
-        # From the start after each wait: meanwhile, another that had room may have been filled.
+        # All inboxes are checked again after each wait: one that had room may have been filled in the meantime.
         while full_one := next((s for s in self._lossless if not s.has_room()), None):
             in_time = await full_one.wait_for_room(give_up_at)
             if not in_time and (full := ", ".join(s.name for s in self._lossless if not s.has_room())):
@@ -353,7 +354,7 @@ class Channel(Generic[M]):
 
     @property
     def wanted(self) -> bool:
-        """Whether any subscription's filter is open: a source that nobody wants may rest."""
+        """Whether any subscription's filter is open; a source without such a subscription may rest."""
         return self._wanted
 
     def on_wanted(self, callback: Callable[[bool], None]) -> Callable[[], None]:

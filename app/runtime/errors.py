@@ -1,4 +1,4 @@
-"""What can go wrong between modules: one class per meaning."""
+"""Exceptions of channels and modules: one class per meaning."""
 
 from __future__ import annotations
 

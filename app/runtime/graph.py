@@ -32,7 +32,7 @@ def _plain_wiring_error(message: str, key: tuple[str, ...]) -> Exception:
 
 
 class ModuleSpec(BaseModel):
-    """One module as it stands in configuration; its name is its key in the file."""
+    """One module as configured; its name is its key in the file."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -60,7 +60,7 @@ class ModuleSlot:
 
     @property
     def title(self) -> str:
-        """What people call it."""
+        """The module's title, as the page shows it."""
         return self.module_class.title or self.name
 
     def renew(self) -> Module:
@@ -81,7 +81,7 @@ class ModuleSlot:
         return {name: count for name, count in lost.items() if count}
 
     def leave_inputs(self) -> None:
-        """Say that nobody takes from the inboxes until the next instance adopts them."""
+        """Mark the consumer of all inboxes as down until the next instance adopts them."""
         for port in self.context.inputs.values():
             if port.connected:
                 port.subscription.leave()
@@ -130,9 +130,9 @@ class FilterBank:
         return {name: f.divisor for name, f in self._filters.items()}
 
     def pin(self, name: str, pin: Pin) -> None:
-        """Take the filter ``name`` out of others' hands: from now on :meth:`apply` leaves it alone.
+        """Fix the filter ``name``: from now on :meth:`apply` does not change it.
 
-        Raises KeyError for a filter that does not exist and ValueError for a φ or an offset that cannot be.
+        Raises KeyError for a filter that does not exist, ValueError for an invalid φ or offset.
         """
         if pin.offset < 0:
             raise ValueError(f"an offset is a number of messages from 0, not {pin.offset}")
@@ -163,9 +163,9 @@ class FilterBank:
             rate_filter.begin(self._pinned.get(name, 0))
 
     def delay(self, offset: int) -> None:
-        """Let ``offset`` messages go by at every filter that is closed now, once, when it first opens.
+        """Skip ``offset`` messages at every filter that is closed now, once, when it first opens.
 
-        So each phase of a decimation can be tried. Raises ValueError for an offset that cannot be.
+        A calibration tries each phase of a decimation so. Raises ValueError for an invalid offset.
         """
         if offset < 0:
             raise ValueError(f"an offset is a number of messages from 0, not {offset}")

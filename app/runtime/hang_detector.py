@@ -8,7 +8,7 @@ from typing import Any
 from app.runtime.clock import Clock
 from app.runtime.ports import Input
 
-#: Between two looks no more than this counts. When one module blocks the loop, the others wait without fault.
+#: At most this much time counts between two checks. While one module blocks the loop, the others are not at fault.
 LONGEST_STEP_S = 0.2
 #: A periodic handler is hung after this many of its periods.
 HUNG_PERIODS = 10
@@ -56,7 +56,7 @@ class HangDetector:
         self._seen: dict[str, tuple[float, float, float]] = {}
 
     def look(self, now: float) -> str | None:
-        """What the module is stuck on, in words, or None."""
+        """A description of what blocks the module, or None."""
         self._given_s += min(now - self._looked_at, LONGEST_STEP_S)
         self._looked_at = now
         seen: dict[str, tuple[float, float, float]] = {}

@@ -1,8 +1,8 @@
-"""What a module is: typed ports, handlers, and a life cycle that the supervisor drives.
+"""The base of modules: typed ports, handlers, and a life cycle that the supervisor drives.
 
-A module declares its ports and handlers in its constructor and does nothing else there; heavy set-up belongs in
-``start``. A fresh instance is made for every (re)start, on the same ports: subscriptions, filters and counters
-outlive a crash.
+A module declares its ports and handlers in its constructor and does nothing else there; long set-up belongs in
+``start``. A new instance is made for every (re)start, on the same ports: subscriptions, filters and counters survive a
+crash.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ class Settings(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class Caution:
-    """What people must know of how a program is configured: a ``title`` of a few words, and a sentence that says why
-    and what to do. ``where``: its file and line, "" where it has none."""
+    """A warning about a program's configuration: a ``title`` of a few words, and a ``text`` of one sentence with the
+    reason and the remedy. ``where``: file and line, "" if unknown."""
 
     title: str
     text: str
@@ -52,7 +52,7 @@ class Caution:
 
 
 class ModuleContext:
-    """What a module slot keeps between restarts: ports, clock, settings, services, its CPU meter and its worker."""
+    """The state of a module that survives restarts: ports, clock, settings, services, its CPU meter and its worker."""
 
     def __init__(self, name: str, clock: Clock, settings: Settings, services: Mapping[type[Any], Any]) -> None:
         self.name = name
@@ -100,7 +100,7 @@ class Module:
         self._context = context
         self.name = context.name
         self.clock = context.clock
-        #: As configuration gives them; a subclass with its own ``Settings`` annotates this with that class.
+        #: The configured settings; a subclass with its own ``Settings`` annotates this with that class.
         self.settings: Settings = context.settings
         self.log = logging.getLogger(f"hbba.{context.name}")
         #: By periodic handler: time of its last call (robot's clock, s) and period (s). The supervisor detects hangs by
@@ -182,7 +182,7 @@ class Module:
         """
 
     def cautions(self) -> tuple[Caution, ...]:
-        """What people must know of how this module is configured; asked once, with all ports wired."""
+        """Warnings about this module's configuration; called once, with all ports wired."""
         return ()
 
     async def start(self) -> None:
@@ -234,9 +234,9 @@ class Module:
     # --- working ---
 
     async def compute(self, function: Callable[..., T], *args: Any) -> T:
-        """Run CPU-bound ``function(*args)`` in this module's thread, charging its CPU time to this module.
+        """Run CPU-bound ``function(*args)`` in this module's thread and charge its CPU time to this module.
 
-        One at a time, in the order asked. Raises what ``function`` raises.
+        Calls run one at a time, in order. Raises what ``function`` raises.
         """
         loop = asyncio.get_running_loop()
         with self._context.pending_work.one():

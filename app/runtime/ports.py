@@ -17,8 +17,8 @@ M = TypeVar("M", bound=Message)
 class Input(Generic[M]):
     """An input port. Once wired, ``subscription`` is the module's end of a channel.
 
-    ``always_open`` inputs are not attention's to decimate: safety and self-motion, where a gap is a fault. What comes
-    in by an input that ``moves`` can move the body.
+    ``always_open``: attention may not decimate the input; for safety and self-motion, where a gap is a fault.
+    ``moves``: messages of the input can move the body.
     """
 
     def __init__(
@@ -88,9 +88,9 @@ class Output(Generic[M]):
             self._listen(channel)
 
     def succeed(self, former: Output[M]) -> None:
-        """Take over channel, filter and counter from ``former``, whose module instance is gone.
+        """Take over channel, filter and counter from ``former``, whose module instance has ended.
 
-        Whatever is left of that instance publishes into the void from then on.
+        Messages that the former instance still publishes are discarded.
         """
         self.channel, self.filter, self.offered = former.channel, former.filter, former.offered
         self.filter.on_change = self._filter_changed

@@ -1,7 +1,7 @@
-"""The clock of a recording played on a real event loop: it runs at any speed, stands, jumps and is moved by hand.
+"""The clock of a recording that is played on a real event loop: it runs at any speed, pauses and jumps.
 
-Modules see it as any other clock. :class:`VirtualClock` serves where nobody watches: this one goes on serving pages
-and pictures in real time while the recording's time stands still.
+Modules use it as any other clock. :class:`VirtualClock` serves headless replays: with this one, the console goes on in
+real time while the recording is paused.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ class _Run(NamedTuple):
 
 
 class ReplayClock:
-    """Stands at ``start`` (s) until :meth:`run`; never reads more than ``end``.
+    """Paused at ``start`` (s) until :meth:`run`; its reading is at most ``end``.
 
-    ``real`` gives real seconds. Its reading never decreases except by :meth:`jump`. Sleepers whose time has come are
-    woken in the order of their stamps, then of their going to sleep. Sleeping takes O(log n).
+    ``real`` gives real seconds. The reading never decreases except by :meth:`jump`. Sleepers that are due are woken in
+    the order of their stamps, then of their calls. Sleeping takes O(log n).
     """
 
     def __init__(self, start: float, end: float = math.inf, *, real: Callable[[], float] = time.monotonic) -> None:
@@ -47,7 +47,7 @@ class ReplayClock:
         self._order = count()
         self._given_up = 0
         self._timer: asyncio.TimerHandle | None = None
-        #: Real time: what paces work that must go on while the recording stands.
+        #: Real time, for work that goes on while the recording is paused.
         self.pace = RealClock()
 
     # --- As modules see it -------------------------------------------------------------------------------------------
@@ -81,12 +81,12 @@ class ReplayClock:
 
     @property
     def rate(self) -> float:
-        """Seconds of the recording in a real second; 0 while it stands."""
+        """Seconds of the recording in a real second; 0 while it is paused."""
         return self._state.rate
 
     @property
     def next_due(self) -> float | None:
-        """The stamp that the first sleeper waits for; None while nobody sleeps."""
+        """The stamp that the first sleeper waits for; None without a sleeper."""
         while self._sleepers and self._sleepers[0][2].done():
             heapq.heappop(self._sleepers)
             self._given_up = max(0, self._given_up - 1)
@@ -109,7 +109,7 @@ class ReplayClock:
         self._set_timer()
 
     def advance_to(self, stamp: float) -> None:
-        """Read ``stamp``, and wake whoever waits for it or for less; an earlier one than now changes nothing."""
+        """Advance to ``stamp`` and wake the sleepers that are due; an earlier stamp changes nothing."""
         now = self.now()
         self._state = _Run(min(max(stamp, now), max(self.end, now)), self._real(), self.rate)
         self._wake()

@@ -1,10 +1,10 @@
-"""Starts modules, watches them, restarts those that raise or hang; the others never notice.
+"""The supervisor starts modules, watches them, and restarts those that raise or hang, without an effect on the others.
 
-A module that raises is restarted after 0.5 s, 1 s, 2 s ... 30 s; the delay starts afresh once it has run for a
-minute. A module that takes nothing for ``hang_after_s`` though messages wait, whose timer does not come round for
-ten periods (at least ``hang_after_s``), or that does not start within ``start_within_s``, is *hung*: reported,
-cancelled and restarted. While a module is down its outputs are stale, its inboxes keep what they can hold and count
-the rest, and nobody who sends to it waits for it.
+A module that raises is restarted after 0.5 s, 1 s, 2 s ... 30 s (exponential back-off); the delay is reset once it has
+run for a minute. A module is *hung* if it takes no message for ``hang_after_s`` while messages wait, if its timer is
+not called for ten periods (at least ``hang_after_s``), or if it does not start within ``start_within_s``: it is
+reported, cancelled and restarted. While a module is down, its outputs are stale, its inboxes keep what they can hold
+and count the rest, and no sender waits for it.
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ Status = Literal["starting", "running", "failed", "hung", "stopped"]
 
 @dataclass(frozen=True, slots=True)
 class ModuleState:
-    """How a module is: its ``status``, since when, how often it was restarted, and its last problem in words.
+    """The state of a module: its ``status``, the time of the last change, the number of restarts, and its last problem.
 
-    ``stale`` says that its outputs must not be trusted (it is not running).
+    ``stale``: the module does not run, so its outputs must not be used.
     """
 
     name: str
@@ -61,7 +61,7 @@ class ModuleState:
 
 
 class _Run:
-    """One life of a module: its task, when it began to serve, and what it turns out to be stuck on."""
+    """One run of a module: its task, when it began to serve, and what blocks it."""
 
     def __init__(self, slot: ModuleSlot, given: float, hung: asyncio.Future[str]) -> None:
         self.slot = slot

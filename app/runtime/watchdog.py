@@ -27,17 +27,17 @@ PERIOD_S = 0.05
 PROJECT_ROOTS = (Path(__file__).resolve().parents[1],)
 #: The machinery every module is run by; it is named only when nothing above it is the project's.
 _MACHINERY = Path(__file__).resolve().parent
-#: What is outside of this frame started the loop and is not to blame for what the loop runs.
+#: Frames outside of this one started the loop; they do not cause what the loop runs.
 _LOOP_TURN = asyncio.BaseEventLoop._run_once.__code__  # type: ignore[attr-defined]  # not in typeshed
 
 
 @dataclass(frozen=True, slots=True)
 class Blockage:
-    """The loop does not come round: reported once when noticed, once (``over``) with its whole length.
+    """A blockage of the event loop: reported once when it is noticed, and once with its whole length (``over``).
 
     ``module`` is the one whose step it was, "" for work outside any module. ``where`` is ``file:line in function`` of
-    the innermost frame of the project, "" if there is none; ``blocking`` is the innermost frame of all, "" if nobody
-    was seen at work: the computer had no time for the program, or a call held the interpreter lock.
+    the innermost frame of the project, "" if there is none; ``blocking`` is the innermost frame of all, "" if no Python
+    frame ran: the computer had no time for the program, or a C call held the interpreter lock.
     """
 
     module: str
