@@ -31,9 +31,10 @@ STANDING_TOPICS = frozenset({"/tf_static", "/robot_description"})
 
 @dataclass(frozen=True, slots=True)
 class CutReport:
-    """What came of a cut: ``begin`` and ``end`` asked for, within the log (robot's clock, s).
+    """Result of a cut: ``begin`` and ``end`` requested, within the log (robot's clock, s).
 
-    ``messages`` are records of the piece, ``standing`` those put at its begin because they still held there.
+    ``messages`` are records of the piece, ``standing`` the state records from before ``begin`` that were put at its
+    begin.
     """
 
     out: Path
@@ -126,7 +127,7 @@ def _copy(
 
 
 def _standing(reader: SeekingReader, wanted: dict[int, Channel], begin: int) -> Iterator[Message]:
-    """What still held at ``begin``, in the order it came."""
+    """State messages still valid at ``begin``, in the order they arrived."""
     found: list[Message] = []
     for channel in wanted.values():
         if not _is_state(channel):
@@ -155,7 +156,7 @@ def _is_state(channel: Channel) -> bool:
 
 
 def _has_subjects(channel: Channel) -> bool:
-    """Whether each message tells of one of several things, each of which has a state of its own."""
+    """Whether each message is about one of several subjects, each of which has a state of its own."""
     # Several publishers latch one static transform each on one topic.
     return channel.metadata.get(layout.MESSAGE) == ModuleRecord.__name__ or channel.topic == "/tf_static"
 

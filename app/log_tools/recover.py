@@ -1,8 +1,8 @@
-"""Reading an MCAP file that may be broken anywhere: what is sound in it, and where it is not.
+"""Reads an MCAP file that may be damaged anywhere: its intact records, and the damaged stretches between them.
 
-MCAP (https://mcap.dev/spec) is a row of records, each an opcode, a length and that many bytes; messages lie in
+MCAP (https://mcap.dev/spec) is a sequence of records, each an opcode, a length and that many bytes; messages are in
 chunks, compressed, with a checksum. So one damaged record costs itself alone if its end can still be found: by its
-length where a record follows there, else by searching for the next bytes that are a record beyond doubt.
+length if a record follows there, else by a search for the next bytes that are certainly a record.
 """
 
 from __future__ import annotations
@@ -28,7 +28,8 @@ from app.logs.mcap.structure import MAGIC, RECORD_HEAD
 
 #: Channel (2), sequence (4), log time (8), publish time (8); the payload follows.
 MESSAGE = struct.Struct("<HIQQ")
-#: Begin (8), end (8), size and checksum of the records (8, 4), length of the compression's name (4).
+#: Fields before a chunk's records: begin (8), end (8), size and checksum of the records (8, 4), length of the
+#: compression's name (4).
 CHUNK = struct.Struct("<QQQII")
 ATTACHMENT_TIMES = struct.Struct("<QQ")
 
@@ -272,12 +273,12 @@ def _decompress(data: bytes, compression: str, size: int) -> bytes:
     if not compression:
         return data
     content, broken = _decompress_pieces(data, compression, size, _PIECE)
-    # What a piece gives before its damage is lost with it: where there is damage, small ones keep more.
+    # The output of a piece before its damage is lost with it: with damage, small pieces keep more.
     return _decompress_pieces(data, compression, size, _SMALL_PIECE)[0] if broken else content
 
 
 def _decompress_pieces(data: bytes, compression: str, size: int, step: int) -> tuple[bytes, bool]:
-    """What can be decompressed feeding ``step`` bytes at a time, and whether damage was met."""
+    """The bytes that can be decompressed with ``step`` bytes of input at a time, and whether damage was found."""
     pieces: list[bytes] = []
     length = 0
     try:
@@ -292,7 +293,7 @@ def _decompress_pieces(data: bytes, compression: str, size: int, step: int) -> t
 
 
 def _lz4(data: bytes, step: int) -> Iterator[bytes]:
-    """What ``data`` unpacks to, in pieces of ``_PIECE`` at most."""
+    """The unpacked content of ``data``, in pieces of ``_PIECE`` at most."""
     machine = lz4.frame.LZ4FrameDecompressor()
     for begin in range(0, len(data), step):
         piece = machine.decompress(data[begin : begin + step], max_length=_PIECE)
@@ -333,7 +334,7 @@ def _attachment(data: Buffer, position: int, end: int) -> IntactRecord | Damaged
 
 
 def _attachment_length(content: bytes) -> int | None:
-    """How long the attachment that begins ``content`` is by its own fields."""
+    """Length of the attachment at the begin of ``content``, by its own fields."""
     position = ATTACHMENT_TIMES.size
     try:
         for _ in range(2):
@@ -363,9 +364,9 @@ def _known(opcode: int) -> bool:
 
 
 def _next_record(data: Buffer, position: int, chunked: bool) -> int:
-    """Where the next record that is one beyond doubt begins at or after ``position``; the file's end if none does.
+    """Offset of the next certain record at or after ``position``; the file's end if there is none.
 
-    In a file of chunks, messages lie nowhere else: what looks like one is a damaged chunk's inside.
+    In a file of chunks, messages are in chunks alone: bytes that look like one are the content of a damaged chunk.
     """
     while found := _CANDIDATE.search(data, position):
         position = found.start()

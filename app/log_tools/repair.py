@@ -25,7 +25,7 @@ from app.logs.mcap.structure import MAGIC
 from app.logs.output import McapCopy, Progress, check_new, durable, replacing, unwatched
 from app.logs.stamps import SECOND, from_ns
 
-#: What there is to say of a file that begins as MCAP files do, and holds nothing more.
+#: Message about a file that begins as MCAP files do, and holds nothing more.
 NOTHING = "nothing in it can be read, nor recovered: it begins as a log does, but holds no message that is whole"
 
 #: A damaged chunk's word on its end is believed no further than this beyond the last message.
@@ -36,8 +36,8 @@ _LONGEST_GAP_NS = 3600 * SECOND
 class Loss:
     """A damaged stretch of a file: ``bytes`` of it at ``offset``, ``what`` they were.
 
-    ``seconds`` (robot's clock) lie between the messages before and after it, so that at most these are missing; None
-    where nothing tells. ``index`` is True where only what speeds up reading was hurt, and no message can be missing.
+    ``seconds`` (robot's clock) are between the messages before and after it: at most these are missing; None if
+    unknown. ``index`` is True if only an index was damaged, which speeds up reading, so that no message is missing.
     """
 
     offset: int
@@ -49,13 +49,13 @@ class Loss:
 
 @dataclass(frozen=True, slots=True)
 class RepairReport:
-    """What a repair found and did.
+    """Result of a repair.
 
-    ``out`` is the new file, None where there was nothing to repair (``healthy``) or only a look was asked for.
-    ``finished``: the file has its summary and end. ``ended``: the end of its messages stands in it; without that, more
-    may have come, and nothing tells how much. ``begin`` and ``end`` (robot's clock, s) of the ``messages``
-    recovered, equal if there are none; ``orphans`` are messages whose channel nothing tells. ``unreadable_bytes`` of
-    the file's ``bytes`` could not be read.
+    ``out`` is the new file, None if there was nothing to repair (``healthy``) or nothing was to be written.
+    ``finished``: the file has its summary and end. ``ended``: the end of its messages is in it; without that, an
+    unknown number of messages is missing. ``begin`` and ``end`` (robot's clock, s) of the ``messages`` recovered, equal
+    if there are none; ``orphans`` are messages of an unknown channel. ``unreadable_bytes`` of the file's ``bytes``
+    could not be read.
     """
 
     path: Path
@@ -106,7 +106,8 @@ def repair(
 
 
 def examine(path: Path, progress: Progress = unwatched) -> RepairReport:
-    """What :func:`repair` would find, without writing anything. Raises LogError where ``path`` cannot be read."""
+    """The report that :func:`repair` would give, without writing anything. Raises LogError if ``path`` cannot be
+    read."""
     with _mapped(path) as data:
         return _report(path, None, len(data), _Examination(data, progress, 1))
 
@@ -155,7 +156,7 @@ def _report(path: Path, out: Path | None, size: int, found: _Examination) -> Rep
 
 
 class _Examination:
-    """One going through all records: definitions wherever they stand, what there is, and what is hurt."""
+    """One pass through all records: definitions, counts, and damage."""
 
     def __init__(self, data: mmap.mmap, progress: Progress, rounds: int) -> None:
         self.header: Header | None = None

@@ -1,4 +1,4 @@
-"""Any log that the program can read, told by what is in the file: our recordings, ROS bags, CARMEN laser logs."""
+"""Opens any log that the program can read, recognised by its content: our recordings, ROS bags, CARMEN laser logs."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from app.logs.mcap.structure import DAMAGE, MAGIC, RECORD_HEAD, is_closed
 _BAG = b"#ROSBAG V"
 _SQLITE = b"SQLite format 3\x00"
 _GZIP = b"\x1f\x8b"
-#: What a head of a file must be long enough for: the beginning of a CARMEN log is text.
+#: Bytes of a file's head that suffice to recognise every format: the beginning of a CARMEN log is text.
 _HEAD = 4096
 
 ACCEPTED = (

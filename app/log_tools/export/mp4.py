@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from av import VideoStream
 
 SLOWEST_HZ, FASTEST_HZ = 1.0, 60.0
-#: So long (s) an image may usually be on its way.
+#: Usual upper limit (s) of an image's delay from capture to arrival.
 LATE_S = 0.5
 #: Ticks a second of a video's own clock, the usual one.
 CLOCK_HZ = 90_000
@@ -58,7 +58,7 @@ class Mp4(Unsurveyed):
 
     @contextmanager
     def writer(self, channel: LoggedChannel, target: Target) -> Iterator[Write]:
-        """One video."""
+        """Write one video."""
         name = f"{channel.name}.mp4"
         target.check(name)
         video: Video | None = None

@@ -33,15 +33,16 @@ from app.messages import LaserScan, Odometry, read_only
 _LONGEST_LINE = 1 << 20
 #: and one that is longer than this is no line of a log: a packed file may hold gigabytes of nothing.
 _NO_LINE = 64_000_000
-#: So much is kept of the name of a line and of what is wrong with one (characters), and of so many names.
+#: Characters kept of the name of a line and of its mistake, and the number of names kept.
 _LONGEST_KIND, _LONGEST_COMPLAINT, _MOST_KINDS = 40, 200, 1_000
 #: Bytes between the places where reading may begin.
 _MARK_EVERY = 1 << 20
 #: A message is logged less than this (s) after its capture.
 _LATENCY_S = 1.0
-#: Lines that are looked at for telling when a log begins.
+#: Lines that are read to find when a log begins.
 _FIRST_LINES = 21
-#: From here on (m) a reading of SICK's LMS is one of its codes for "nothing seen", in centimetres or millimetres.
+#: From this value (m) on, a reading of SICK's LMS is one of its codes for "nothing seen", in centimetres or
+#: millimetres.
 _LMS_CODES_CM = 80.0
 _LMS_CODES_MM = (8.183, 8.192)
 _RANGE_MIN_M = 0.01
@@ -74,7 +75,7 @@ class _Mark:
 
 @dataclass(slots=True)
 class _Survey:
-    """What going through a log once found."""
+    """Facts from one pass through a log."""
 
     kinds: Counter[str]
     untimed: Counter[str]
@@ -88,7 +89,7 @@ class _Survey:
     #: Readings that are no distance, and lines that say no maximum range, by kind.
     blank: Counter[str]
     wordless: Counter[str]
-    #: What is said of stamps that go back, and of times that are of no use.
+    #: Notes about stamps that go back, and about unusable times.
     back: str
     wrong_times: str
     marks: list[_Mark]
@@ -132,7 +133,7 @@ class CarmenLog:
 
     @property
     def info(self) -> LogInfo:
-        """What it holds; ``ignored`` also counts the lines that are damaged or have no time."""
+        """Its facts; ``ignored`` also counts the lines that are damaged or have no time."""
         return self._info
 
     @property
@@ -267,7 +268,7 @@ def _surveyed(path: Path) -> _Survey:
     """Raises LogError where the file cannot be opened."""
     advance = Advance()
     survey = _gone_through(path, _first_clock(path), advance)
-    # Where the laser's times are of no use, or, in a log without one, odometry's.
+    # Kinds of lines whose times are checked: the laser's, or, in a log without one, odometry's.
     main = next((kind for kinds in _LASERS.values() for kind in kinds if advance.lines[kind]), "ODOM")
     clock = advance.by_order(main)
     if clock is None:
@@ -366,7 +367,7 @@ def _first_clock(path: Path) -> CarmenClock:
     middle = statistics.median_low([times.captured for times in first])
     shifts = [times.captured - times.logged for times in first]
     usual = statistics.median_low(shifts)
-    # What was logged soonest after its capture shows the two clocks' distance best.
+    # The line logged soonest after its capture gives the best estimate of the clocks' offset.
     return CarmenClock(middle, max(shift for shift in shifts if abs(shift - usual) < _LATENCY_S))
 
 

@@ -25,7 +25,7 @@ _UNTIMED = 0.2
 
 @dataclass(slots=True)
 class CarmenClock:
-    """Where in time a reader of the lines is, by their stamps. ``shift`` takes logger times to the captures' clock."""
+    """Times of the lines read so far, by their stamps. ``shift`` converts logger times to the captures' clock."""
 
     at: float
     shift: float
@@ -50,12 +50,12 @@ class CarmenClock:
 
     @property
     def back(self) -> int:
-        """How many captures went back."""
+        """Number of captures that went back."""
         return sum(stamps.back for stamps in self.stamps.values())
 
     @property
     def most_back_s(self) -> float:
-        """How far (s) the one went that went back farthest."""
+        """Greatest step back (s) of a capture."""
         return max((stamps.most_back_s for stamps in self.stamps.values()), default=0.0)
 
     def copy(self) -> Self:

@@ -17,8 +17,8 @@ from app.base.geometry import Pose2
 
 #: Kinds of lines that are read.
 KINDS = frozenset({"PARAM", "ODOM", "FLASER", "RLASER", "ROBOTLASER1", "ROBOTLASER2", "RAWLASER1", "RAWLASER2"})
-#: Where the sweep begins (deg) and the step (deg) by the number of rays: the configurations of SICK's LMS that the old
-#: messages, which say nothing of their angles, come from.
+#: Begin of the sweep (deg) and step (deg) by the number of rays: the configurations of SICK's LMS behind the old
+#: messages, which do not contain angles.
 _LMS = {
     180: (-90.0, 1.0),
     181: (-90.0, 1.0),
@@ -47,7 +47,7 @@ class CarmenTimes:
 
 @dataclass(frozen=True, slots=True)
 class Param:
-    """One parameter of the robot that made the log."""
+    """A parameter of the robot that recorded the log."""
 
     name: str
     value: str
@@ -65,10 +65,11 @@ class CarmenOdometry:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CarmenScan:
-    """One sweep: ``ranges`` (N,) float32 m as the line has them, but 0 for what is no distance; ``blank`` counts those.
+    """One sweep: ``ranges`` (N,) float32 m as the line has them, but 0 for values that are no distance; ``blank``
+    counts those.
 
-    ``maximum`` (m) as the line says, None where it does not. ``intensities`` (N,) or None. ``robot`` and ``laser`` are
-    the poses of base and laser in ``odom``, None where the line has none; ``twist`` (m/s, rad/s) likewise.
+    ``maximum`` (m) as the line has it, None without. ``intensities`` (N,) or None. ``robot`` and ``laser`` are the
+    poses of base and laser in ``odom``, None if the line has none; ``twist`` (m/s, rad/s) likewise.
     """
 
     times: CarmenTimes
@@ -85,7 +86,7 @@ class CarmenScan:
 
 
 def parse(line: str) -> Param | CarmenOdometry | CarmenScan | None:
-    """What ``line`` says; None for one of a kind that is not read. Raises ValueError, saying what is wrong with it."""
+    """The content of ``line``; None for a kind that is not read. Raises ValueError naming the mistake."""
     words = line.split()
     if not words or words[0] not in KINDS:
         return None
@@ -171,7 +172,7 @@ def _number(word: str) -> float:
     try:
         value = float(word)
     except ValueError:
-        raise ValueError(f"{word!r} stands where a number should") from None
+        raise ValueError(f"{word!r} found where a number should be") from None
     if not math.isfinite(value):
         raise ValueError(f"{word!r} is no finite number")
     return value

@@ -1,9 +1,8 @@
-"""From where on a laser's readings say that nothing was seen, where nothing but the readings can say it.
+"""Estimates the range from which a laser's readings mean "nothing seen", from the readings alone.
 
-What a laser gives out where nothing came back is a code near its greatest range, or, where a program has turned codes
-into metres or corrected them, several values spread over a metre: a pile of readings at the far end, in whatever
-direction the laser looked, with next to nothing around it. A far wall is seen in a few directions, and from ever
-another distance.
+A laser without a return reports a code near its greatest range, or, if a program converted codes to metres or corrected
+them, several values spread over a metre: a peak of the histogram at the far end, in any direction, with almost no
+readings around it. A far wall is seen in a few directions, and at many distances.
 """
 
 from __future__ import annotations

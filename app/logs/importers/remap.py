@@ -1,4 +1,4 @@
-"""Which topics of somebody else's bag are which of our channels: a small YAML file.
+"""Maps topics of a bag recorded by others to our channels: a small YAML file.
 
 Example::
 
@@ -45,10 +45,10 @@ class _Model(BaseModel):
 
 
 class Placement(_Model):
-    """Where a sensor stands in the base: metres, and fixed-axis roll, pitch, yaw in degrees.
+    """Pose of a sensor in the base: metres, and fixed-axis roll, pitch, yaw in degrees.
 
-    For a camera this is its *optical* frame (x right, y down, z forward): one that looks ahead has
-    ``rpy_deg: [-90, 0, -90]``.
+    For a camera this is its *optical* frame (x right, y down, z forward): one that looks ahead has ``rpy_deg: [-90, 0,
+    -90]``.
     """
 
     xyz: tuple[float, float, float]
@@ -68,7 +68,7 @@ class Frames(_Model):
 
 
 class RemapSource(_Model):
-    """What a channel is made of: one ``topic``, a transform (``tf: odom -> base_link``), or a camera's topics."""
+    """The origin of a channel: one ``topic``, a transform (``tf: odom -> base_link``), or a camera's topics."""
 
     topic: TopicName | None = None
     tf: str | None = None

@@ -43,7 +43,7 @@ from app.messages import Image, JointState, LaserScan, Odometry
 
 #: Before the time that is asked for, so much (s) is read for transforms and depths.
 _BEFORE_S = 2.0
-#: So much of the moving transforms (s, messages) is read for knowing which frames there are.
+#: Amount of moving transforms (s, messages) that is read to find the frames.
 _SAMPLE_S = 5.0
 _SAMPLE_MESSAGES = 5000
 #: The standing transforms of a bag are few; a bag that repeats them is read no longer than this.
@@ -104,7 +104,7 @@ class RosBag:
 
     @property
     def info(self) -> LogInfo:
-        """What it holds. Odometry out of tf counts the transforms' messages, each of which may tell of it."""
+        """Its facts. Odometry out of tf counts the messages of transforms, each of which may contain it."""
         return self._info
 
     @property
@@ -113,8 +113,8 @@ class RosBag:
         return self._manifest
 
     def messages(self, begin: float | None = None, channels: Collection[str] | None = None) -> Iterator[Logged]:
-        """Messages in order of arrival; a picture comes with its depth. What cannot be placed or read is left out, and
-        the program's log says so. Raises LogError where the bag is damaged."""
+        """Messages in order of arrival; a picture comes with its depth. Messages without a known pose, or unreadable
+        ones, are skipped and logged. Raises LogError if the bag is damaged."""
         wanted = {name: s for name, s in self._channels.items() if channels is None or name in channels}
         # CameraInfo was read when the bag was opened.
         topics = {
@@ -228,7 +228,7 @@ class RosBag:
                 continue
             if self._tree.connected(self._base, color.frame):
                 if fixed is not None:
-                    notes.append(f"{channel}: {key} of the remap file stands for what tf says of {color.frame!r}")
+                    notes.append(f"{channel}: {key} of the remap file replaces the transform (tf) of {color.frame!r}")
                     placements[channel] = fixed
                 continue
             placements[channel] = otherwise if fixed is None else fixed

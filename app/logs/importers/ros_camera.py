@@ -1,4 +1,4 @@
-"""What a camera's CameraInfo says, and its pictures brought to what a pinhole camera would have seen."""
+"""A camera's calibration from its CameraInfo, and its pictures rectified to a pinhole camera."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class CameraInfo:
 
     @staticmethod
     def of(info: Any) -> CameraInfo | None:
-        """What a sensor_msgs/CameraInfo says; None for an uncalibrated camera."""
+        """The calibration of a sensor_msgs/CameraInfo; None for an uncalibrated camera."""
         upper = not hasattr(info, "k")  # ROS 1 names them D, K, R, P
         K, D, P = (
             np.array(getattr(info, name.upper() if upper else name), dtype=np.float64) for name in ("k", "d", "p")

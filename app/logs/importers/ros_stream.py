@@ -22,7 +22,7 @@ from app.logs.importers.transforms import StampedTransform, Transforms
 from app.logs.log import Logged
 from app.messages import Image, JointState, LaserScan, Odometry, Twist, read_only
 
-#: How long (s, the bag's time) a message waits for what belongs to it, and how long a depth is kept.
+#: How long (s, the bag's time) a message waits for its other parts, and how long a depth is kept.
 AHEAD_S = 0.5
 _DEPTH_KEPT_S = 1.5
 #: Messages that wait hold at most about so many bytes; beyond, the oldest waits no longer.
@@ -43,11 +43,10 @@ class Received:
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """What is known of a bag when its messages are read.
+    """Facts of a bag for reading its messages.
 
     ``base``: frame of the base; ``tf``: topics of transforms; ``placements``: poses of sensors by channel where the bag
-    does not say them; ``calibrations``: of cameras, by channel; ``tolerances``: seconds between colour and depth, by
-    channel.
+    has none; ``calibrations``: of cameras, by channel; ``tolerances``: seconds between colour and depth, by channel.
     """
 
     base: str
@@ -59,17 +58,17 @@ class Setting:
 
 @dataclass(slots=True)
 class _CameraStream:
-    """What a camera's pictures need: its depths of the last moments, and its calibrations by the pictures' size."""
+    """State for a camera's pictures: its recent depths, and its calibrations by the pictures' size."""
 
     depths: deque[tuple[float, Received]] = field(default_factory=deque)
     cameras: dict[tuple[int, int], PinholeCamera] = field(default_factory=dict)
 
 
 class RosStream:
-    """One reading of a bag: fed what is received, in the order of arrival, it gives our messages in that order."""
+    """One reading of a bag: takes the bag's messages in the order of arrival and gives ours in that order."""
 
     def __init__(self, channels: Mapping[str, ChannelSource], setting: Setting, transforms: Transforms) -> None:
-        """``transforms`` knows what stands still; the stream adds what moves."""
+        """``transforms`` holds the static ones; the stream adds those that move."""
         self._setting = setting
         self._transforms = transforms
         self._waiting: deque[tuple[Received, str | Logged]] = deque()

@@ -86,7 +86,7 @@ class Ambiguous(Exception):
         self.guess = guess
 
     def __str__(self) -> str:
-        """What is to be said, with a remap file to paste."""
+        """The message for people, with a remap file to paste."""
         return (
             f"{len(self.candidates)} topics could be the channel {self.channel!r}: {', '.join(self.candidates)}. "
             "Choose in a remap file and name it with --remap; this one takes the first:\n\n"
@@ -171,7 +171,7 @@ def _plain(channel: str, source: RemapSource, topic: BagTopic, remap: Remap) -> 
 
 
 def described(topic: BagTopic) -> str:
-    """What a topic holds, for people."""
+    """The content of a topic, for people."""
     what = {"color": ", in color", "mono": ", grey", "depth": ", depth"}.get(topic.holds, "")
     frame = f", in {topic.frame}" if topic.frame else ""
     return f"{topic.type}{what}{frame}, {topic.count} message{'s' * (topic.count != 1)}"

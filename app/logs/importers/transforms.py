@@ -33,7 +33,7 @@ def rotation(q: Quaternion) -> NDArray[np.float64]:
 
 
 def slerp(a: Quaternion, b: Quaternion, fraction: float) -> Quaternion:
-    """Between unit quaternions ``a`` (0) and ``b`` (1), the shorter way (Shoemake 1985)."""
+    """Interpolate between unit quaternions ``a`` (0) and ``b`` (1), the shorter way (Shoemake 1985)."""
     p, q = np.array(a), np.array(b)
     cosine = float(p @ q)
     if cosine < 0.0:
@@ -56,7 +56,7 @@ class StampedTransform:
     quaternion: Quaternion
 
     def pose(self) -> Pose3:
-        """As a pose. Raises ValueError for a quaternion of length 0."""
+        """The transform as a pose. Raises ValueError for a quaternion of length 0."""
         return Pose3(rotation(self.quaternion), np.array(self.translation, dtype=np.float64))
 
     def between(self, other: StampedTransform, stamp: float) -> StampedTransform:
@@ -105,7 +105,7 @@ class Transforms:
             del past[: bisect_right(past, past[-1].stamp - self._span_s, key=_stamp)]
 
     def standing(self) -> Transforms:
-        """A tree of its own of what stands still."""
+        """A new tree with the static transforms alone."""
         other = Transforms(self._span_s, self._tolerance_s)
         for child, edge in self._edges.items():
             if edge.static:

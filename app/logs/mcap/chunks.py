@@ -1,7 +1,7 @@
-"""MCAP files by their chunks, nothing in them decoded: look through one, complete one that has no end, join several.
+"""MCAP files by their chunks, without decoding messages: scan one, complete one that has no end, join several.
 
-Chunks and their message indexes are copied as they are; only what points at them is written anew. The order of
-records in a file and their layout: MCAP specification, version 0 (https://mcap.dev/spec).
+Chunks and their message indexes are copied unchanged; only the records that point at them are written again. The order
+of records in a file and their layout: MCAP specification, version 0 (https://mcap.dev/spec).
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class ChunkSpan:
 
 @dataclass(slots=True)
 class FileContents:
-    """What a file holds: ``end`` is the byte after its last whole chunk; ``complete`` files have a summary."""
+    """The content of a file: ``end`` is the byte after its last whole chunk; ``complete`` files have a summary."""
 
     header: Header = field(default_factory=lambda: Header("", ""))
     attachments: list[Span] = field(default_factory=list)
@@ -86,7 +86,7 @@ class FileContents:
 
     @property
     def messages(self) -> int:
-        """How many records of messages there are."""
+        """Number of message records."""
         return sum(sum(chunk.counts.values()) for chunk in self.chunks)
 
 
@@ -174,8 +174,8 @@ def join(
 ) -> int:
     """Write the chunks of ``sources`` one behind the other into ``target``.
 
-    The sources were written with the same ids for channels and schemas; attachments and metadata are the first one's.
-    ``progress(done, total)`` is told the bytes. Returns how many message records there are. Raises LogError, OSError.
+    The sources were written with the same ids for channels and schemas; attachments and metadata are those of the
+    first. Calls ``progress(done, total)`` with bytes. Returns the number of message records. Raises LogError, OSError.
     """
     files = [open(path, "rb") for path in sources]  # noqa: SIM115  # closed below
     try:
@@ -204,7 +204,7 @@ def join(
 
 
 class _Summary:
-    """What stands at the end of a file, gathered from what stands before it."""
+    """The end section of a file, computed from the records before it."""
 
     def __init__(self) -> None:
         self._schemas: dict[int, Schema] = {}
@@ -216,7 +216,7 @@ class _Summary:
 
     @property
     def messages(self) -> int:
-        """How many message records there are."""
+        """Number of message records."""
         return sum(self._counts.values())
 
     def take(self, file: BinaryIO, found: FileContents, shift: dict[int, int] | None) -> None:

@@ -1,7 +1,7 @@
-"""How much packed data unpacks to, computed before it is unpacked: 100 kB can hold gigabytes of zeros.
+"""The unpacked size of compressed data, computed before it is unpacked: 100 kB can hold gigabytes of zeros.
 
-Libraries make room for what a frame says it holds, or for as much as comes out of it. So frames are walked through by
-the heads of their blocks, none of which unpacks to more than a bound of its format (RFC 8878, LZ4 Frame Format).
+Libraries allocate the size that a frame declares, or as much as comes out of it. So the heads of a frame's blocks are
+read first, none of which unpacks to more than a bound of its format (RFC 8878, LZ4 Frame Format).
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _UNKNOWN = zstandard.CONTENTSIZE_UNKNOWN
 _WORD = struct.Struct("<I")
 
 
-#: What is raised for data that is not a frame; RuntimeError by lz4.
+#: Exceptions for data that is not a frame; RuntimeError by lz4.
 NO_FRAME = (struct.error, zstandard.ZstdError, RuntimeError)
 
 

@@ -55,7 +55,7 @@ class McapLog:
 
     @property
     def info(self) -> LogInfo:
-        """What it holds, from the file's summary."""
+        """Facts of the log, from the file's summary."""
         return self._info
 
     @cached_property
@@ -185,7 +185,7 @@ class McapLog:
         return self._damaged(f"what follows {self._place(since_ns)}", error)
 
     def _times(self, index: ChunkIndex, number: int) -> list[tuple[float, float]]:
-        """When a chunk has messages on a channel: of a short one, all the time; else as its index tells."""
+        """Times at which a chunk has messages on a channel: the whole span of a short chunk; else from its index."""
         whole = [(from_ns(index.message_start_time), from_ns(index.message_end_time))]
         offset = index.message_index_offsets.get(number)
         if offset is None or whole[0][1] - whole[0][0] <= SHORT_S:

@@ -19,7 +19,7 @@ from app.logs.output import Progress, unwatched
 
 SEGMENT_S = 10.0
 
-#: What tells which standing state a message replaces, by channel; None for a message that is no state.
+#: Returns the key of the state that a message replaces, by channel; None for a message that is no state.
 StateKey = Callable[[str, Any], str | None]
 
 
@@ -52,7 +52,7 @@ class Ring:
         segment_s: float = SEGMENT_S,
         open_file: OpenFile = create,
     ) -> None:
-        """Begin in a new folder below ``folder``. Raises OSError."""
+        """Create a new folder below ``folder``. Raises OSError."""
         self.folder = folder
         self.keep_s = keep_s
         self._new_encoder = new_encoder
@@ -62,7 +62,7 @@ class Ring:
         self._segment_s = segment_s
         self._open_file = open_file
         self._home, self._lock_file = make_home(folder, at)
-        #: Where the oldest segment begins (robot's clock, s).
+        #: Begin of the oldest segment (robot's clock, s).
         self.begin = at
         self._begin = self._end = at
         self._state_path: Path
@@ -150,7 +150,7 @@ class Ring:
         self._number += 1
         self._begin = self._end = at
         self._state_path = self._home / f"{self._number:06}{STATE}"
-        # Each with an encoder of its own: an encoder leaves out what its file already tells.
+        # Each segment has an encoder of its own: an encoder leaves out data that its file holds already.
         state = self._create(self._state_path, self._manifest, at)
         try:
             for channel, message in self._standing.values():

@@ -1,8 +1,8 @@
 """Many runs of a calibration in one replay: an instance of the module for each, so that the log is decoded once.
 
-Decoding a minute of pictures takes longer than most perceptions take to look at them. So the instances stand side by
-side on the same channels, each behind filters, on output channels and with a meter of its own; what one computes waits
-for the others' turns, and CPU time is counted within its own. What each finds and costs is what it would alone.
+Decoding a minute of pictures takes longer than most perceptions take to process them. So the instances read the same
+channels, each behind filters, on output channels and with a CPU meter of its own. They compute one at a time, and CPU
+time is counted within each turn: the results and costs of each equal those of a replay of its own.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from app.runtime.load import CpuMeter
 
 T = TypeVar("T")
 
-#: So many instances at most: beyond that there is little left to share, and each may need tens of megabytes.
+#: Greatest number of instances: beyond that there is little left to share, and each may need tens of megabytes.
 MOST = 32
 #: A φ at which the first message passes, and no other for longer than any log is.
 _ONE_ALONE = 1_000_000_000
@@ -31,8 +31,8 @@ _ONE_ALONE = 1_000_000_000
 
 @dataclass(frozen=True, slots=True)
 class BatchReplay:
-    """A program of ``runs`` of one module: the nth by the module ``names[n]``, which tells what it finds on the channel
-    ``events[n]`` (None: on none); ``pins`` holds its filters, ``parameters`` is what each is handed."""
+    """A program of ``runs`` of one module: the nth by the module ``names[n]``, with its percepts on the channel
+    ``events[n]`` (None: on none); ``pins`` fixes its filters, ``parameters`` are those of each."""
 
     configuration: Configuration
     runs: tuple[Run, ...]
@@ -112,15 +112,15 @@ class ExclusiveCpuMeter(CpuMeter):
         self._turn = lock
 
     def call(self, function: Callable[..., T], *args: Any) -> T:
-        """As :meth:`CpuMeter.call`, when it is its turn."""
+        """As :meth:`CpuMeter.call`, once the lock is free."""
         with self._turn:
             return super().call(function, *args)
 
 
 def serialize_computing(system: System) -> None:
-    """Have the modules of ``system``, which does not run yet, compute one after the other.
+    """Make the modules of ``system``, which does not run yet, compute one at a time.
 
-    Beside each other they would push each other out of the processor's caches, and each would seem dearer.
+    In parallel they would evict each other's data from the processor's caches, and each would seem to cost more.
     """
     lock = threading.RLock()
     for slot in system.graph.modules.values():

@@ -1,8 +1,8 @@
-"""What each module costs at each φ of its strategies: the plan of runs, their results, and the lines through them.
+"""Measured cost of each module at each φ of its strategies: the plan of runs, their results, and fitted lines.
 
 Thesis 4.2.3 and figure 4.4: each perception was run on a recording at several φ, from every starting offset; CPU use
 and events were found to be close to linear in 1/φ. Here one *run* is one module alone in a headless replay, its input
-pinned at one φ and one offset; many are made in one replay (``side_by_side.py``). Everything in this file is pure or a
+pinned at one φ and one offset; many are made in one replay (``batch_replay.py``). Everything in this file is pure or a
 file of results.
 """
 
@@ -23,7 +23,7 @@ from app.attention.strategies import CLOSED, StrategyTable
 @dataclass(frozen=True, slots=True, order=True)
 class Run:
     """One measurement to make: ``module`` alone, its input ``port`` at ``phi``, after ``offset`` messages; ``repeat``
-    numbers measurements of the same. ``parameters``: what the module is handed, as JSON."""
+    numbers equal measurements. ``parameters``: those of the module, as JSON."""
 
     module: str
     port: str
@@ -39,13 +39,13 @@ class Run:
 
     @property
     def relation(self) -> str:
-        """What it is a measurement of."""
+        """The key of the relation that the run belongs to."""
         return relation_name(self.filter, json.loads(self.parameters))
 
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """What a run gave: thread CPU time and percepts over ``duration_s`` of the recording."""
+    """Result of a run: thread CPU time and number of percepts over ``duration_s`` of the recording."""
 
     cpu_s: float
     events: int
@@ -70,13 +70,13 @@ def plan(
     repeats: int = 1,
     sweep: Mapping[str, Collection[int]] | None = None,
 ) -> list[Run]:
-    """The runs that the strategies of ``table`` ask for: each filtered input at each of its divisors, ascending, with
-    each set of parameters that a strategy hands to its module.
+    """The runs for the strategies of ``table``: each filtered input at each of its divisors, ascending, with each set
+    of parameters that a strategy sets for its module.
 
     ``inputs`` maps each module to be measured to its input ports (outputs cost nothing to decimate). With
-    ``every_offset``, each φ is measured from each of its φ starting offsets, as the thesis did. All is done
-    ``repeats`` times over, so that a computer's busy minute does not fall on one φ alone. ``sweep`` asks for other
-    divisors, of the filters in it alone, with the module's own settings.
+    ``every_offset``, each φ is measured from each of its φ starting offsets, as the thesis did. The whole plan is
+    repeated ``repeats`` times, so that other load on the computer does not affect one φ alone. ``sweep`` gives other
+    divisors, for the filters in it alone, with the module's own settings.
     """
     wanted = {
         (module, port, int(divisor), json.dumps(strategy.parameters.get(module, {}), sort_keys=True))
@@ -165,7 +165,7 @@ class CalibrationProgress:
             if content["key"] == self._key:
                 self.results = {Run(**entry["run"]): Measurement(**entry["result"]) for entry in content["results"]}
         except (OSError, ValueError, KeyError, TypeError):
-            self.results = {}  # none, or not ours: measure anew
+            self.results = {}  # none, or of another calibration: measure again
         return len(self.results)
 
     def add(self, results: Mapping[Run, Measurement]) -> None:

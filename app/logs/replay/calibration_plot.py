@@ -58,7 +58,7 @@ def _panel(axes: Axes, relation: Relation, what: str, label: str, title: str) ->
 
 
 def _apart(phis: list[int]) -> list[int]:
-    """Those of ``phis`` whose labels do not overlap, the small ones first."""
+    """A subset of ``phis`` whose labels do not overlap; small ones are preferred."""
     shown: list[int] = []
     widest = 1 / min(phis)
     for phi in sorted(phis):

@@ -1,4 +1,4 @@
-"""A log replayed where nobody watches: in virtual time, as fast as the machine allows, the same each time."""
+"""Replays a log without a console: in virtual time, as fast as the machine allows, with the same result each time."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from app.runtime.clock import Clock, VirtualClock, run_virtual
 
 #: A thread that owes a result for longer than this is given up: then only, a replay would depend on the machine.
 PATIENCE_S = 600.0
-#: Once the log is over, time goes on by this much (s): what is under way then comes to its end.
+#: Virtual time (s) after the end of the log, in which pending work completes.
 TAIL_S = 0.001
 #: A replay at a given speed keeps step with real time to this (s of the log).
 PACE_S = 0.05
@@ -32,17 +32,17 @@ PACE_S = 0.05
 QUEUED_BYTES = 16_000_000
 DISK_S = 0.01
 
-#: Records that tell of this computer, or of what its threads say.
+#: Records about this computer, or in an order that depends on its threads.
 _OF_THE_MACHINE = (LoadRecord, LogLine, RecorderStatus)
 
 
 @dataclass(frozen=True, slots=True)
 class ReplayWatch:
-    """What may be looked on with while a replay runs; all are called on the loop and must not wait.
+    """Callbacks of a replay; all are called on the loop and must not block.
 
-    ``progress(position)``: so far (robot's clock, s). ``message(channel, message)``: everything that the report counts.
-    ``built(system)``: once, when the program stands and nothing of it runs yet. ``beside(system)`` runs beside it, from
-    just before the log speaks to its end.
+    ``progress(position)``: position so far (robot's clock, s). ``message(channel, message)``: every message that the
+    report counts. ``built(system)``: once, when the program is built and before it runs. ``beside(system)`` runs beside
+    it, from just before the first message of the log to the end.
     """
 
     progress: Callable[[float], None] = lambda _: None
@@ -134,7 +134,7 @@ async def wait_for_disk(recorder: Recorder, clock: Clock) -> None:
 
 
 async def _real_sleep(seconds: float) -> None:
-    """Sleep in a thread: virtual time stands meanwhile."""
+    """Sleep in a thread: virtual time does not pass meanwhile."""
     await asyncio.get_running_loop().run_in_executor(None, time.sleep, seconds)
 
 
@@ -164,7 +164,7 @@ class _Journal:
         self._system = system
         self._with_digests = digests
         graph = system.graph
-        # What the program says; what is fed to it from the log is none of its doing.
+        # Channels of the program's own messages; those fed from the log do not count.
         self._digests = {
             name: MessageHash()
             for name, channel in graph.channels.items()
@@ -183,7 +183,7 @@ class _Journal:
         self._stack.close()
 
     def channels(self) -> dict[str, ChannelReport]:
-        """So far."""
+        """The report of each channel so far."""
         return {
             name: ChannelReport(digest.count, digest.hex() if self._with_digests else "")
             for name, digest in self._digests.items()
@@ -212,6 +212,6 @@ class _Journal:
             selection.omega,
             {name: divisors[name] for name in intention.divisors},
         )
-        # Told again once its reasons are complete.
+        # An intention is reported again once its reasons are complete.
         if not self.intentions or self.intentions[-1] != line:
             self.intentions.append(line)

@@ -33,7 +33,7 @@ class Bench:
     ) -> None:
         self._log = log
         self._configuration = configuration
-        #: From when to when (s) is measured.
+        #: Begin and end (s) of the measurement.
         self.begin = max(begin, log.info.begin + WARM_UP_S)
         self.end = end
         self._attended = frozenset(attended)
@@ -41,7 +41,7 @@ class Bench:
     def measure(self, runs: Sequence[Run], progress: Callable[[float], None] = lambda _: None) -> list[Measurement]:
         """Make ``runs``, all of one module, in one replay, as fast as the machine allows.
 
-        ``progress`` is told which share of it is done. Raises ConfigError, LogError, LinkFailed.
+        ``progress`` is called with the share done. Raises ConfigError, LogError, LinkFailed.
         """
         program = batch_program(self._configuration, runs, self._attended)
         before = self.begin - WARM_UP_S
@@ -83,7 +83,7 @@ class Bench:
 
 
 def percepts(message: Any) -> int:
-    """How many percepts a message tells of: the entries of its one tuple of percepts, or itself."""
+    """Number of percepts in a message: the entries of its one tuple of percepts, else 1."""
     kind: Any = type(message)
     name = _percepts_field(kind)
     return 1 if name is None else len(getattr(message, name))

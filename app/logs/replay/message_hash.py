@@ -17,11 +17,11 @@ class MessageHash:
 
     def __init__(self) -> None:
         self._hash = hashlib.blake2b(digest_size=16)
-        #: How many there were.
+        #: Number of messages.
         self.count = 0
 
     def add(self, message: Any) -> None:
-        """One more. Raises TypeError for what has no certain bytes."""
+        """Add a message. Raises TypeError for a value without a defined encoding."""
         self.count += 1
         _feed(self._hash.update, message)
 
@@ -31,7 +31,7 @@ class MessageHash:
 
 
 def fingerprint(message: Any) -> str:
-    """Of one message; also of numbers, texts, arrays, tuples and mappings of them."""
+    """Hash of one message; also of numbers, texts, arrays, tuples and mappings of them."""
     digest = MessageHash()
     digest.add(message)
     return digest.hex()

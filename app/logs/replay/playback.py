@@ -42,7 +42,7 @@ class Playback:
         speed: float | None = 1.0,
         playing: bool = True,
     ) -> None:
-        """``speed`` and ``playing`` are how it begins, where the clock stands. Raises ValueError for such a speed."""
+        """Begins with ``speed`` and ``playing``, at the clock's time. Raises ValueError for an invalid speed."""
         self.system = system
         self._body = body
         self._clock = clock
@@ -60,9 +60,9 @@ class Playback:
         self._jumping = False
         self._waiting: list[asyncio.Future[None]] = []
         self._steps: list[asyncio.Future[None]] = []
-        #: Channels that somebody began to want while time stands.
+        #: Channels that became wanted while playback is paused.
         self._unseen: set[str] = set()
-        #: Latched channels that somebody began to want: what they said last, perhaps long ago, still holds.
+        #: Latched channels that became wanted: their last message, perhaps of long ago, is still valid.
         self._recalled: set[str] = set()
         self._changed = asyncio.Event()
         self._watching = ExitStack()
@@ -74,7 +74,7 @@ class Playback:
     # --- Life --------------------------------------------------------------------------------------------------------
 
     async def __aenter__(self) -> Playback:
-        """Begin to play. The program (:attr:`system`) must be running; the scene where it begins is shown at once."""
+        """Start playback. The program (:attr:`system`) must be running; the state at the beginning is shown at once."""
         self._seeker.open()
         if self._clock.now() > self._info.begin:
             self._target = self._clock.now()
@@ -110,12 +110,12 @@ class Playback:
 
     @property
     def info(self) -> LogInfo:
-        """What is played."""
+        """Facts of the recording."""
         return self._info
 
     @property
     def state(self) -> PlaybackState:
-        """Where it is now."""
+        """The current state of playback."""
         phase: Phase
         if self._target is not None or self._jumping:
             phase = "seeking"
@@ -145,25 +145,25 @@ class Playback:
 
     @property
     def moving(self) -> bool:
-        """Whether it is just between two places: from the end of all modules until the jump is told."""
+        """Whether a jump is under way: from the stop of all modules until observers of the jump are notified."""
         return self._seeker.moving
 
     @property
     def attention(self) -> Sequence[Any]:
-        """What the recording tells of its attention in the minute before the last jump: DesiresRecord, IntentionRecord
-        and Divisors in their order, first those that stood when that minute began."""
+        """Recorded attention of the minute before the last jump: DesiresRecord, IntentionRecord and Divisors in their
+        order, first those valid when that minute began."""
         return self._seeker.attention
 
     def spoke(self, channel: str, begin: float, end: float) -> bool:
-        """Whether ``channel`` said anything from ``begin`` to ``end`` (s), in the minute before the last jump.
+        """Whether ``channel`` has messages from ``begin`` to ``end`` (s), in the minute before the last jump.
 
-        True where the recording cannot tell without being gone through.
+        True if that is unknown, for a recording without an index.
         """
         if (spoken := self._seeker.spoken) is None:
             return True
         return any(first <= end and last >= begin for first, last in spoken.get(channel, ()))
 
-    # --- What it can be told -----------------------------------------------------------------------------------------
+    # --- Commands -----------------------------------------------------------------------------------------------------
 
     def play(self) -> None:
         """Go on, behind what cannot be read here; from the end, begin again."""
@@ -187,11 +187,11 @@ class Playback:
         self._update()
 
     async def seek(self, position: float) -> None:
-        """Be at ``position`` (robot's clock, s; beyond an end: at that end), playing or standing as before.
+        """Go to ``position`` (robot's clock, s; beyond an end: to that end), playing or paused as before.
 
-        Returns once the scene there is shown, or that of a newer seek: of several in a row only the newest counts.
-        What stood before a damaged part is shown within it, and it stands there (``problem``). Raises LogError where
-        the recording cannot be read at all; playback stays where it was.
+        Returns once the state there is shown, or that of a newer seek: of several in a row only the newest is carried
+        out. Within a damaged part, the state before it is shown and playback pauses (``problem``). Raises LogError if
+        the recording cannot be read at all; the position does not change then.
         """
         self._check_alive()
         self._problem = ""
@@ -216,7 +216,7 @@ class Playback:
         await done
 
     def _check_alive(self) -> None:
-        """Raise LogError where nobody would do it any more."""
+        """Raise LogError if the task that carries out commands has failed."""
         driver = self._driver
         if driver is not None and driver.done() and not driver.cancelled():
             raise LogError(f"playback failed: {driver.exception()}")
@@ -243,7 +243,7 @@ class Playback:
         self._run()
 
     def _on_damage(self, damage: LogDamaged) -> None:
-        """Stand before what is missing, so that nobody takes it for a pause of the robot."""
+        """Pause before a missing part, so that it is not taken for a pause of the robot."""
         self._problem = missing(damage, self._info)
         log.warning("%s: %s", self._info.path.name, self._problem)
         self._playing = False
@@ -268,7 +268,7 @@ class Playback:
 
     def _driver_ended(self, driver: asyncio.Task[None]) -> None:
         if not driver.cancelled() and (failure := driver.exception()) is not None:
-            log.critical("playback failed; start the replay anew", exc_info=failure)
+            log.critical("playback failed; start the replay again", exc_info=failure)
             _fail([*self._waiting, *self._steps], LogError(f"playback failed: {failure}"))
 
     async def _pass(self) -> None:
@@ -292,7 +292,7 @@ class Playback:
 
     async def _come_to_the_end(self) -> None:
         if self._clock.now() >= self._end:
-            # What came last is worked on before it is over.
+            # The last messages are processed before playback ends.
             await self._seeker.worked()
             self._end_if_there()
 
@@ -313,7 +313,7 @@ class Playback:
             while self._target is None and self._clock.now() < until:
                 await self._seeker.quiet()
                 self._clock.advance_to(min(self._next_due(), until))
-            # What came then is worked on before anybody is told.
+            # Messages of the step are processed before its caller continues.
             await self._seeker.worked()
         except LogError as failure:
             _fail([done], failure)
@@ -339,7 +339,7 @@ class Playback:
         finally:
             self._jumping = False
         if self._target == position:
-            # Of several in a row only the newest counts: whoever asked before waited for this one.
+            # Of several seeks in a row only the newest is carried out: the callers of all wait for it.
             self._target = None
             waiting, self._waiting = self._waiting, []
             if failure is None:
@@ -354,7 +354,7 @@ class Playback:
         self._jump_observers.notify(position)
 
     def _want(self, channels: Set[str]) -> None:
-        """Somebody begins to listen to ``channels``; while time stands, nothing of them would come."""
+        """``channels`` became wanted; while playback is paused, they would get no message."""
         if channels and not self._jumping and (self._ended or not self._playing):
             self._unseen |= channels
             self._changed.set()
@@ -373,14 +373,14 @@ class Playback:
         self._want({inputs[name] for name in newly if name in inputs} & self._info.channels.keys())
 
     async def _show_unseen(self) -> None:
-        """Show who came while time stands what there is to be seen."""
+        """Show the current messages of channels that became wanted while playback is paused."""
         await self._seeker.quiet()
         channels, self._unseen = self._unseen, set()
         try:
-            # Once it moves, more comes by itself.
+            # Once playback runs, messages come by themselves.
             await self._seeker.show(channels, lambda: self._playing or bool(self._steps) or self._target is not None)
         except LogError as failure:
-            log.error("cannot show what stands here: %s", failure)
+            log.error("cannot show the state here: %s", failure)
 
     async def _recall(self) -> None:
         """Say again what latched channels said last, unless they say something themselves meanwhile."""
@@ -390,7 +390,7 @@ class Playback:
             try:
                 await self._seeker.show({name}, partial(self._has_said_more, channel, channel.published))
             except LogError as failure:
-                log.error("cannot show what stands here: %s", failure)
+                log.error("cannot show the state here: %s", failure)
 
     def _has_said_more(self, channel: Channel[Any], said: int) -> bool:
         return channel.published != said or self._target is not None

@@ -1,4 +1,4 @@
-"""A log lived again: its program on a body of the past, with what came from outside then coming again."""
+"""A replay: the log's program on a body that plays the log, with the recorded inputs from outside."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ from app.runtime.graph import Pin
 
 
 class Replay:
-    """``async with Replay(log, clock) as replay``: its ``system`` runs, its ``body`` delivers what was recorded.
+    """``async with Replay(log, clock) as replay``: its ``system`` runs, its ``body`` delivers the recorded messages.
 
-    ``clock`` stands at ``options.begin`` (or the log's) when the replay is entered, and drives everything; whoever owns
-    it says how fast, and must not let it pass while the replay is being entered unless it is virtual. The log is the
-    caller's to close afterwards. Making one reads files: off the event loop.
+    ``clock`` is at ``options.begin`` (or the log's begin) when the replay is entered, and drives everything; its owner
+    sets the speed, and must not let it run while the replay is being entered unless it is virtual. The caller closes
+    the log afterwards. The constructor reads files: call it off the event loop.
     """
 
     def __init__(
@@ -49,11 +49,12 @@ class Replay:
         self._folder = TemporaryDirectory(prefix="hbba-replay-")
         self._stack = AsyncExitStack()
         self._recording: str | None = None
-        #: What the recording of the replay is called, once it is begun.
+        #: Name of the replay's own recording, from its begin on.
         self.recorded = ""
         try:
             ids = CountedIds()
-            # Which inputs a module has is known once it stands; without those that would hear nothing, again.
+            # The inputs of a module are known once the program is built; it is built again without modules that get no
+            # message.
             deaf: dict[str, str] = {}
             while True:
                 folder = Path(self._folder.name) / str(len(deaf))
@@ -92,7 +93,7 @@ class Replay:
         ]
 
     def notes(self) -> list[str]:
-        """What is not as it was, in sentences for people."""
+        """Differences from the recorded program, in sentences for people."""
         program = self.program
         lines = list(self.log.info.notes)
         lines += [f"{name} does not run: {why}" for name, why in program.left_out.items() if why != NOT_ASKED]
@@ -157,7 +158,7 @@ class Replay:
             raise ConfigError(str(failure.args[0]), "--phi") from None
 
     def _connect(self, stack: AsyncExitStack) -> None:
-        """Have the channels that nobody here produces, and desires, come from the log."""
+        """Feed channels without a producer, and desires, from the log."""
         graph = self.system.graph
         for name in self.program.fed:
             channel = graph.channels[name]

@@ -1,4 +1,4 @@
-"""What a replay came to: what each channel said, what each module cost, what was intended."""
+"""The report of a replay: messages of each channel, cost of each module, intentions."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ class IntentionLine:
 class ReplayReport:
     """A replay from ``begin`` to ``end`` (robot's clock, s).
 
-    ``delivered``: messages of the log that somebody took. ``channels``: every output of a module, and what attention
-    told of itself. ``wall_s`` and ``cpu_s``: real time and CPU time of the process that the log's ``log_s`` took.
+    ``delivered``: messages of the log that had a receiver. ``channels``: every output of a module, and attention's own
+    records. ``wall_s`` and ``cpu_s``: real time and CPU time of the process for ``log_s`` of the log.
     """
 
     file: Path
@@ -71,7 +71,7 @@ class ReplayReport:
     notes: tuple[str, ...]
     wall_s: float
     cpu_s: float
-    #: What the recording of the replay is called; "" where it was not recorded.
+    #: Name of the replay's own recording; "" without one.
     recorded: str = ""
 
     @property
@@ -81,7 +81,7 @@ class ReplayReport:
 
     @property
     def times_real_time(self) -> float:
-        """How many times faster than it was lived."""
+        """Speed relative to real time."""
         return self.log_s / self.wall_s if self.wall_s > 0 else math.inf
 
     def outcome(self) -> dict[str, Any]:

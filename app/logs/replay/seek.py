@@ -1,4 +1,4 @@
-"""Putting a program down anywhere in its recording, so that the scene stands there as if lived till then."""
+"""Moves a running program to any position of its recording, with the state of that position."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ from app.runtime.replay_clock import ReplayClock
 
 T = TypeVar("T")
 
-#: These were meant for their moment: what was commanded, noted or heard is not said again at a jump. A frame of sound
-#: by itself is a click, and to whoever listens for noises an event.
+#: Messages of a moment: commands, events and sounds are not published again at a jump. A frame of sound alone is a
+#: click, which a detector of noises would report.
 OF_THE_MOMENT = (OperatorDrive, Twist, EventRecord, LogLine, Audio, SeparatedSound, LoudNoise)
-#: What a recording tells of its attention; and for how long (s) before a jump it is told again.
+#: Records of attention, and the time (s) before a jump for which they are published again.
 OF_ATTENTION = (DesiresRecord, IntentionRecord, Divisors)
 ATTENTION_S = 60.0
 #: A step where the recording has neither images nor scans.
@@ -55,13 +55,13 @@ class Seeker:
         self._info = log.info
         self._past = RecordedState(log)
         self._reader: ThreadPoolExecutor | None = None
-        #: Between two places: from the end of all modules until the jump is told.
+        #: True during a jump: from the stop of all modules until observers of the jump are notified.
         self.moving = False
-        #: What the recording tells of its attention in the minute before the last jump: the messages of
-        #: ``OF_ATTENTION``, in order, from those that stood when that minute began.
+        #: Recorded attention of the minute before the last jump: the messages of ``OF_ATTENTION``, in order, from those
+        #: valid when that minute began.
         self.attention: list[Any] = []
         self._log = log
-        #: When channels spoke in that minute, where the recording's index tells (see ``Indexed``).
+        #: Times with messages of each channel in that minute, if the recording has an index (see ``Indexed``).
         self.spoken: Mapping[str, Sequence[tuple[float, float]]] | None = None
 
     def open(self) -> None:
@@ -74,10 +74,10 @@ class Seeker:
             await asyncio.get_running_loop().run_in_executor(None, self._reader.shutdown)
 
     async def go(self, position: float, jumped: Callable[[float], None]) -> None:
-        """Begin every module anew at ``position`` (s) and show it what was there; time must stand.
+        """Restart every module at ``position`` (s) and publish the state there; the clock must be paused.
 
-        ``jumped`` is called when everything before is forgotten, before anything of the new place is shown. Raises
-        LogError; where the place itself cannot be read, all is left as it is.
+        ``jumped`` is called when all former state is cleared, before anything of the new position is published. Raises
+        LogError; if the position cannot be read, nothing changes.
         """
         system, body = self._system, self._body
         known, wishes, attention = await self._read(self._standing, position)
@@ -87,7 +87,8 @@ class Seeker:
             await _patiently(system.supervisor.started(), START_WITHIN_S)
             for logged in wishes:
                 body.show(logged.channel, logged.message)
-            # What is wanted there decides what is shown there; how attention came to it is no event of the recording.
+            # Desires at the position decide which channels are shown; how attention reaches its selection is no
+            # recorded event.
             await _patiently(system.translator.settled(), START_WITHIN_S)
             system.timeline.clear()
             self.attention = attention
@@ -98,7 +99,7 @@ class Seeker:
         await self.worked()
 
     async def show(self, channels: Set[str], unless: Callable[[], bool] = lambda: False) -> None:
-        """Say again what ``channels`` said last, as far as somebody listens, ``unless`` that is no longer asked for.
+        """Publish the last message of ``channels`` that are wanted, ``unless`` that returns True meanwhile.
 
         Raises LogError.
         """
@@ -114,7 +115,7 @@ class Seeker:
         return await self._read(self._next_step, self._clock.now())
 
     async def quiet(self) -> None:
-        """Wait until everybody waits: for time, or for somebody outside."""
+        """Wait until every task waits for time or for an event from outside."""
         pending, translator = self._system.graph.pending_work, self._system.translator
         while True:
             await translator.settled()
@@ -138,7 +139,7 @@ class Seeker:
                 channel.publish(logged.message)
 
     def _standing(self, position: float) -> tuple[list[Logged], list[Logged], list[Any]]:
-        """What modules that begin at ``position`` must know at once, what was desired there, and attention before."""
+        """State that modules need at ``position``, the desires there, and attention before."""
         past = self._past
         attention = [logged.message for logged in past.since(position - ATTENTION_S, position, OF_ATTENTION)]
         if isinstance(self._log, Indexed):

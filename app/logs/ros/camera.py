@@ -28,7 +28,7 @@ _NO_BYTES = np.zeros(0, np.uint8)
 
 @dataclass(frozen=True, slots=True)
 class ImageInfo:
-    """An Image but for its pixels; ``has_depth`` tells a camera without depth from depth that was lost."""
+    """An Image without its pixels; ``has_depth`` distinguishes a camera without depth from lost depth."""
 
     stamp: float
     frame: str
@@ -78,7 +78,7 @@ class ImageConverter:
 
     @property
     def topics(self) -> tuple[RecordTopic, ...]:
-        """Colour, depth, camera, transform, info: the last one's type tells the lens."""
+        """Colour, depth, camera, transform, info: the type of the last one names the lens."""
         return (self._color, self._depth, self._camera, TF, self._info.topic)
 
     def encode(self, message: Image, stamp_ns: int) -> list[Record]:

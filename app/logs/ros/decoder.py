@@ -1,4 +1,4 @@
-"""From the topics of a file to messages on channels: the reverse of the encoder."""
+"""Decodes the topics of a file to messages on channels: the reverse of the encoder."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ log = logging.getLogger("hbba.recording")
 
 @dataclass(frozen=True, slots=True)
 class StoredTopic:
-    """A topic as a file tells of it: ``definition`` is the ``ros2msg`` text of its ``type``."""
+    """A topic in a file: ``definition`` is the ``ros2msg`` text of its ``type``."""
 
     name: str
     type: str
@@ -53,7 +53,7 @@ class DecodableChannel:
 
 @dataclass(frozen=True, slots=True)
 class DecodableContents:
-    """What of a file can be read: ``channels`` by name; topics ``ignored``, and why."""
+    """The readable content of a file: ``channels`` by name; topics ``ignored``, and why."""
 
     channels: Mapping[str, DecodableChannel]
     ignored: Mapping[str, str] = field(default_factory=dict)
@@ -119,7 +119,7 @@ class Decoder:
 
 
 class _Lane:
-    """What is known so far of the message being put together on one channel."""
+    """The parts received so far of the next message on one channel."""
 
     __slots__ = ("channel", "converter", "lossy", "parts", "stamp")
 
@@ -175,7 +175,7 @@ def _rate(stored: list[StoredTopic]) -> float | None:
 
 
 def _change(topic: StoredTopic) -> str:
-    """How our own types in a topic's definition differ from those of today; "" where they do not."""
+    """Differences between our own types in a topic's definition and those of this version; "" without any."""
     try:
         then = get_types_from_msg(topic.definition, topic.type)
     except TypesysError as error:
@@ -198,7 +198,8 @@ def _change(topic: StoredTopic) -> str:
 
 
 def _first_fields(topic: StoredTopic, cls: type[Any]) -> int | None:
-    """How many fields of ``cls`` a topic holds from before the others were added; None if it is not that alone."""
+    """Number of fields of ``cls`` in a topic written before the other fields were added; None for any other
+    difference."""
     if topic.type != f"{PACKAGE}/msg/{cls.__name__}":
         return None
     try:

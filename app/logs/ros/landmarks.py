@@ -18,7 +18,8 @@ _MARKERS = "visualization_msgs/msg/MarkerArray"
 _SPHERE, _TEXT, _DELETE_ALL = 2, 9, 3
 #: Diameter of a ball and height of letters (m).
 _SIZE_M = 0.1
-#: Markers are drawn anew when one is this far (m) from where it was drawn: each sighting moves them by millimetres.
+#: Markers are drawn again when one has moved this far (m) from its drawn place: each sighting moves them by
+#: millimetres.
 _STEP_M = 0.05
 
 

@@ -33,7 +33,7 @@ class GeneratedConverter:
         self.topics: tuple[RecordTopic, ...] = (RecordTopic(self._topic, self._generated.type),)
 
     def encode(self, message: Any, stamp_ns: int) -> list[Record]:
-        """One record."""
+        """Encode to one record."""
         return [Record(self._topic, self._generated.type, stamp_ns, self._generated.encode(message))]
 
     def decode(self, parts: Mapping[str, bytes]) -> Any:
@@ -97,7 +97,7 @@ class TwistConverter:
         self._numbers = Numbers(template, (6 * _NUMBER, 6))
 
     def encode(self, message: Twist, stamp_ns: int) -> list[Record]:
-        """One record."""
+        """Encode to one record."""
         data = self._numbers.fill(stamp_ns, (message.linear_mps, 0.0, 0.0, 0.0, 0.0, message.angular_radps))
         return [Record(self.topics[0].name, self._TYPE, stamp_ns, data)]
 
@@ -118,7 +118,7 @@ class JointStateConverter:
         self._numbers = self._template(())
 
     def encode(self, message: JointState, stamp_ns: int) -> list[Record]:
-        """One record."""
+        """Encode to one record."""
         if message.names != self._names:
             self._names = message.names
             self._numbers = self._template(message.names)
@@ -146,7 +146,7 @@ class LogLineConverter:
         self.topics = (RecordTopic(f"/{channel}", self._TYPE),)
 
     def encode(self, message: LogLine, stamp_ns: int) -> list[Record]:
-        """One record; a level above 255 is written as 255."""
+        """Encode to one record; a level above 255 is written as 255."""
         time = typestore.make("builtin_interfaces/msg/Time", *divmod(stamp_ns, SECOND))
         level = min(max(message.level, 0), 255)
         source, text = typestore.encodable(message.source), typestore.encodable(message.text)

@@ -1,4 +1,5 @@
-"""Maps and ways as ROS's navigation shows them; what its types keep with fewer digits stands beside, exactly."""
+"""Maps and paths in the types of ROS's navigation; values that these hold with fewer digits are written beside,
+exactly."""
 
 from __future__ import annotations
 

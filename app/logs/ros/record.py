@@ -1,4 +1,4 @@
-"""What a message becomes on its way into a log, and what can make it so."""
+"""Records of a log, and the interface of the converters that make them of messages."""
 
 from __future__ import annotations
 
@@ -35,7 +35,8 @@ class RecordTopic:
 
 
 class Converter(Protocol):
-    """One channel's messages of one class, to records and back. Used by one thread; it may remember what it wrote."""
+    """Converts the messages of one channel and class to records and back. For one thread; it may remember its last
+    records."""
 
     @property
     def topics(self) -> tuple[RecordTopic, ...]:

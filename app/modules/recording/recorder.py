@@ -1,4 +1,4 @@
-"""Recorder: what the robot lives, on disk (thesis 4.4: every experiment was recorded).
+"""Recorder: channels on disk (thesis 4.4: every experiment was recorded).
 
 ┌─────────────────────────────────────────────────────────────────────────────────────────┐
 │ Recorder    in   <channel>  every channel whose `log` is not `never`, or those named    │
@@ -6,8 +6,9 @@
 └─────────────────────────────────────────────────────────────────────────────────────────┘
 
 It records while the intention gives it parameters (desire class Record): into one file, or, with ``keep_minutes``,
-into a ring of the last minutes. Strategies may thin pictures and scans; what no strategy names is taken whole. While
-it does not record it takes and forgets. Disk and encoding are the writer's thread's; see docs/recording.md.
+into a ring of the last minutes. Strategies may decimate images and scans; inputs that no strategy names are recorded
+completely. While it does not record, it discards its messages. The writer's thread encodes and writes; see
+docs/recording.md.
 """
 
 from __future__ import annotations
@@ -63,7 +64,7 @@ class EventPattern(BaseModel):
 
 
 class RecorderSettings(Settings):
-    """How much memory and disk recording may take, and when a ring saves itself."""
+    """Limits of memory and disk, and the events that save a ring."""
 
     queue_mb: float = Field(64, gt=0, description="memory for what waits for the disk")
     queue_messages: int = Field(20_000, ge=100, description="... and so many messages at most")
@@ -79,7 +80,7 @@ class Recorder(Module):
     """Writes every message it is given into a log."""
 
     title = "Recorder"
-    #: How files are made; tests put a disk that fails in its place.
+    #: Opens files; tests replace it by a disk that fails.
     open_file: ClassVar[OpenFile] = staticmethod(create)
     Settings = RecorderSettings
     settings: RecorderSettings
@@ -254,7 +255,7 @@ class Recorder(Module):
         return f"{channel}/{message.module}" if isinstance(message, ModuleRecord) else channel
 
     def _states(self) -> dict[str, tuple[str, Message]]:
-        """What stands now, whether it came by here or before this instance: a log begins with the whole state."""
+        """The newest state of each channel, also from before this instance: a log begins with the whole state."""
         states = dict(self._standing)
         for port in self._inputs.values():
             if port.channel is not None and (latest := port.channel.latest) is not None:
@@ -263,13 +264,13 @@ class Recorder(Module):
                     states[key] = (port.channel.name, latest)
         return states
 
-    # --- telling ---
+    # --- status ---
 
     async def _beat(self) -> None:
         self._publish()
 
     def _changed_in_thread(self) -> None:
-        with suppress(RuntimeError):  # the loop is closed: nobody is told any more
+        with suppress(RuntimeError):  # the loop is closed: the status has no subscriber any more
             self._loop.call_soon_threadsafe(self._publish)
 
     def _publish(self) -> None:

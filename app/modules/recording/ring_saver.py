@@ -64,12 +64,12 @@ class RingSaver:
         return path.stem
 
     async def rescue(self) -> None:
-        """Make a recording of each ring that has ended but was not thrown away, here or in a program that is gone.
+        """Make a recording of each ring that ended and was not discarded, in this program or in one that is gone.
 
-        What cannot be made one is told and left.
+        A ring that cannot become a recording is logged and left.
         """
         for home in await self._in_thread(leftovers, self._library.ring_folder):
-            # One that has just ended may still be read by who asked for it before.
+            # A ring that has just ended may still be read by an earlier call.
             await self._none_saving.wait()
             try:
                 saved = await self._in_thread(self._rescue, home)
@@ -107,7 +107,7 @@ class RingSaver:
         return progress
 
     async def _in_thread(self, function: Callable[..., Any], *args: Any) -> Any:
-        """As ``Module.compute``, but beside it: what takes long here holds up nothing else of the module."""
+        """As ``Module.compute``, in another thread: long work here delays no other work of the module."""
         return await asyncio.to_thread(self._charge, function, *args)
 
 
@@ -118,7 +118,8 @@ def _hold(sink: Sink, at: float, seconds: float | None) -> HeldSegments:
 
 
 async def _held(held: Future[HeldSegments]) -> HeldSegments:
-    """Wait for it; a hold that nobody waits for any more when it comes is released, or its segments stayed for ever."""
+    """Wait for it; held segments that arrive after the caller was cancelled are released, else they would stay for
+    ever."""
     try:
         return await asyncio.shield(asyncio.wrap_future(held))
     except asyncio.CancelledError:
