@@ -37,7 +37,8 @@ class Drive:
 
 
 def drive(seed: int, scale: float, turn: float) -> Drive:
-    """One drive along all of ``ROUTE``, odometry telling ``scale`` of each metre and ``turn`` of each radian."""
+    """One drive along all of ``ROUTE``, with odometry that measures ``scale`` m for each metre and ``turn`` rad for
+    each radian."""
     truth = _route()
     return Drive(_scans(_walls(seed), truth, seed), _odometry(truth, seed, scale, turn), truth)
 

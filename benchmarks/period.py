@@ -87,7 +87,7 @@ async def _drive(seconds: float, *, one_core: bool) -> tuple[list[float], list[f
                     await asyncio.sleep(0.2)
                     if (current := system.translator.current) is not None:
                         chosen = [strategy.name for strategy in current.strategies]
-                # Between two goals nobody commands: that gap is no period.
+                # Between two goals there are no commands: that gap is no period.
                 starts.append(float("nan"))
                 commands.append(float("nan"))
             stop()

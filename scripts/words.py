@@ -1,7 +1,7 @@
-"""Private words in the prose of the program: how many there are, and where. Standard library only.
+"""Counts private words in the prose of the project. Standard library only.
 
 A private word is one that a roboticist would not search for, or that puts a person in the place of a thread, a
-subscriber or a process: "told" for published, "whoever" for a caller, "anew" for again. Prose is docstrings and
+subscriber or a process: ``told`` for published, ``whoever`` for a caller, ``anew`` for again. Prose is docstrings and
 comments of Python files, and the text of Markdown files without code. Literals (``name``) are not prose.
 
     python scripts/words.py            # figures by room; status 1 above the limit, with file:line of each
@@ -30,7 +30,7 @@ PRIVATE = re.compile(
     r"|stands|begun|thereby|hence)\b",
     re.IGNORECASE,
 )
-#: What may be said: the end of a file's path, the words around, and the reason.
+#: Exceptions: the end of a file's path, the phrase, and the reason.
 ALLOWED: tuple[tuple[str, str, str], ...] = ()
 
 _WORD = re.compile(r"[A-Za-z']+")
@@ -78,7 +78,7 @@ def markdown_prose(text: str) -> Iterator[Line]:
 
 
 def measured(path: Path) -> tuple[int, list[Finding]]:
-    """How many words of prose ``path`` has, and the private ones among them."""
+    """Number of words of prose in ``path``, and the private ones among them."""
     text = path.read_text(encoding="utf-8")
     prose = python_prose(text) if path.suffix == ".py" else markdown_prose(text)
     words, findings = 0, []
@@ -131,7 +131,7 @@ def report(root: Path, *, listing: bool) -> int:
 
 
 def total(files: Iterable[Path]) -> tuple[int, list[Finding]]:
-    """As :func:`measured`, of all ``files``."""
+    """As :func:`measured`, for all ``files``."""
     words, findings = 0, []
     for path in files:
         more, found = measured(path)

@@ -63,7 +63,7 @@ class StrategyFamily(_Model):
     """Strategies of one class at several φ, as the file writes them."""
 
     names: Annotated[str, AfterValidator(_named_by_phi)] = Field(
-        json_schema_extra={"pattern": _NAMES}, description="Their names; {phi} stands for φ."
+        json_schema_extra={"pattern": _NAMES}, description="Their names; {phi} is replaced by φ."
     )
     cls: str = Field(alias="class", min_length=1, description="The desire class they serve.")
     phis: list[Annotated[int, Field(ge=1)]] = Field(min_length=1, description="Each φ that there is a strategy of.")

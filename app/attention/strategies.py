@@ -218,7 +218,7 @@ class StrategyEntry(BaseModel):
         default={}, description="Classes it depends on, each with the utility l it needs of it."
     )
     parameters: dict[str, dict[str, Any]] = Field(
-        default={}, description="What it hands to modules while it is selected, by module."
+        default={}, description="Parameters of modules while it is selected, by module."
     )
     costs: dict[str, Cost] = Field(
         default={}, description="What it uses of each resource: an amount, or {calibrated_or: amount}."
@@ -404,6 +404,6 @@ def _check_names(
             if module not in ports:
                 hint = suggestion(module, list(ports))
                 raise document.error(
-                    f"strategy {name!r} hands parameters to unknown module {module!r}; {hint}",
+                    f"strategy {name!r} sets parameters of unknown module {module!r}; {hint}",
                     (*at, "parameters", module),
                 )

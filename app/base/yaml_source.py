@@ -292,17 +292,17 @@ def validation_message(model: type[BaseModel] | None, detail: ErrorDetails, mapp
         return "is missing"
     given = detail.get("input")
     if (shape := _SHAPES.get(detail["type"])) is not None:
-        return f"should be {mapping if shape == MAPPING else shape}, not {_told(given)}"
+        return f"should be {mapping if shape == MAPPING else shape}, not {_shown(given)}"
     text = str(detail["msg"])
     if detail["type"] == "string_pattern_mismatch" and (choices := _CHOICES.search(text)):
         text = f"should be one of {', '.join(choices[1].split('|'))}"
     text = _LIBRARYS_WORDS.sub("", text.removeprefix("Value error, "))
     if isinstance(given, str | int | float | bool):
-        text += f", not {_told(given)}"
+        text += f", not {_shown(given)}"
     return text
 
 
-def _told(given: object) -> str:
+def _shown(given: object) -> str:
     match given:
         case None:
             return "nothing"
@@ -347,7 +347,7 @@ def _walk(node: yaml.Node, path: KeyPath, lines: dict[KeyPath, int], file: str, 
             here = (*path, key)
             if key in seen:
                 raise ConfigError(
-                    f"the key {key!r} stands here twice", file, key_node.start_mark.line + 1, dotted(here)
+                    f"the key {key!r} is here twice", file, key_node.start_mark.line + 1, dotted(here)
                 )
             seen.add(key)
             lines.setdefault(here, key_node.start_mark.line + 1)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 #: A recording shorter than this says little.
 LEAST_S = 5.0
-#: A channel with a smaller part of its nominal rate is told of.
+#: A channel with a smaller share of its nominal rate is reported.
 ENOUGH = 0.9
 
 
@@ -34,19 +34,19 @@ def add_parser(subparsers: Any) -> None:
         "calibrate",
         help="measure what each perception costs at each φ on this computer",
         description="Replay a recorded minute through each perception, at each φ that a strategy gives it; write CPU "
-        "use and events against φ, with the lines through them, where strategies find them, plot both, and tell what "
-        "each strategy costs by them. Interrupted, it goes on where it was.",
+        "use and events against φ, with the lines through them, where strategies find them, plot both, and "
+        "print the cost of each strategy. After an interruption, the next run continues.",
     )
     parser.add_argument("log", nargs="?", metavar="LOG", help="a log or a recording's name (default: the newest one)")
     parser.add_argument(
         "--config", type=Path, metavar="FILE", help="the program: a file, or a name as jackal (default: lab)"
     )
-    parser.add_argument("--seconds", type=_seconds, default=60.0, metavar="S", help="how much of it (default 60)")
-    parser.add_argument("--from", dest="begin", type=_seconds, default=0.0, metavar="S", help="beginning S into it")
+    parser.add_argument("--seconds", type=_seconds, default=60.0, metavar="S", help="seconds of it to use (default 60)")
+    parser.add_argument("--from", dest="begin", type=_seconds, default=0.0, metavar="S", help="begin S seconds into it")
     parser.add_argument("--only", type=names, metavar="A,B", help="these modules alone")
     parser.add_argument(
         "--phi", type=_sweep, action="append", metavar="M.PORT=A-B",
-        help="measure this input at every φ from A to B, and nothing but what is named so",
+        help="measure this input at every φ from A to B, and no input without such an option",
     )  # fmt: skip
     parser.add_argument(
         "--offsets", action="store_true", help="from every starting offset of each φ, as the thesis did (φ runs each)"
@@ -56,9 +56,9 @@ def add_parser(subparsers: Any) -> None:
         type=whole(1, 100),
         default=1,
         metavar="N",
-        help="do all N times over, for a computer with other work",
+        help="repeat everything N times, for a computer with other load",
     )
-    parser.add_argument("--fresh", action="store_true", help="measure anew what an interrupted run had measured")
+    parser.add_argument("--fresh", action="store_true", help="also repeat the measurements of an interrupted run")
     parser.add_argument(
         "--out", type=Path, metavar="FILE", help="write here (default: calibration/<host>.yaml of the program)"
     )
@@ -189,7 +189,7 @@ def _measure(
 
 
 def _spans(batch: Sequence[Run]) -> str:
-    """What ``batch`` measures: each input with its least and greatest φ."""
+    """The measurements of ``batch`` in words: each input with its least and greatest φ."""
     spans: dict[str, list[int]] = {}
     for run in batch:
         spans.setdefault(run.relation, []).append(run.phi)
@@ -241,7 +241,8 @@ def _inputs(configuration: Configuration, log: Log, only: Sequence[str] | None) 
 
 
 def _before(output: Path) -> CostCalibration | None:
-    """What was measured before and is not measured now: it is kept. Raises ConfigError for a file that is none."""
+    """Former measurements that are not repeated now: they are kept. Raises ConfigError for a file that is no
+    calibration."""
     from app.attention.calibration import CostCalibration
     from app.base.yaml_source import load_yaml
 

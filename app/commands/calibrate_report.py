@@ -1,4 +1,4 @@
-"""What ``hbba calibrate`` tells at its end: the relations it measured, and what strategies cost by them."""
+"""The report of ``hbba calibrate``: the relations it measured, and the costs of strategies by them."""
 
 from __future__ import annotations
 
@@ -29,10 +29,11 @@ def relations_table(calibration: CostCalibration, measured: Set[str]) -> str:
 def strategies_table(
     declared: StrategyTable, calibration: CostCalibration, measured: Set[str], modules: Mapping[str, ModuleSpec]
 ) -> str:
-    """What each strategy that uses one of ``measured`` costs: as ``declared``, loaded without a calibration, and by
+    """The cost of each strategy that uses one of ``measured``: as ``declared``, loaded without a calibration, and by
     ``calibration``; "" where there is none.
 
-    An input that was not measured (its channel is not in the recording) is named: the measured cost is without it.
+    An input that was not measured (its channel is not in the recording) is named: the measured cost does not include
+    it.
     """
     rows = strategies_document(declared, calibration, measured, modules)
     if not rows:

@@ -182,7 +182,7 @@ def _programs_naming(path: Path) -> list[Path]:
             try:
                 data = load_yaml(candidate).data
             except ConfigError:
-                continue  # somebody else's file; it is not what was asked about
+                continue  # another file has the mistake; the check is about this one
             if not isinstance(data, Mapping) or "modules" not in data:
                 continue
             named = [data.get("channels"), *(data.get("strategies") or ())]

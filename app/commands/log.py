@@ -18,8 +18,8 @@ def add_parser(subparsers: Any) -> None:
     """Declare ``hbba log`` and what it can do."""
     parser = subparsers.add_parser(
         "log",
-        help="list, look into, cut, repair and export recordings",
-        description="Look after recordings. FILE is a log (of this program, a ROS bag, a CARMEN log) or the name of "
+        help="list, inspect, cut, repair and export recordings",
+        description="Manage recordings. FILE is a log (of this program, a ROS bag, a CARMEN log) or the name of "
         "one of your recordings. Without anything, list these.",
     )
     actions = parser.add_subparsers(dest="action", metavar="ACTION")
@@ -96,8 +96,8 @@ def _add_cut(actions: Any) -> None:
     parser = actions.add_parser(
         "cut",
         help="copy a piece of a log into a new one",
-        description="Copy what arrived between two times, with the state that stood at the first, and everything that "
-        f"is attached. Nothing is encoded anew. Times are {TIMES}.",
+        description="Copy the messages that arrived between two times, the state at the first, and everything that "
+        f"is attached. Messages are copied, not encoded again. Times are {TIMES}.",
     )
     _add_file(parser)
     _add_times(parser)
@@ -120,7 +120,7 @@ def _cut(args: argparse.Namespace) -> int:
     if args.json:
         print_json(asdict(report))
         return 0
-    standing = f", {report.standing} of them state that stood at the begin" if report.standing else ""
+    standing = f", {report.standing} of them state from before the begin" if report.standing else ""
     print(
         f"{out}: {clock(report.end - report.begin)} from {clock(report.begin - first)} to {clock(report.end - first)}, "
         f"{report.messages + report.standing} records{standing}, {size(report.bytes)}"
@@ -243,7 +243,7 @@ def _add_json(parser: argparse.ArgumentParser) -> None:
 
 
 def _times(args: argparse.Namespace, first: float, last: float) -> tuple[float, float]:
-    """Begin and end asked for, within the log (robot's clock, s). Raises ConfigError."""
+    """The requested begin and end, within the log (robot's clock, s). Raises ConfigError."""
     begin = first if args.begin is None else args.begin(first)
     end = last if args.end is None else args.end(first)
     if begin > last or end < first:

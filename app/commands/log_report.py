@@ -1,4 +1,4 @@
-"""What ``hbba log`` says: the list of recordings, the contents of one, what a repair found."""
+"""The reports of ``hbba log``: the list of recordings, the contents of one, the result of a repair."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from app.logs.output import Progress, unwatched
 
 State = Literal["complete", "recording", "unfinished", "damaged"]
 
-#: What a recording's state means, and what to do.
+#: The meaning of a recording's state, and a remedy.
 _ADVICE: Mapping[State, str] = {
     "complete": "",
     "recording": "is being recorded now; look again when that has ended",
@@ -44,7 +44,8 @@ class ChannelContents:
 
 @dataclass(frozen=True, slots=True)
 class LogContents:
-    """What is in a log. Times in seconds of the robot's clock. ``problem`` says why ``state`` is not ``complete``."""
+    """The contents of a log. Times in seconds of the robot's clock. ``problem`` says why ``state`` is not
+    ``complete``."""
 
     path: str
     format: str
@@ -65,9 +66,9 @@ class LogContents:
 
 
 def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwatched) -> LogContents:
-    """Everything there is to say. Raises LogError where it is no log at all, ConfigError where ``remap`` does not fit.
+    """All facts of a log. Raises LogError if it is no log, ConfigError if ``remap`` does not fit.
 
-    Reads what stands at a file's end; all of it only where that is missing (``progress`` counts the bytes).
+    Reads the end section of the file; the whole file only without one (``progress`` counts the bytes).
     """
     try:
         log = open_log(path, remap)
@@ -112,7 +113,7 @@ def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwat
 
 
 def _undecided(doubt: Undecided) -> LogContents:
-    """What is known of a bag before a remap file assigns its topics to channels."""
+    """Facts of a bag before a remap file assigns its topics to channels."""
     info = doubt.info
     return LogContents(
         path=str(info.path),
@@ -133,7 +134,7 @@ def _undecided(doubt: Undecided) -> LogContents:
 
 
 def _unreadable(path: Path, failure: LogError, progress: Progress) -> LogContents:
-    """What is known of an MCAP file that does not open. Raises LogError if nothing is, or if it is not damaged."""
+    """Facts of an MCAP file that does not open. Raises LogError if there are none, or if it is not damaged."""
     found = examine(path, progress)
     if found.healthy:
         raise failure
@@ -265,7 +266,7 @@ def print_recordings(found: Sequence[Recording], folder: Path, free_bytes: int) 
 
 
 def repair_lines(report: RepairReport) -> list[str]:
-    """What a repair found and did, for people."""
+    """The result of a repair, for people."""
     length = clock(report.end - report.begin)
     if report.healthy:
         return [f"{report.path}: there is nothing to repair: {report.messages} records over {length} are well"]
@@ -282,7 +283,7 @@ def repair_lines(report: RepairReport) -> list[str]:
         share = 100 * report.unreadable_bytes / report.bytes
         lines.append(f"Unreadable in all: at most {size(report.unreadable_bytes)} ({share:.1f} % of the file)")
     if report.orphans:
-        lines.append(f"{report.orphans} records were left out: nothing tells any more what they are.")
+        lines.append(f"{report.orphans} records were left out: their type is lost.")
     if not report.ended:
         lines.append(
             f"The recording ends at {length}, where the file does. Whether anything came after cannot be known: it was "

@@ -36,7 +36,7 @@ class _Parser(argparse.ArgumentParser):
         return known, unknown
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
-        """As argparse, which suggests nothing before Python 3.14."""
+        """As argparse; a suggestion is added, which argparse does only from Python 3.14 on."""
         if action.choices is not None and value not in action.choices:
             known = [str(choice) for choice in action.choices]
             words = f"invalid choice: {value!r}{_hint(str(value), known)} (choose from {', '.join(known)})"

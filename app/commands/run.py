@@ -175,7 +175,7 @@ async def serve_once_started(system: System, serve: Callable[[], Coroutine[Any, 
 
 
 def announcer(what: str, host: str, port: int, token: str | None, *, open_browser: bool) -> Callable[[str], None]:
-    """What says where the console is, and opens it if asked to, once it listens."""
+    """A function that prints the console's address, and opens it if requested, once the console listens."""
 
     def announce(url: str) -> None:
         print(f"{what}: {login_url(url, token)}  (Ctrl-C stops it)", flush=True)
@@ -188,7 +188,7 @@ def announcer(what: str, host: str, port: int, token: str | None, *, open_browse
 
 
 def login_url(url: str, token: str | None) -> str:
-    """What to open in a browser. The token goes behind the #, which no browser sends to a server or logs."""
+    """The address for a browser. The token follows the #, a part that no browser sends to a server or logs."""
     return url if token is None else f"{url}/#token={quote(token, safe='')}"
 
 
@@ -203,7 +203,8 @@ class Stopping:
         self._begun = False
 
     def install(self, ask: Callable[[], object]) -> None:
-        """From now on, signals call ``ask``. Python's own handlers, as they run even where the event loop is stuck."""
+        """Install handlers of signals that call ``ask``: Python's own, which run even while the event loop is
+        blocked."""
         self._ask = ask
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # else: started by nohup
@@ -218,7 +219,7 @@ class Stopping:
         self._ask()
 
     def begin(self) -> None:
-        """The way down has begun: it may take the time allowed."""
+        """Note the begin of the shutdown: it may take the time allowed."""
         if self._begun:
             return
         self._begun = True

@@ -104,7 +104,7 @@ class MapControl(ServiceSlot[MapKeeper]):
         return leave
 
     def on_change(self, callback: Callable[[], None]) -> Callable[[], None]:
-        """Call ``callback()`` when another map was taken into use or begun, before its layers are loaded: places on the
+        """Call ``callback()`` when another map was loaded or created, before its layers are loaded: places on the
         former map are void. Returns a function that ends this."""
         return self._observers.add(callback)
 

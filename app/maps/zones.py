@@ -70,7 +70,7 @@ class ZoneEntry(BaseModel):
         # A polygon that crosses itself may have area 0 though it covers something: its extent decides.
         xs, ys = zip(*polygon, strict=True)
         if abs(area) < SMALLEST_M2 and (max(xs) - min(xs)) * (max(ys) - min(ys)) < SMALLEST_M2:
-            raise ValueError("should cover some floor: its corners stand in one line or on one point")
+            raise ValueError("should cover some floor: its corners are on one line or on one point")
         return polygon
 
     @field_validator("polygon")

@@ -95,7 +95,7 @@ class TimelineFeed:
         """The arbiter reported; noted when another behavior drives."""
         if message.behavior != self._behavior:
             self._behavior = message.behavior
-            text = f"{message.behavior} drives" if message.behavior else "Nobody drives"
+            text = f"{message.behavior} drives" if message.behavior else "No behavior drives"
             self._timeline.add("exploitation", message.behavior or "", text)
 
     def freshness(self, channels: Mapping[str, Freshness]) -> None:
@@ -134,7 +134,7 @@ class TimelineFeed:
 
 def _freshness_words(name: str, now: Freshness) -> str:
     if now.state == "closed":
-        return f"{name} is no longer stale: nobody wants it any more"
+        return f"{name} is no longer stale: no subscription is open any more"
     if now.state != "stale":
         return f"{name} is up to date again"
     age = "nothing has come yet" if now.age_s is None else f"its newest message is {now.age_s:.2f} s old"

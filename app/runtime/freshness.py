@@ -206,7 +206,7 @@ class FreshnessWatch:
                 log.info("channel %s is %s again", name, freshness.state)
         elif name not in self._logged and now - self._stale_since.setdefault(name, now) >= HICCUP_S:
             self._logged.add(name)
-            producer = self._graph.producers.get(name, "whoever feeds it")
+            producer = self._graph.producers.get(name, "its source outside the program")
             age = (
                 "nothing came yet" if freshness.age_s is None else f"its newest message is {freshness.age_s:.2f} s old"
             )

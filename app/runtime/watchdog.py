@@ -50,7 +50,7 @@ class Blockage:
         who = self.module or "something outside any module"
         if not self.blocking:
             return (
-                f"the event loop stood still for {self.lasted_s:.2f} s and nobody was seen at it: the computer had no "
+                f"the event loop was blocked for {self.lasted_s:.2f} s, not by Python code: the computer had no "
                 "time for this program, or a call held the interpreter lock"
             )
         place = f" at {self.where}" if self.where else ""

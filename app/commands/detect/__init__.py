@@ -10,7 +10,7 @@ from app.commands.detect import faces, noises, qr, voices
 
 
 class Detector(Protocol):
-    """What each file here offers."""
+    """The functions of each file here."""
 
     def add_parser(self, kinds: Any) -> None:
         """Declare the word after ``hbba detect``, its help and arguments."""
@@ -21,7 +21,7 @@ class Detector(Protocol):
         ...
 
 
-#: What can be detected, by the word after ``hbba detect``.
+#: Detectors, by the word after ``hbba detect``.
 DETECTORS: Mapping[str, Detector] = {
     "faces": faces,
     "qr": qr,

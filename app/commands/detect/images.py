@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 #: Endings under which photographs are looked for in folders; a file that is named is read whatever its ending.
 SUFFIXES = frozenset({".jpg", ".jpeg", ".png", ".webp", ".bmp", ".tif", ".tiff", ".gif", ".ppm", ".pgm"})
 
-#: How copies end on which what was found is drawn: folders are searched without them.
+#: Endings of copies with drawn detections: searches of folders skip them.
 _DRAWN = (".faces.jpg", ".codes.jpg", ".faces.mp4", ".codes.mp4")
 
 

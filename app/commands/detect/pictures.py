@@ -21,18 +21,19 @@ if TYPE_CHECKING:
 
     Picture = NDArray[np.uint8]
 
-#: What was found, as JSON shows it.
+#: Detections in a picture, as JSON shows them.
 Found = dict[str, Any]
 
 
 class Seeker(Protocol):
-    """What is looked for. ``key``: the name in JSON of a list of it; ``drawn``: how names of drawn copies end."""
+    """A detector for pictures. ``key``: the name in JSON of its list; ``drawn``: ending of the names of drawn
+    copies."""
 
     key: str
     drawn: str
 
     def seek(self, picture: Picture) -> list[Found]:
-        """What is in a photograph (H, W, 3) uint8 RGB."""
+        """Detections in a photograph (H, W, 3) uint8 RGB."""
         ...
 
     def begin(self) -> None:
@@ -40,7 +41,7 @@ class Seeker(Protocol):
         ...
 
     def follow(self, picture: Picture, time_s: float) -> list[Found]:
-        """What is in the next frame of a video."""
+        """Detections in the next frame of a video."""
         ...
 
     def summary(self) -> tuple[str, list[Found]]:
@@ -67,7 +68,7 @@ def add_pictures(parser: argparse.ArgumentParser, json_text: str, draw_text: str
 
 
 def look_through(args: argparse.Namespace, seeker: Seeker, title: str, command: str) -> list[Found]:
-    """One document for each file; what cannot be read is said on standard error too. Raises ConfigError."""
+    """One document for each file; unreadable files are reported on standard error too. Raises ConfigError."""
     paths = find_images(args.files)
     if args.draw is not None:
         make_folder(args.draw, "--draw")

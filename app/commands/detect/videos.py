@@ -87,7 +87,7 @@ class VideoFile:
             raise NoVideo(f"has frames of {self.width} x {self.height} pixels; at most {MOST_PIXELS:,} are looked at")
         rate_hz = float(self._capture.get(cv2.CAP_PROP_FPS))
         self.rate_hz = rate_hz if _SLOWEST_HZ <= rate_hz <= _FASTEST_HZ else _USUAL_HZ
-        #: How long it says it is (s); 0 where it does not say.
+        #: Declared duration (s); 0 without one.
         self.declared_s = self._figure(cv2.CAP_PROP_FRAME_COUNT) / self.rate_hz
         #: The end of the last frame that was read (s).
         self.end_s = 0.0
@@ -172,7 +172,7 @@ class Copy:
 
 
 class _Written:
-    """What goes wrong in writing ``file``, as a mistake in what ``--draw`` named."""
+    """Report a failure to write ``file`` as a mistake in the value of ``--draw``."""
 
     def __init__(self, file: Path) -> None:
         self._file = file

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from app.modules.perception.voices.microphone_array import MicrophoneArray
 
 COMMAND = "hbba detect voices"
-#: Slower sound has no room for what tells voices apart.
+#: Lowest sample rate (Hz) at which voices can be distinguished from other sounds.
 LEAST_RATE = 16_000
 
 
@@ -42,7 +42,7 @@ def add_parser(kinds: Any) -> None:
     parser = kinds.add_parser(
         "voices",
         help="who speaks from where, in recordings of several microphones",
-        description="Locate and follow the sources of sound in recordings of several microphones, tell which of them "
+        description="Locate and follow the sources of sound in recordings of several microphones, say which of them "
         "are voices, and write each by itself. Azimuth is 0 in front and positive to the left, elevation positive "
         "upward, in the axes of the array's file. Exit code 0 if a source was found, 1 if none was, 2 if a file cannot "
         "be read or does not fit the array.",
@@ -62,9 +62,9 @@ def add_parser(kinds: Any) -> None:
         help="where the microphones are, in the order of the channels, and the body between them: a file, or a "
         "name as irl1",
     )
-    parser.add_argument("--microphones", type=whole(2, 32), metavar="N", help="use only the N that tell most")
+    parser.add_argument("--microphones", type=whole(2, 32), metavar="N", help="use only the N that locate best")
     parser.add_argument(
-        "--height", type=_height, metavar="M", help="of the array's middle above the floor (m): tells also distances"
+        "--height", type=_height, metavar="M", help="height of the array's middle above the floor (m): adds distances"
     )
     add_json(parser, "print one JSON document instead: also what was heard when")
     parser.add_argument("--separate", type=Path, metavar="FOLDER", help="write each source by itself into FOLDER")
@@ -104,7 +104,7 @@ def _height(text: str) -> float:
 def _listen(
     path: Path, array: MicrophoneArray, args: argparse.Namespace, names: set[str], progress: Progress
 ) -> dict[str, Any]:
-    """One file's document. Raises NoRecording."""
+    """The document of one file. Raises NoRecording."""
     with open_recording(path) as recording:
         channels, rate = recording.channels, recording.samplerate
         if channels != len(array):
@@ -168,7 +168,7 @@ def _heard(
 
 
 def _array_report(path: Path, check: ArrayCheck, array: Path) -> dict[str, Any]:
-    """What the sound says of the array; also said on standard error where the array cannot be right."""
+    """The check of the array by the sound; a warning goes to standard error if the array cannot be right."""
     if not check.moments:
         return {}
     report: dict[str, Any] = {"array_explains": round(check.share, 3), "array_moments": check.moments}

@@ -1,4 +1,4 @@
-"""What is told of the sources in a recording: a table, or JSON, and each of them in a file of its own."""
+"""The report about sources in a recording: a table, or JSON, and the sound of each in a file of its own."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from app.base.errors import ConfigError
 if TYPE_CHECKING:
     from app.messages import SeparatedSound, SoundSource, SoundSources
 
-#: A track is told as moving if it went further (degrees).
+#: A track is reported as moving if its direction changed by more (degrees).
 MOVED_DEG = 15.0
 
 
 @dataclass(slots=True)
 class TrackSummary:
-    """What is told of one track."""
+    """Summary of one track."""
 
     begin_s: float
     end_s: float = 0.0
@@ -31,7 +31,7 @@ class TrackSummary:
     file: str | None = None
 
     def add(self, time_s: float, source: SoundSource) -> None:
-        """One percept of it."""
+        """Add one percept of the track."""
         if not source.active:
             return
         self.end_s = time_s
@@ -83,7 +83,7 @@ class Writer:
         self._open.clear()
 
 
-# --- telling ---
+# --- report ---
 
 
 def _angles(direction: tuple[float, float, float]) -> tuple[float, float]:
@@ -112,7 +112,7 @@ def percept(sources: SoundSources, ranges: bool) -> dict[str, Any]:
 
 
 def summary(track: int, told: TrackSummary, ranges: bool) -> dict[str, Any]:
-    """One track's summary."""
+    """The summary of one track as a line."""
     import numpy as np
 
     directions = np.array(told.directions)

@@ -1,4 +1,4 @@
-"""What ``hbba slam --out`` writes: the map as ROS keeps it and as a picture, its pose graph, the trajectory."""
+"""Output files of ``hbba slam --out``: the map in ROS's format and as a picture, its pose graph, the trajectory."""
 
 from __future__ import annotations
 

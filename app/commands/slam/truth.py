@@ -1,4 +1,4 @@
-"""What a trajectory is measured against: relations between scans, and a log with corrected poses."""
+"""References for a trajectory: relations between scans, and a log with corrected poses."""
 
 from __future__ import annotations
 
