@@ -1,4 +1,4 @@
-"""Strategies generated from one entry: the same as if each stood in the file, and mistakes told where they are."""
+"""Strategies generated from one entry: the same as if each were in the file, with mistakes reported at their line."""
 
 from __future__ import annotations
 

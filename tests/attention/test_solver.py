@@ -66,7 +66,7 @@ def test_tableau_4_1(a: tuple[int, int], f: tuple[int, int], holds: bool, value:
 
 
 def test_first_worked_example() -> None:
-    """4.2.5: nobody desires SLAM, yet GoTo needs it."""
+    """4.2.5: there is no desire for SLAM, yet GoTo needs it."""
     selection = solve(problem([desire("GoTo", 8)], (SLAM, GOTO), CPU))
     assert selection.strategies == ("slam", "go-to")
     assert selection.fulfilled == ("GoTo",)

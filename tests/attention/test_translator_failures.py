@@ -65,7 +65,7 @@ async def test_a_solver_failure_keeps_the_last_intention() -> None:
 
 @in_virtual_time
 async def test_a_solver_that_failed_is_asked_again_ever_more_seldom() -> None:
-    """What is desired is not left unheard until somebody desires something else."""
+    """A desire is answered after a failure, without another change of the workspace."""
     solver = FailingSolver()
     s = Setting(solver=solver)
     async with s.running():

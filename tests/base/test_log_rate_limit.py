@@ -14,7 +14,7 @@ from app.base.log_rate_limit import FIRST, MOST_LINES, WINDOW_S, RateLimitedHand
 
 
 class Bench:
-    """A handler with its clock in the test's hands, and what it wrote."""
+    """A handler with a clock that the test sets, and its output."""
 
     def __init__(self) -> None:
         self.time = 0.0

@@ -1,4 +1,4 @@
-"""A building's squareness is told by the walls that scans see, under a trajectory's headings."""
+"""A building's squareness is measured on the walls that scans see, under a trajectory's headings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who is in the world is the user's choice: a file, one of the project's scenarios by name, or nobody."""
+"""The people in the world are the user's choice: a file, one of the project's scenarios by name, or none."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a calibration tells people: relations, and what strategies cost by them."""
+"""The report of a calibration: relations, and the costs of strategies by them."""
 
 from __future__ import annotations
 

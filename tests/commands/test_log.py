@@ -147,7 +147,7 @@ def test_who_reads_no_further_is_told_nothing(arguments: list[str], library: Pat
     read, write = os.pipe()
     os.close(read)
     code = "import sys; from app.cli import main; sys.exit(main(['log', *sys.argv[1:]]))"
-    # Unbuffered, as a long list is: the first line finds nobody.
+    # Unbuffered, as a long list is: the first line finds a closed pipe.
     done = subprocess.run(
         [sys.executable, "-u", "-c", code, *arguments],
         stdout=write,

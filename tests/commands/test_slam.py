@@ -207,8 +207,8 @@ def test_the_intel_lab_is_mapped_to_millimetres(tmp_path: Path, capsys: pytest.C
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("FLASER 3 1 2 x 0 0 0 0 0 0 1.1 h 1.1", "line 2: 'x' stands where a number should"),
-        ("FLASER 3 1 2 3 0 0 0 y 0 0 1.1 h 1.1", "line 2: 'y' stands where a number should"),
+        ("FLASER 3 1 2 x 0 0 0 0 0 0 1.1 h 1.1", "line 2: 'x' found where a number should be"),
+        ("FLASER 3 1 2 3 0 0 0 y 0 0 1.1 h 1.1", "line 2: 'y' found where a number should be"),
     ],
 )
 def test_a_word_in_a_line_of_numbers_is_told_with_its_line(

@@ -293,7 +293,7 @@ def test_schema(capsys: pytest.CaptureFixture[str]) -> None:
 def test_a_sound_does_not_take_the_planner_from_peoples_goal_in_the_lab(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Nor does the goal take anybody's all: the others get less."""
+    """Nor does the goal take all of another: the others get less."""
     others = {"FindQRCodes": 8, "LocateFaces": 8, "DetectNoises": 8, "SLAM": 8, "Telepresence": 4, "LocateVoices": 8}
     desires = [{"class": cls, "intensity": intensity, "utility": 1} for cls, intensity in others.items()]
     goal = {"class": "GoTo", "intensity": INTENSITY, "utility": UTILITY, "params": {"x": 4, "y": -1}}

@@ -40,7 +40,7 @@ class Keeper:
 
 
 class Layer:
-    """Remembers what it was told."""
+    """Records its calls."""
 
     def __init__(self, lacks: str = "") -> None:
         self.told: list[str] = []
@@ -121,7 +121,7 @@ async def test_what_layers_know_is_written_with_the_map_by_those_that_know_it() 
     assert list(keeper.kept["hall"]) == ["layer"]
     await control.resume("hall", same=True)
     assert layer.told == [""], "it has the name that it was kept under"
-    keeper.name = "attic"  # taken into use, and nobody was told yet
+    keeper.name = "attic"  # taken into use, and no layer is loaded yet
     await control.keeper.save("attic")
     assert not keeper.kept["attic"], "what it knows is of another map"
     leave()

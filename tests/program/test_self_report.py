@@ -1,4 +1,4 @@
-"""What the program tells of itself, channel by channel."""
+"""The program's own records, channel by channel."""
 
 from __future__ import annotations
 

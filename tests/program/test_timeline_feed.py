@@ -75,7 +75,7 @@ def test_a_slow_world_is_noted_when_it_lasts_and_when_it_is_over(feed: TimelineF
 def test_who_drives_is_noted_when_it_is_another(feed: TimelineFeed, timeline: Timeline) -> None:
     for behavior in (None, "Teleop", "Teleop", None):
         feed.exploitation(Exploitation(0.0, behavior, STILL))
-    assert [event.text for event in timeline.query()] == ["Teleop drives", "Nobody drives"]
+    assert [event.text for event in timeline.query()] == ["Teleop drives", "No behavior drives"]
 
 
 def test_a_module_is_noted_when_it_fails_and_when_it_is_back(feed: TimelineFeed, timeline: Timeline) -> None:

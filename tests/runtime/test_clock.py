@@ -139,7 +139,7 @@ def test_the_real_clock_reads_unix_time_and_never_goes_back(monkeypatch: pytest.
     clock = RealClock()
     assert clock.now() == pytest.approx(time.time(), abs=1.0)
     before = clock.now()
-    # Somebody sets the computer's clock back by a day.
+    # The computer's clock is set back by a day.
     real_time = time.time
     monkeypatch.setattr(time, "time", lambda: real_time() - 86_400)
     assert clock.now() >= before

@@ -41,7 +41,7 @@ def state(status: Status, restarts: int = 0) -> ModuleState:
         (CLOSED, None, 100, "closed"),
         (1, None, 0.2, "waiting"),
         (1, None, 0.4, "stale"),
-        (1, 50.0, 0.2, "waiting"),  # just opened: the last message is old and nobody is to blame
+        (1, 50.0, 0.2, "waiting"),  # just opened: the last message is old without a fault
         (1, 50.0, 0.4, "stale"),
         (10, 50.0, 2.9, "waiting"),
     ],

@@ -73,7 +73,7 @@ def test_nobody_is_blamed_for_time_in_which_the_loop_stood_still() -> None:
     stage = Stage()
     stage.publish()
     assert stage.pass_time(0.1) is None
-    # Another module blocked the loop for 5 s: nobody could have taken anything.
+    # Another module blocked the loop for 5 s: no message could be taken.
     assert stage.pass_time(5, step_s=5) is None
     assert stage.pass_time(0.7) is None
     assert stage.pass_time(0.4) is not None

@@ -79,7 +79,7 @@ async def test_a_task_that_never_waits_does_not_hold_it_up_for_ever() -> None:
 
 
 async def test_the_loop_still_says_what_it_has_left_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
-    # asyncio tells it by an attribute of its own; without it, `quiet` would take all its turns each time.
+    # asyncio's loops have the attribute; without it, `quiet` would take all its turns each time.
     most = 10_000
     turns = iter(range(most))
     monkeypatch.setattr("app.runtime.pending_work.LONGEST_SPIN", most)

@@ -194,7 +194,7 @@ async def relive(steps: list[tuple[str, float]]) -> None:
         last = now
         if step == "advance":  # all that woke did at once, in the order of their stamps
             assert woken[before:] == sorted(woken[before:], key=lambda w: w[1])
-        # Nobody oversleeps: a timer's resolution, at the highest rate, is all.
+        # No sleeper is late by more than a timer's resolution, at the highest rate.
         for stamp, number, task in sleepers:
             assert task.done() or stamp > now - 20 * 1e-3, number
     for *_, task in sleepers:

@@ -566,7 +566,7 @@ class Paced(VirtualClock):
 
 @pytest.mark.parametrize(("rate", "hung"), [(0.0, False), (0.1, False), (1.0, True), (20.0, True)])
 def test_a_module_is_hung_by_the_time_it_was_given(build: Build, make: Make, rate: float, hung: bool) -> None:
-    """Where a recording's time stands or is slow, nobody can be waited for; where it is fast, nobody is faster."""
+    """Modules get as much time as both clocks passed: a paused or slow recording gives less, a fast one no more."""
 
     async def scenario() -> tuple[str, str]:
         bench = Bench(build)

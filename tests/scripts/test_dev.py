@@ -11,7 +11,7 @@ import pytest
 
 
 class Programs:
-    """Stands where subprocess.run stands: notes the commands and answers for them."""
+    """Replaces subprocess.run: notes the commands and answers for them."""
 
     def __init__(self, status: int = 0, output: str = "") -> None:
         self.commands: list[list[str]] = []

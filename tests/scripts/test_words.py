@@ -27,7 +27,7 @@ def test_docstrings_and_comments_are_prose_and_code_is_not(words: ModuleType, tm
     count, findings = words.measured(file)
 
     assert [(finding.line, finding.word) for finding in findings] == [(1, "told"), (6, "begun")]
-    assert count == 4  # was, told, And, begun
+    assert count == 4  # the four words of prose
 
 
 def test_a_page_is_prose_but_for_its_code(words: ModuleType, tmp_path: Path) -> None:

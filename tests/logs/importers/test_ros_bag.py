@@ -29,7 +29,8 @@ WRITERS: dict[str, Write] = {
 
 @pytest.fixture(scope="module", params=WRITERS.values(), ids=WRITERS.keys())
 def bag(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Bag:
-    """Each kind of bag in turn: called with what the drive shall be, it gives the bag's path. Nobody changes it."""
+    """Each kind of bag in turn: called with the parameters of the drive, it gives the bag's path. Tests must not change
+    it."""
     made: dict[str, Path] = {}
 
     def of(**options: bool) -> Path:

@@ -244,7 +244,7 @@ def test_without_locks_only_what_a_dead_program_left_is_left_over(
 
 
 class Guarded(deque[Segment]):
-    """Segments that may be changed only by whoever holds the guard: another thread may be looking through them."""
+    """Segments that may be changed only while the guard is held: another thread may be reading them."""
 
     guard: Lock
 
@@ -329,7 +329,7 @@ def test_the_ring_of_a_killed_program_loses_at_most_what_was_not_flushed(tmp_pat
     with child:
         assert child.stdout is not None
         assert child.stdout.readline() == "written\n"
-        assert leftovers(tmp_path / ".ring") == []  # while it lives, it is nobody else's
+        assert leftovers(tmp_path / ".ring") == []  # while it runs, no other program takes it
         os.kill(child.pid, signal.SIGKILL)
     (home,) = leftovers(tmp_path / ".ring")
     saved = rescue(home, names(tmp_path))

@@ -1,4 +1,4 @@
-"""The writer: everything it is given is in the file, and no fault of a disk reaches whoever feeds it."""
+"""The writer: every message is in the file, and no fault of a disk reaches its caller."""
 
 from __future__ import annotations
 
@@ -168,7 +168,7 @@ def test_a_disk_that_stays_too_slow_ends_the_recording_with_a_reason_and_the_fil
     assert re.match(r"the disk is too slow: \d+ messages found no room within 2\.0 s; record to a", writer.reason)
     dropped = writer.dropped
     writer.put(BEGIN + 5, "odometry", odometry(BEGIN + 5))
-    assert writer.dropped == dropped  # it is over: what comes now is nobody's loss
+    assert writer.dropped == dropped  # it is over: later messages are not lost ones
     disk.unblock.set()
     ended(writer)
     assert counts(tmp_path / "log.mcap")["/odometry"] == 100

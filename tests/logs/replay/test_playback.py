@@ -1,4 +1,4 @@
-"""A recording of the lab, played on a real loop: what stands, what goes on, what is shown where it is put down."""
+"""A recording of the lab, played on a real loop: play, pause, and the state shown after a seek."""
 
 from __future__ import annotations
 
@@ -259,7 +259,7 @@ async def test_at_the_end_it_stands_and_play_begins_again(lab: Prepared) -> None
 
 @pytest.fixture
 def blind() -> Prepared:
-    """The same with nobody who would look."""
+    """The same without viewers."""
     return prepare(lab_log(6.0), ReplayOptions(only=("Hokuyo", "WheelOdometry")))
 
 
@@ -317,7 +317,7 @@ async def test_time_waits_for_a_file_that_is_slow(slow: Prepared) -> None:
         assert play.playback.state.phase == "playing"
         slow[0].gate.set()
         await play.phase("ended")
-        # It was late for nobody: everything came, each message in its time.
+        # No subscription was late: every message came, each in its time.
         assert odometry[-1] == pytest.approx(BEGIN + 2.98, abs=0.001)
         assert odometry == sorted(odometry)
 

@@ -1,4 +1,4 @@
-"""What stands in the records that ROS has types for, as another program would understand it."""
+"""The content of records in ROS's own types, as another program would read it."""
 
 from __future__ import annotations
 
