@@ -84,7 +84,7 @@ def test_what_was_measured_on_this_computer_comes_first(tmp_path: Path) -> None:
         ("slope: 5}", "slope: -5}", "greater than or equal to 0"),
     ],
 )
-def test_mistakes_are_told_with_their_line(tmp_path: Path, old: str, new: str, words: str) -> None:
+def test_mistakes_are_reported_with_their_line(tmp_path: Path, old: str, new: str, words: str) -> None:
     with pytest.raises(ConfigError) as mistake:
         load(tmp_path, FAMILY.replace(old, new))
     assert words in str(mistake.value)

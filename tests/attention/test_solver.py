@@ -368,7 +368,7 @@ def test_no_time_keeps_the_best_found_and_its_bound() -> None:
     assert found >= best.omega
 
 
-def test_a_small_problem_is_solved_though_the_computer_stands_still() -> None:
+def test_a_small_problem_is_solved_though_the_computer_is_suspended() -> None:
     """Half a second can pass between two lines of a program: it must not cost what takes a millisecond."""
     p = problem(
         [desire("A", 8)], (Strategy("a", "A", 1, costs={"cpu": 70}), Strategy("b", "A", 2, costs={"cpu": 40})), CPU

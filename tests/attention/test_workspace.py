@@ -52,7 +52,7 @@ def test_add_change_remove() -> None:
     assert (statistics.added, statistics.changed, statistics.removed, statistics.desires) == (1, 1, 1, 0)
 
 
-def test_a_change_to_the_same_tells_nobody() -> None:
+def test_a_change_to_the_same_notifies_no_observer() -> None:
     s = Setting()
     desire = s.add()
     s.workspace.change(desire, intensity=4)
@@ -115,7 +115,7 @@ def test_security_yields_to_none_but_the_louder() -> None:
     assert s.workspace.strongest()["GoTo"].id == louder
 
 
-def test_a_transaction_tells_once_and_only_what_remains() -> None:
+def test_a_transaction_notifies_once_of_its_net_effect() -> None:
     s = Setting()
     kept = s.add()
     with s.workspace.transaction():

@@ -26,7 +26,7 @@ def scenario(*options: str) -> Path | None:
     return body.scenario
 
 
-def test_people_live_in_the_lab_unless_told_otherwise(tmp_path: Path) -> None:
+def test_people_are_in_the_lab_by_default(tmp_path: Path) -> None:
     assert scenario() == SCENARIOS / "lab.yaml"
     assert scenario("--scenario", "trial") == SCENARIOS / "trial.yaml"
     assert scenario("--scenario", "none") is None

@@ -30,7 +30,7 @@ RESULTS = {
 FOUND = CostCalibration(host="here", made="now", relations=relations(RESULTS))
 
 
-def test_each_strategy_that_uses_what_was_measured_is_told_with_what_it_declares() -> None:
+def test_each_strategy_with_a_measured_cost_is_reported_with_its_declared_one() -> None:
     said = strategies_table(TABLE, FOUND, {"Eye.left", "Ear.sound with microphones=2"}, MODULES).splitlines()
     assert said[2:] == [
         "see           6.00      4.00   (without Eye.right)",
@@ -41,7 +41,7 @@ def test_each_strategy_that_uses_what_was_measured_is_told_with_what_it_declares
     assert strategies_table(TABLE, FOUND, {"Nose.smell"}, MODULES) == ""
 
 
-def test_relations_tell_what_is_kept_and_what_finds_nothing() -> None:
+def test_relations_report_what_is_kept_and_what_finds_nothing() -> None:
     said = relations_table(FOUND, {"Eye.left"})
     assert "Ear.sound with microphones=2 (measured before, kept)" in said
     assert "Eye.left\n" in said

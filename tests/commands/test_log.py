@@ -143,7 +143,7 @@ def test_a_mistake_leaves_standard_output_empty_for_programs(library: Path, caps
 
 
 @pytest.mark.parametrize("arguments", [[], ["info", "tour"]])
-def test_who_reads_no_further_is_told_nothing(arguments: list[str], library: Path) -> None:
+def test_a_reader_that_has_gone_causes_no_message(arguments: list[str], library: Path) -> None:
     read, write = os.pipe()
     os.close(read)
     code = "import sys; from app.cli import main; sys.exit(main(['log', *sys.argv[1:]]))"
@@ -206,7 +206,7 @@ def test_info_of_an_unfinished_log_says_what_can_be_read_and_what_to_do(
     assert document["messages"] > 100
 
 
-def test_a_recording_in_the_making_is_told_from_an_abandoned_one(
+def test_a_recording_being_written_is_distinct_from_an_abandoned_one(
     library: Path, made: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = create(library / "now.mcap")

@@ -97,7 +97,7 @@ def not_punctual(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("not_punctual")
-async def test_nobody_is_served_before_the_modules_have_started() -> None:
+async def test_no_request_is_served_before_the_modules_have_started() -> None:
     program, serving = Program(), asyncio.Event()
 
     async def serve() -> None:

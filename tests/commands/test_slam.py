@@ -91,7 +91,7 @@ def test_a_carmen_log_is_mapped_and_fewer_scans_are_taken(log: Path, capsys: pyt
         (["{folder}/true.log", "--scans", "left"], "no such channel 'left'; it has scan"),
     ],
 )
-def test_mistakes_are_told_in_a_sentence(
+def test_mistakes_are_reported_in_a_sentence(
     log: Path, arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = log.parent
@@ -211,7 +211,7 @@ def test_the_intel_lab_is_mapped_to_millimetres(tmp_path: Path, capsys: pytest.C
         ("FLASER 3 1 2 3 0 0 0 y 0 0 1.1 h 1.1", "line 2: 'y' found where a number should be"),
     ],
 )
-def test_a_word_in_a_line_of_numbers_is_told_with_its_line(
+def test_a_word_in_a_line_of_numbers_is_reported_with_its_line(
     tmp_path: Path, line: str, words: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     log = tmp_path / "c.log"

@@ -62,7 +62,7 @@ def void(path: Path) -> None:
     path.touch()
 
 
-def test_nobody_keeps_maps_until_somebody_attaches_and_after_they_left() -> None:
+def test_there_is_a_keeper_while_one_is_attached() -> None:
     control = MapControl()
     with pytest.raises(MapUnavailable, match="makes no maps"):
         _ = control.keeper
@@ -74,7 +74,7 @@ def test_nobody_keeps_maps_until_somebody_attaches_and_after_they_left() -> None
     assert control.keeper.name == "second"
 
 
-async def test_a_layer_is_told_of_the_map_whoever_is_there_first() -> None:
+async def test_a_layer_is_loaded_for_the_map_in_either_order() -> None:
     control, early, late = MapControl(), Layer(), Layer()
     await control.add(early)
     assert early.told == [], "nobody knows yet which map is in use"
@@ -99,7 +99,7 @@ async def test_after_a_restart_on_the_same_map_a_layer_goes_on_and_on_another_it
     assert layer.told[-2:] == ["hall", "attic"]
 
 
-async def test_a_layer_added_while_another_map_is_being_loaded_is_told_of_that_in_the_end() -> None:
+async def test_a_layer_added_during_a_load_is_loaded_for_the_new_map() -> None:
     control, keeper, layer = MapControl(), Keeper("hall"), Layer()
     control.attach(keeper)
     keeper.go_on.clear()

@@ -82,7 +82,7 @@ async def first(system: System, channel: str) -> None:
 
 
 @needs_gl
-async def test_what_nobody_desires_is_not_even_rendered(lab: System) -> None:
+async def test_without_a_desire_nothing_is_rendered(lab: System) -> None:
     """With no desire for images the camera rests; the first desire wakes it."""
     async with lab as system:
         await system.translator.settled()

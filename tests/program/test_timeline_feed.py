@@ -128,9 +128,7 @@ def test_a_stale_channel_is_noted_once_with_its_age_and_what_it_means(feed: Time
         (Freshness("stale", 4.0, None, None), "the module behind it does not run"),
     ],
 )
-def test_channels_that_never_spoke_or_speak_seldom_are_told_apart(
-    timeline: Timeline, freshness: Freshness, words: str
-) -> None:
+def test_silent_and_rare_channels_are_distinguished(timeline: Timeline, freshness: Freshness, words: str) -> None:
     feed = TimelineFeed(timeline, {})
     for _ in range(STALE_LOOKS):
         feed.freshness({"kinect": freshness})
@@ -138,7 +136,7 @@ def test_channels_that_never_spoke_or_speak_seldom_are_told_apart(
     assert words in event.text
 
 
-def test_a_stale_channel_that_nobody_wants_any_more_is_no_alarm(timeline: Timeline) -> None:
+def test_a_stale_channel_that_is_closed_is_no_alarm(timeline: Timeline) -> None:
     feed = TimelineFeed(timeline, {})
     for age in (3.0, 4.0):
         feed.freshness({"kinect": Freshness("stale", age, 0.3, 15.0)})

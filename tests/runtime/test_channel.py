@@ -136,7 +136,7 @@ async def test_send_waits_for_room_and_loses_nothing(make: Make) -> None:
 
 
 @in_virtual_time
-async def test_send_gives_up_at_its_deadline_having_given_it_to_nobody(make: Make) -> None:
+async def test_send_gives_up_at_its_deadline_without_a_delivery(make: Make) -> None:
     clock = VirtualClock()
     numbers = channel()
     numbers.subscribe("log", capacity=1, lossless=True)
@@ -330,7 +330,7 @@ async def test_a_consumer_that_closes_its_end_leaves_the_channel(make: Make) -> 
     numbers.unsubscribe(inbox)
 
 
-def test_wanted_is_told_only_when_it_changes() -> None:
+def test_wanted_is_reported_only_when_it_changes() -> None:
     numbers = channel()
     told: list[bool] = []
     end = numbers.on_wanted(told.append)
@@ -351,7 +351,7 @@ def test_wanted_is_told_only_when_it_changes() -> None:
     assert len(told) == 5
 
 
-def test_a_source_that_cannot_be_told_is_logged_and_hurts_nobody(caplog: pytest.LogCaptureFixture) -> None:
+def test_a_wanted_callback_that_fails_is_logged_and_removed(caplog: pytest.LogCaptureFixture) -> None:
     numbers = channel()
     told: list[bool] = []
 
@@ -373,7 +373,7 @@ def test_an_inbox_needs_room() -> None:
 
 
 @in_virtual_time
-async def test_a_lossless_inbox_left_alone_holds_up_nobody_and_reports_its_loss_to_the_next(make: Make) -> None:
+async def test_a_lossless_inbox_without_consumer_blocks_no_sender_and_reports_its_loss_to_the_next(make: Make) -> None:
     numbers = channel()
     inbox = numbers.subscribe("log", capacity=2, lossless=True)
     inbox.leave()

@@ -36,7 +36,7 @@ async def test_timers_go_off_in_order_and_at_their_time() -> None:
     assert went_off == [("a", 1), ("b", 2.5), ("c", 3)]
 
 
-def test_time_stands_still_while_a_thread_works() -> None:
+def test_time_does_not_pass_while_a_thread_works() -> None:
     async def scenario() -> list[str]:
         order: list[str] = []
         asyncio.get_running_loop().call_later(1000, order.append, "timer")

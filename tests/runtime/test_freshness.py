@@ -253,7 +253,7 @@ async def test_switching_attention_never_raises_a_false_alarm_and_a_lost_source_
 
 
 @in_virtual_time
-async def test_a_hiccup_is_told_to_observers_and_not_written_to_the_log(
+async def test_a_hiccup_is_reported_to_observers_and_not_written_to_the_log(
     graph: Graph, caplog: pytest.LogCaptureFixture
 ) -> None:
     clock = VirtualClock()
@@ -301,7 +301,7 @@ async def test_a_channel_that_should_come_from_outside_and_does_not_is_stale(gra
 
 
 @in_virtual_time
-async def test_a_watch_that_forgets_waits_for_first_messages_anew(graph: Graph) -> None:
+async def test_after_a_reset_the_first_messages_are_due_again(graph: Graph) -> None:
     clock = VirtualClock()
     supervisor = Supervisor(graph.modules, clock)
     watch = FreshnessWatch(graph, supervisor.states)

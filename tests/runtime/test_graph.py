@@ -121,7 +121,7 @@ def test_two_producers_of_one_channel_are_refused(build: Build) -> None:
     assert "channel n already has a producer, A.numbers" in refused(build, modules, {"n": {}})
 
 
-def test_a_channel_nobody_publishes_on_is_refused_unless_it_is_external(build: Build) -> None:
+def test_a_channel_without_producer_is_refused_unless_it_is_external(build: Build) -> None:
     modules: dict[str, Any] = {"B": (Relay, {"numbers": "n"}, {})}
     assert "no module publishes on channel n" in refused(build, modules, {"n": {}})
     assert build(modules, {"n": {"external": True}}).producers == {}
@@ -313,7 +313,7 @@ def test_a_module_that_names_no_inputs_may_choose_its_own(build: Build) -> None:
     assert "C.it" in named.filters.names()
 
 
-def test_a_pinned_filter_is_nobody_elses(build: Build) -> None:
+def test_a_pinned_filter_is_not_changed_by_others(build: Build) -> None:
     filters = build(*WIRED).filters
     filters.pin("B.numbers", Pin(4, offset=2))
     assert filters.apply({"B.numbers": 1, "A.numbers": 2}) == {"A.numbers": (1, 2)}

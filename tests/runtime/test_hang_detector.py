@@ -34,7 +34,7 @@ class Stage:
         self.channel.publish(Twist(self.now, 0.0, 0.0))
 
 
-def test_waiting_messages_that_nobody_takes_mean_stuck() -> None:
+def test_waiting_messages_that_are_not_taken_mean_stuck() -> None:
     stage = Stage()
     assert stage.pass_time(10) is None
     stage.publish()
@@ -69,7 +69,7 @@ def test_closing_the_filter_is_not_progress_and_not_a_fault() -> None:
     assert stage.pass_time(10) is None
 
 
-def test_nobody_is_blamed_for_time_in_which_the_loop_stood_still() -> None:
+def test_no_module_is_blamed_for_time_in_which_the_loop_was_blocked() -> None:
     stage = Stage()
     stage.publish()
     assert stage.pass_time(0.1) is None

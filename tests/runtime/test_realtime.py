@@ -27,7 +27,7 @@ assert sys.getswitchinterval() <= 0.001
 """
 
 
-def test_what_stands_is_not_looked_at_again_and_threads_give_way_sooner() -> None:
+def test_live_objects_are_frozen_and_threads_switch_sooner() -> None:
     subprocess.run([sys.executable, "-c", CHECK], check=True, timeout=PATIENCE_S)  # habits of a whole process
 
 

@@ -544,7 +544,7 @@ async def test_modules_may_be_ended_and_started_afresh(build: Build, make: Make)
 
 
 @in_virtual_time
-async def test_who_waits_for_the_start_is_told_of_a_failure_too(build: Build) -> None:
+async def test_waiting_for_the_start_ends_with_a_failure_too(build: Build) -> None:
     bench = Bench(build)
     bench.plan.fail_start = True
     async with bench.supervisor:

@@ -124,7 +124,7 @@ def test_a_loop_that_waits_for_its_turn_is_nobodys_fault() -> None:
     assert seen == [None]
 
 
-async def test_a_blockage_that_nobody_saw_is_reported_when_it_is_over() -> None:
+async def test_a_blockage_that_was_not_sampled_is_reported_when_it_is_over() -> None:
     reports: list[Blockage] = []
     reported = asyncio.Event()
     loop = asyncio.get_running_loop()

@@ -206,7 +206,7 @@ def test_a_bad_line_says_what_is_wrong(line: str, complaint: str) -> None:
         parse(line)
 
 
-def test_lines_are_told_by_their_names() -> None:
+def test_lines_are_recognised_by_their_names() -> None:
     assert parse("NEFF 12.5") is None
     assert parse("") is None
     assert parse("PARAM a b host 0") == Param("a", "b")

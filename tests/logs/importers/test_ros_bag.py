@@ -166,7 +166,7 @@ def test_packed_by_bzip2(tmp_path: Path) -> None:
     assert len(on("scan", messages)) == 80
 
 
-def test_types_that_nobody_understands_do_no_harm(tmp_path: Path) -> None:
+def test_unknown_types_do_no_harm(tmp_path: Path) -> None:
     path = tmp_path / "run.bag"
     kind = "sensor_msgs/msg/JointState"
     (first,) = [m for m in drive.drive() if m.topic == "/joint_states"][:1]

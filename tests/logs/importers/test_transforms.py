@@ -95,7 +95,7 @@ def test_late_transforms_take_their_place_and_old_ones_are_forgotten() -> None:
     assert tree.lookup("a", "b", 95.0) is not None
 
 
-def test_what_stands_still_can_be_kept_alone() -> None:
+def test_static_transforms_can_be_kept_alone() -> None:
     tree = Transforms()
     tree.add("base", "laser", placed(0.0, Pose3.identity()), static=True)
     tree.add("odom", "base", placed(0.0, Pose3.identity()), static=False)

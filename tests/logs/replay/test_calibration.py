@@ -71,7 +71,7 @@ def test_one_divisor_alone_is_taken_as_proportional() -> None:
     assert (fit([(2, 3.0)]).base, fit([(2, 3.0)]).slope) == (0, 6)
 
 
-def test_one_busy_moment_does_not_move_a_point_but_its_spread_is_told() -> None:
+def test_one_busy_moment_does_not_move_a_point_but_its_spread_is_reported() -> None:
     found = relations(
         {
             Run("Eye", "images", 1): Measurement(2.4, 600, 60),

@@ -43,7 +43,7 @@ def report() -> ReplayReport:
     return run_headless(lab_log())
 
 
-def test_every_module_lives_the_log(report: ReplayReport) -> None:
+def test_every_module_runs_on_the_log(report: ReplayReport) -> None:
     assert (report.begin, report.log_s) == (BEGIN, pytest.approx(4.0, abs=0.1))
     channels = report.channels
     assert channels["odometry"].messages == 200
@@ -59,7 +59,7 @@ def test_every_module_lives_the_log(report: ReplayReport) -> None:
     assert all(module.restarts == 0 for module in report.modules.values())
 
 
-def test_the_operators_hands_drive_again() -> None:
+def test_the_operators_commands_drive_again() -> None:
     driven: list[str | None] = []
     twists: list[Twist] = []
 
@@ -156,7 +156,7 @@ def test_only_one_module_on_what_was_recorded() -> None:
     assert log.decoded.keys() == {"kinect", "scan", "odometry", "workspace", "link_status"}
 
 
-def test_what_is_wanted_by_nobody_is_never_decoded() -> None:
+def test_a_channel_without_subscription_is_never_decoded() -> None:
     log = lab_log()
     # Who drives or maps, and who watches over it, wants scans whatever is desired.
     looking = ("Kinect", "Hokuyo", "WheelOdometry", "QRCodeDetector", "FaceDetector", "CameraStream")
