@@ -85,15 +85,15 @@ def events_of_the_plain_rule(hour: Hour, rule: Rule) -> Times:
     return np.asarray(loud[first] * (FRAME / RATE))
 
 
-def score(told: Times, truth: Times) -> tuple[float, float]:
-    """(right, found): the share of events in ``told`` that are noises of ``truth``, and the share of those with an
+def score(events: Times, truth: Times) -> tuple[float, float]:
+    """(right, found): the share of events in ``events`` that are noises of ``truth``, and the share of those with an
     event."""
     found: set[int] = set()
-    for at in told:
+    for at in events:
         nearest = int(np.searchsorted(truth, at + _EARLY_S)) - 1
         if nearest >= 0 and at - truth[nearest] <= _LATE_S:
             found.add(nearest)
-    return len(found) / max(1, len(told)), len(found) / max(1, len(truth))
+    return len(found) / max(1, len(events)), len(found) / max(1, len(truth))
 
 
 # --- The module ------------------------------------------------------------------------------------------------------
@@ -195,7 +195,7 @@ def plot(file: Path) -> int:
         ("ours", events_of_ours, "window", windows),
         ("ours", events_of_ours, "hold_off", hold_offs),
     )
-    for axis, (name, tell, parameter, values) in zip(axes, panels, strict=True):
+    for axis, (name, events_of, parameter, values) in zip(axes, panels, strict=True):
         rules = [
             [
                 Rule(
@@ -207,7 +207,7 @@ def plot(file: Path) -> int:
             ]
             for v in values
         ]
-        scores = np.array([[score(tell(hour, rule), hour.plan.truth) for rule in line] for line in rules])
+        scores = np.array([[score(events_of(hour, rule), hour.plan.truth) for rule in line] for line in rules])
         seconds = values * FRAME / RATE
         for index, (metric, color, style) in enumerate(
             (("right", "tab:blue", "solid"), ("found", "tab:red", "dashed"))

@@ -97,17 +97,17 @@ async def _drive(seconds: float, *, one_core: bool) -> tuple[list[float], list[f
 
 def _without_gaps(times: list[float]) -> list[float]:
     """``times`` with what lies between two goals left out, so that differences are periods."""
-    told: list[float] = []
+    starts: list[float] = []
     shift = 0.0
     gap = False
     for now in times:
         if np.isnan(now):
-            gap = bool(told)
+            gap = bool(starts)
         elif gap:
-            shift, gap = told[-1] - now, False  # the first after a gap follows none: it takes the last one's place
+            shift, gap = starts[-1] - now, False  # the first after a gap follows none: it takes the last one's place
         else:
-            told.append(now + shift)
-    return told
+            starts.append(now + shift)
+    return starts
 
 
 def _confine(process: int, cores: set[int]) -> None:

@@ -170,10 +170,10 @@ def _delay(scene: Scene, array: MicrophoneArray) -> float:
     pipeline = VoicePipeline(array, scene.rate, PipelineSettings(separation=False))
     for begin in range(0, len(sound) - pipeline.step + 1, pipeline.step):
         began = time.thread_time()
-        told, _ = pipeline.process(sound[begin : begin + pipeline.step], begin / scene.rate, begin)
+        result, _ = pipeline.process(sound[begin : begin + pipeline.step], begin / scene.rate, begin)
         now = (begin + pipeline.step) / scene.rate
         direction = talker.direction(now - QUIET_S)
-        if now > begun and any(np.dot(s.direction, direction) > np.cos(np.radians(20)) for s in told.sources):
+        if now > begun and any(np.dot(s.direction, direction) > np.cos(np.radians(20)) for s in result.sources):
             return now - begun + time.thread_time() - began
     return float("inf")
 

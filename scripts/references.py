@@ -120,11 +120,11 @@ def make_system(configuration: Configuration, library: RecordingLibrary) -> Syst
     if not isinstance(body, RobotConfig):
         raise TypeError(f"{body.name} is not simulated")
     link = create_lockstep(body, clock, cameras=True)
-    lived = able(configuration, link, WITHOUT)
-    modules = {**lived.program.modules, "Recorder": configuration.program.modules["Recorder"]}
+    reduced = able(configuration, link, WITHOUT)
+    modules = {**reduced.program.modules, "Recorder": configuration.program.modules["Recorder"]}
     numbers = itertools.count(1)
     return System(
-        replace(lived, program=lived.program.model_copy(update={"modules": modules})),
+        replace(reduced, program=reduced.program.model_copy(update={"modules": modules})),
         link=link,
         body=body,
         clock=clock,

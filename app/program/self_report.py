@@ -54,7 +54,7 @@ class SelfReport:
         self._now = now
         self._stack = ExitStack()
         self._divisors = divisors
-        self._told: Mapping[str, float] = {}
+        self._published: Mapping[str, float] = {}
 
     def open(self, workspace: IntentionWorkspace, translator: IntentionTranslator, timeline: Timeline) -> None:
         """Start to publish attention's records and log lines."""
@@ -94,8 +94,8 @@ class SelfReport:
         self._publish("intention", intention_record(intention))
         everything = self._divisors()
         divisors = {name: everything[name] for name in intention.divisors}
-        if divisors != self._told:
-            self._told = divisors
+        if divisors != self._published:
+            self._published = divisors
             self._publish("divisors", Divisors(self._now(), tuple(divisors), tuple(divisors.values())))
 
     def _event(self, event: TimelineEvent) -> None:

@@ -16,7 +16,7 @@ from app.logs.log import Log
 from app.logs.mcap.damage import missing
 from app.logs.replay.options import ReplayOptions
 from app.logs.replay.recorded_desires import CountedIds, RecordedDesires
-from app.logs.replay.replay_config import NOT_ASKED, ReplayProgram, deaf_modules, prepare
+from app.logs.replay.replay_config import NOT_ASKED, ReplayProgram, idle_modules, prepare
 from app.logs.replay.state_at import RecordedState
 from app.messages import DesiresRecord, RecorderStatus
 from app.modules.recording.recorder import Recorder
@@ -55,10 +55,10 @@ class Replay:
             ids = CountedIds()
             # The inputs of a module are known once the program is built; it is built again without modules that get no
             # message.
-            deaf: dict[str, str] = {}
+            idle: dict[str, str] = {}
             while True:
-                folder = Path(self._folder.name) / str(len(deaf))
-                self.program: ReplayProgram = prepare(log, self.options, folder, deaf)
+                folder = Path(self._folder.name) / str(len(idle))
+                self.program: ReplayProgram = prepare(log, self.options, folder, idle)
                 self.body = ReplayedBody(
                     log,
                     clock,
@@ -77,9 +77,9 @@ class Replay:
                     partial=True,
                     reproducible=reproducible,
                 )
-                if not (more := deaf_modules(self.program, self.system.graph)):
+                if not (more := idle_modules(self.program, self.system.graph)):
                     break
-                deaf |= more
+                idle |= more
             self._pin()
         except BaseException:
             self._folder.cleanup()
@@ -171,12 +171,12 @@ class Replay:
     async def _started(self) -> None:
         """Wait until every module runs, or has failed to."""
         supervisor = self.system.supervisor
-        told = asyncio.Event()
-        end = supervisor.observe(lambda _: told.set())
+        changed = asyncio.Event()
+        end = supervisor.observe(lambda _: changed.set())
         try:
             while any(state.status in ("starting", "stopped") for state in supervisor.states.values()):
-                told.clear()
-                await told.wait()
+                changed.clear()
+                await changed.wait()
         finally:
             end()
 

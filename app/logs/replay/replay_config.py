@@ -58,10 +58,10 @@ class ReplayProgram:
     silent: Mapping[str, str]
 
 
-def prepare(log: Log, options: ReplayOptions, folder: Path, deaf: Mapping[str, str] | None = None) -> ReplayProgram:
+def prepare(log: Log, options: ReplayOptions, folder: Path, idle: Mapping[str, str] | None = None) -> ReplayProgram:
     """Put the program together; the log's files are written under ``folder``, which must outlive the program.
 
-    ``deaf``: modules that stay out besides, with the reason in words (see :func:`deaf_modules`).
+    ``idle``: modules that stay out besides, with the reason in words (see :func:`idle_modules`).
 
     Raises ConfigError for a mistake in the configuration or the options, LogError for files that cannot be.
     """
@@ -69,7 +69,7 @@ def prepare(log: Log, options: ReplayOptions, folder: Path, deaf: Mapping[str, s
     robot = load_body(configuration.path(configuration.program.robot))
     facts = log.manifest.facts
     streams = _streams(log, configuration)
-    modules, left_out = _modules(configuration, options, streams, deaf or {})
+    modules, left_out = _modules(configuration, options, streams, idle or {})
     if not modules:
         reasons = "; ".join(f"{name}: {why}" for name, why in left_out.items())
         raise ConfigError(f"no module of this program can run on it ({reasons})", str(log.info.path))
@@ -109,7 +109,7 @@ def _extent(robot: Body) -> dict[str, Any]:
     return {"footprint": robot.footprint, "height_m": robot.height_m}
 
 
-def deaf_modules(program: ReplayProgram, graph: Graph) -> dict[str, str]:
+def idle_modules(program: ReplayProgram, graph: Graph) -> dict[str, str]:
     """Modules of ``graph`` that do nothing in this replay, since none of their inputs can get a message; with the
     reason.
 
@@ -162,7 +162,7 @@ def _streams(log: Log, configuration: Configuration) -> dict[str, str]:
 
 
 def _modules(
-    configuration: Configuration, options: ReplayOptions, streams: Collection[str], deaf: Mapping[str, str]
+    configuration: Configuration, options: ReplayOptions, streams: Collection[str], idle: Mapping[str, str]
 ) -> tuple[dict[str, ModuleSpec], dict[str, str]]:
     """The modules that run, and those that do not with the reason."""
     everything = configuration.program.modules
@@ -173,7 +173,7 @@ def _modules(
     left_out: dict[str, str] = {}
     for name, spec in everything.items():
         module_class = load_class(spec.class_path)
-        why = _obstacle(name, module_class, options, streams) or deaf.get(name, "")
+        why = _obstacle(name, module_class, options, streams) or idle.get(name, "")
         if why:
             left_out[name] = why
         else:

@@ -109,9 +109,9 @@ class ReplayReport:
 
 
 def _without_times(module: ReplayedModule) -> dict[str, Any]:
-    told: dict[str, Any] = _jsonable(asdict(module))
-    del told["cpu_s"]
-    return told
+    facts: dict[str, Any] = _jsonable(asdict(module))
+    del facts["cpu_s"]
+    return facts
 
 
 def _jsonable(value: Any) -> Any:
