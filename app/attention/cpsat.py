@@ -115,7 +115,8 @@ class _Selection:
         )
 
     def _at_most_one(self, k: int, group: tuple[int, ...]) -> None:
-        """A class whose strategies all exclude each other: each is chosen to serve, or only for what needs it."""
+        """A class whose strategies all exclude each other: each is selected to serve the class, or only because others
+        require it."""
         instance, wanted = self._instance, self._instance.desired.get(k)
         ways: list[cp_model.IntVar] = []
         for s in group:

@@ -25,7 +25,7 @@ SourceKind = Literal["motivation", "operator", "rest"]
 
 
 class UnknownDesireClass(Exception):
-    """No desire class has this name. ``name`` is the one asked for, ``known`` those there are."""
+    """No desire class has this name. ``name`` is the unknown one, ``known`` those there are."""
 
     def __init__(self, name: str, known: Iterable[str]) -> None:
         self.name = name
@@ -34,7 +34,7 @@ class UnknownDesireClass(Exception):
 
 
 class InvalidDesire(Exception):
-    """A desire was refused. ``field`` is the dotted name of what is wrong, ``message`` says what is allowed."""
+    """A desire was refused. ``field`` is the dotted name of the invalid field, ``message`` says what is allowed."""
 
     def __init__(self, field: str, message: str) -> None:
         self.field = field

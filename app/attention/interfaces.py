@@ -32,7 +32,7 @@ class Solver(Protocol):
     """Solves selection problems. All methods but ``recall`` are called beside the event loop, one at a time."""
 
     def prepare(self, problem: Problem) -> None:
-        """Load what such problems may take, before the first is asked."""
+        """Load the libraries that such problems may need, before the first is solved."""
         ...
 
     def recall(self, problem: Problem) -> Selection | None:

@@ -92,10 +92,10 @@ class Alternative:
 
 @dataclass(frozen=True, slots=True)
 class Reason:
-    """Why a desired class gets what it gets.
+    """The reason for the result of a desired class.
 
-    ``utility`` is what it gets, ``wanted`` what its desire asks for at least, ``best`` the most that any selection
-    could give. ``text`` is a sentence for people. ``searched``: whether there was time to look for all that would help.
+    ``utility`` is the utility produced for it, ``wanted`` the desired one, ``best`` the most that any selection could
+    give. ``text`` is a sentence for people. ``searched``: whether the search for alternatives was complete.
     """
 
     state: ReasonState

@@ -26,13 +26,13 @@ from app.attention.class_options import ClassOptions, Option, list_options
 from app.attention.integer_program import Infeasible, IntegerProgram, ProgramSolution
 
 _SMALL = 400
-"""Below so many combinations of options the multipliers cost more than they save."""
+"""Number of combinations of options below which the multipliers cost more than they save."""
 _BEAM = 12
 _SWEEPS = 3
 _MOST_LABELS = 20_000
 _MOST_STEPS = 30_000
-"""With several graded resources few labels dominate others: after so many steps, about 40 ms, CP-SAT is quicker. With
-one, labels proved every measured instance sooner."""
+"""Limit of the labels examined with several graded resources, where few labels dominate others: beyond it (about 40 ms)
+CP-SAT is quicker. With one such resource, labels proved every measured instance sooner."""
 
 Floats = NDArray[np.float64]
 _Node = tuple["Option", "_Node | None"]

@@ -183,7 +183,7 @@ class ResourceEntry(BaseModel):
 
 
 class CalibratedCost(BaseModel):
-    """A cost that calibration of this computer says, and the one that holds where it was not calibrated."""
+    """A cost taken from this computer's calibration, and the one used without a calibration."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
 
@@ -247,11 +247,11 @@ def load_strategies(
 ) -> StrategyTable:
     """Read strategy files, in the order given, into one table.
 
-    ``classes`` are the desire classes there are; ``ports`` maps each module to its ports (None: not checked);
-    ``undivided`` are filters that open or close and may not decimate (sound, whose every frame counts);
-    ``calibration`` says what calibrated costs are (None: what they are without one). A
-    resource may be declared in several files if they agree. Raises ConfigError, with file and line, for an unknown
-    class, module, port or resource, a name given twice, or a number out of its range.
+    ``classes`` are the desire classes; ``ports`` maps each module to its ports (None: not checked); ``undivided`` are
+    filters that may open or close but not decimate (sound, whose every frame counts); ``calibration`` gives calibrated
+    costs (None: the costs without one). A resource may be declared in several files if they agree. Raises ConfigError,
+    with file and line, for an unknown class, module, port or resource, a name given twice, or a number out of its
+    range.
     """
     documents = [load_yaml(path) for path in paths]
     files = [document.validate(StrategyFile) for document in documents]
@@ -311,7 +311,7 @@ def build_table(
 
 
 def _entries(document: Document, file: StrategyFile) -> Iterator[tuple[KeyPath, StrategyEntry]]:
-    """All strategies of a file and where they stand in it."""
+    """All strategies of a file and their lines in it."""
     for index, item in enumerate(file.strategies):
         yield ("strategies", index), item
     for index, family in enumerate(file.families):

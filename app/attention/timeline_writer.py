@@ -11,7 +11,7 @@ from app.attention.strategies import CLOSED
 from app.attention.timeline import Timeline
 from app.attention.workspace import WorkspaceChange
 
-#: Kinds of sources whose words for people are others.
+#: Kinds of sources with another word in sentences.
 _KINDS = {"rest": "REST client"}
 
 
@@ -58,7 +58,7 @@ def note_intention(timeline: Timeline, before: Intention | None, after: Intentio
 
 
 def note_filters(timeline: Timeline, before: Mapping[str, float], after: Mapping[str, float]) -> None:
-    """Note each filter of ``after`` whose φ moved; one not known ``before`` was closed."""
+    """Note each filter of ``after`` whose φ changed; one not in ``before`` was closed."""
     for name, phi in after.items():
         was = before.get(name, CLOSED)
         if was != phi:

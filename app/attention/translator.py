@@ -169,7 +169,7 @@ class IntentionTranslator:
             await self._progress.wait()
 
     def refresh(self) -> None:
-        """Set every controlled filter again to what the current intention says, for modules that lost theirs."""
+        """Set every controlled filter again to the current intention's φ, for modules whose filters were reset."""
         if self._current is not None:
             self._filters.apply(dict(self._current.divisors))
 
@@ -243,7 +243,7 @@ class IntentionTranslator:
 
     def _failed(self, why: str) -> None:
         self._counts["failures"] += 1
-        # A moment to switch that has come would have it asked at every turn of the loop: that moment comes again.
+        # A switch that is due would make the loop call it at every turn; it becomes due again later.
         self._hold.release()
         self._retry.failed(why, self._clock.now())
         self._timer.set()

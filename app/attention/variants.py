@@ -33,9 +33,9 @@ class _Span:
 class Variants:
     """Solves variants of ``problem``, whose optimum is ``selection``, until ``deadline`` (of ``time.perf_counter``).
 
-    Two things spare most of the work. An optimum under a capacity is the optimum under every smaller one that it fits
-    into. And a desire that is not fulfilled takes nothing from others: without it, the optimum is the same.
-    ``missing`` becomes True when there was no time for a variant that was asked for.
+    Two facts save most of the work. An optimum under a capacity is the optimum under every smaller one that it fits
+    into. And a desire that is not fulfilled takes nothing from others: without it, the optimum is the same. ``missing``
+    becomes True if a requested variant was not solved in time.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class Variants:
                 self._spans[name].append(_span(self._base, name, round(capacity * GRAIN)))
         self._without: dict[str, _Optimum] = {}
         fulfilled = frozenset(selection.fulfilled)
-        #: The classes without whose desire the optimum may be another.
+        #: Classes whose desire affects the optimum.
         self._taking = tuple(
             cls for cls, d in problem.desires.items() if self._base is None or cls in fulfilled or d.utility == 0
         )

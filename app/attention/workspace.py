@@ -204,7 +204,7 @@ class IntentionWorkspace:
         return desire
 
     def expire(self) -> tuple[Desire, ...]:
-        """Remove, in one transaction, the desires whose time is over, and return them."""
+        """Remove expired desires in one transaction, and return them."""
         now = self._now()
         over = tuple(d for d in self._desires.values() if d.expires is not None and d.expires <= now)
         with self.transaction():
@@ -215,9 +215,10 @@ class IntentionWorkspace:
 
     @contextmanager
     def transaction(self) -> Iterator[None]:
-        """All edits of the block as one: one notification at the end of the outermost, with the net effect.
+        """Join all edits of the block: one notification at the end of the outermost block, with the net effect.
 
-        A block that raises leaves the workspace as it was when that block began, whatever an enclosing one did before.
+        A block that raises restores the workspace as it was at that block's begin; earlier edits of an enclosing block
+        stay.
         """
         before = dict(self._desires)
         expired = set(self._expired)

@@ -42,10 +42,11 @@ _IMPORT = re.compile(r"^\s*from app\.base\.compiled import (?:\([^)]*|[^\n(]*)\b
 
 
 def kernel(signature: str | list[str], *, fastmath: bool = False, **options: Any) -> Callable[[F], F]:
-    """Compile the function under it for ``signature``, as ``"float64[:](float32[::1], int64)"``; runs without the lock.
+    """Compile the decorated function for ``signature``, as ``"float64[:](float32[::1], int64)"``; it runs without the
+    GIL.
 
-    Arrays of a signature are writable ones: hand over a copy of one that is read-only. ``fastmath`` forgets NaN and
-    infinity: only for kernels that meet neither. Further ``options`` are numba's own.
+    Arrays of a signature are writable ones: pass a copy of a read-only one. ``fastmath`` ignores NaN and infinity: only
+    for kernels that get neither. Further ``options`` are numba's own.
     """
     import numba
 
@@ -62,7 +63,7 @@ def kernel_modules() -> list[str]:
 
 
 def is_ready() -> bool:
-    """Whether all kernels stand compiled, as they are now, in the cache of this computer."""
+    """Whether the cache of this computer holds the present version of all kernels."""
     return not _missing()
 
 

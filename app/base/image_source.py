@@ -48,7 +48,7 @@ def kind_of(data: bytes | memoryview) -> str | None:
 
 
 def declared_size(data: bytes | memoryview) -> tuple[int, int] | None:
-    """Width and height (pixels) that the encoded picture ``data`` says it has; None where it does not say so."""
+    """Width and height (pixels) declared in the encoded picture ``data``; None without."""
     view = memoryview(data)
     kind = kind_of(view)
     try:

@@ -1,4 +1,4 @@
-"""A folder of things with names (recordings, maps): which names are valid, where each is, where the folder is."""
+"""A folder of named entries (recordings, maps): valid names, the path of each, the default folder."""
 
 from __future__ import annotations
 

@@ -112,7 +112,7 @@ class RateLimitedHandler(logging.StreamHandler[TextIO]):
 
 
 def _key(record: logging.LogRecord) -> int:
-    """Equal for records that say the same from the same place."""
+    """A key that is equal for records of the same statement with the same content."""
     error = record.exc_info[1] if record.exc_info else None
     values = {name: str(value) for name, value in vars(record).items() if name not in _OF_ONE}
     return hash((record.getMessage(), type(error), str(error), *sorted(values.items())))

@@ -72,7 +72,7 @@ def _check_extent(file: BinaryIO, path: Path, what: str) -> None:
                     f"{what} has Python objects in `{name}`, which are not opened here: save plain arrays of numbers",
                     str(path),
                 )
-            # numpy makes room for what the header says; zipfile unpacks no more than what the archive does.
+            # numpy allocates the size in the header; zipfile unpacks no more than the size in the archive.
             total += max(member.file_size, math.prod(shape) * dtype.itemsize)
             if total > MOST_BYTES:
                 raise ConfigError(

@@ -150,7 +150,7 @@ class Document:
 
     def _explained(self, model: type[BaseModel], failure: ValidationError, at: KeyPath) -> ConfigError:
         details = failure.errors(include_url=False)
-        # A misspelt key is also a missing one: the misspelling says more.
+        # A misspelt key is also a missing one: the message about the misspelling is more helpful.
         first = next((detail for detail in details if detail["type"] == "extra_forbidden"), details[0])
         location = tuple(part for part in first["loc"] if part != "[key]")
         path = (*at, *location)
@@ -346,9 +346,7 @@ def _walk(node: yaml.Node, path: KeyPath, lines: dict[KeyPath, int], file: str, 
             key = _key(key_node, file, path)
             here = (*path, key)
             if key in seen:
-                raise ConfigError(
-                    f"the key {key!r} is here twice", file, key_node.start_mark.line + 1, dotted(here)
-                )
+                raise ConfigError(f"the key {key!r} is here twice", file, key_node.start_mark.line + 1, dotted(here))
             seen.add(key)
             lines.setdefault(here, key_node.start_mark.line + 1)
             _walk(value_node, here, lines, file, inside)

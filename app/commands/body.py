@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def add_body_options(parser: argparse.ArgumentParser) -> None:
-    """The options that choose a body, its devices and what is around it."""
+    """The options for a body, its devices and its surroundings."""
     parser.add_argument("--robot", type=Path, metavar="FILE", help="the body to run: a file, or a name as webcam")
     parser.add_argument(
         "--camera", metavar="SOURCE", help="camera of a body of devices: a device number, a video file, or pictures"

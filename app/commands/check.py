@@ -12,7 +12,7 @@ from app.base.errors import ConfigError
 from app.commands.output import add_json, print_json
 from app.commands.packaged import config_file
 
-#: Raises ConfigError for a mistake; returns what is allowed but should be known, if there can be any.
+#: Raises ConfigError for a mistake; returns warnings, if there can be any.
 _Check = Callable[[Path], "tuple[str, ...] | None"]
 
 
@@ -57,8 +57,8 @@ def _counted(cautions: Sequence[str]) -> str:
 
 
 def check_file(path: Path) -> tuple[str, Sequence[str]]:
-    """Validate one file, and everything it names; return what kind of configuration it is, and what is allowed but
-    should be known, in sentences. Raises ConfigError."""
+    """Validate one file, and everything it names; return the kind of configuration, and warnings in sentences. Raises
+    ConfigError."""
     from app.base.yaml_source import load_yaml
 
     if path.suffix == ".urdf":

@@ -1,4 +1,4 @@
-"""``hbba doctor``: is this computer ready for ``hbba run``, and if not, what is missing and what to do."""
+"""``hbba doctor``: checks whether this computer is ready for ``hbba run``; names what is missing, and the remedy."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def checks(port: int) -> Iterable[Callable[[], Finding]]:
 
 
 def table(findings: Iterable[Finding]) -> str:
-    """The findings for people: what is well, what is missing and what to do."""
+    """The findings for people, with remedies."""
     findings = list(findings)
     lines = []
     for finding in findings:

@@ -1,4 +1,4 @@
-"""``hbba log``: what recordings there are and what is in them; cutting, repairing and exporting them."""
+"""``hbba log``: lists recordings and shows, cuts, repairs and exports one."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from app.commands.output import add_json, print_json
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba log`` and what it can do."""
+    """Declare ``hbba log`` and its actions."""
     parser = subparsers.add_parser(
         "log",
         help="list, inspect, cut, repair and export recordings",

@@ -32,7 +32,7 @@ _ADVICE: Mapping[State, str] = {
 
 @dataclass(frozen=True, slots=True)
 class ChannelContents:
-    """A channel in a log: ``rate_hz`` as it came, ``nominal_hz`` as it should; ``bytes`` before compression."""
+    """A channel in a log: ``rate_hz`` measured, ``nominal_hz`` of the table; ``bytes`` before compression."""
 
     name: str
     type: str
@@ -246,7 +246,7 @@ def recordings_document(found: Sequence[Recording], folder: Path, free_bytes: in
 
 
 def print_recordings(found: Sequence[Recording], folder: Path, free_bytes: int) -> None:
-    """The list of what was found in ``folder``, on a disk with ``free_bytes`` left, to standard output."""
+    """Print the recordings of ``folder``, on a disk with ``free_bytes`` left, to standard output."""
     if not found:
         print(f"There are no recordings in {folder} yet.")
         return

@@ -35,7 +35,7 @@ def part(progress: Progress, before: int, files: int, name: str) -> Progress:
 
 @contextmanager
 def shown(title: str) -> Iterator[Progress]:
-    """Show the progress of what goes on inside, on standard error; the bar is taken away at the end."""
+    """Show the progress of the block on standard error; the bar is removed at the end."""
     from rich.console import Console
     from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
     from rich.progress import Progress as Bar

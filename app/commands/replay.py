@@ -163,7 +163,7 @@ def _with_console(
 
     if args.speed is not None and FASTEST < args.speed < math.inf:
         raise ConfigError(f"--speed {args.speed:g}: with the console at most {FASTEST:g}, or max")
-    past = opened()  # read beside the body, in a thread of its own
+    past = opened()  # read beside the body, in another thread
     stack.callback(past.close)
     begin = log.info.begin if options.begin is None else options.begin
     clock = ReplayClock(begin, log.info.end if options.end is None else options.end)

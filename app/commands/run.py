@@ -104,7 +104,7 @@ def token_for(args: argparse.Namespace, host: str) -> str | None:
 
 
 async def until_stopped(live: Coroutine[Any, Any, None], stopping: Stopping) -> int:
-    """Run ``live`` to its end, or until asked to stop, whatever is being done then. Raises what it raises."""
+    """Run ``live`` to its end, or until a stop is requested at any time. Raises what it raises."""
     loop = asyncio.get_running_loop()
     running = asyncio.create_task(live)
     stopping.install(lambda: loop.call_soon_threadsafe(running.cancel))
@@ -145,7 +145,7 @@ async def _live(
     log.info("starting", extra={"configuration": configuration.program_document.file})
     clock = RealClock()
     system = System(configuration, link=create_link(body, clock.offset), body=body, clock=clock)
-    app = create_app(system, token=token, host=host, host_names=names)  # takes so long that a driver would notice it
+    app = create_app(system, token=token, host=host, host_names=names)  # takes long enough to disturb driving
     async with system:
         await serve_once_started(system, lambda: serve(app, host, port, listener=listener, started=announce))
 

@@ -1,4 +1,4 @@
-"""Cutting a piece out of an MCAP log: its records as they are, and before them the state that stood when it begins."""
+"""Cuts a piece out of an MCAP log: its records unchanged, and before them the state at its begin."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from app.messages import DesiresRecord, Divisors, IntentionRecord, Landmarks, Mo
 
 #: Messages that stay true until the next on their channel; a log's own word (``layout.LATCHED``) goes before.
 STATES = frozenset(kind.__name__ for kind in (DesiresRecord, IntentionRecord, Divisors, Landmarks, ModuleRecord))
-#: Topics of other programs that are written once and stay true, whatever their quality of service says.
+#: Topics of other programs that are written once and stay valid, in spite of their quality of service.
 STANDING_TOPICS = frozenset({"/tf_static", "/robot_description"})
 
 

@@ -47,9 +47,9 @@ Buffer: TypeAlias = mmap | bytes
 
 @dataclass(frozen=True, slots=True)
 class IntactRecord:
-    """A record that holds together. ``content`` of a chunk is its records, decompressed.
+    """An intact record. ``content`` of a chunk is its records, decompressed.
 
-    ``whole`` is False for a chunk whose end is missing: ``content`` is then what could be decompressed of its begin.
+    ``whole`` is False for a chunk whose end is missing: ``content`` is then the part that could be decompressed.
     """
 
     opcode: int
@@ -110,7 +110,7 @@ def scan(data: Buffer) -> Iterator[IntactRecord | DamagedStretch]:
         by_length = broken.end if position < broken.end < size and _head_like(data, broken.end) else None
         end = by_length or _next_record(data, position + 1, chunked)
         if end == size and broken.remains and broken.end > size:
-            # Cut off rather than damaged: what was written of the chunk is as it was meant.
+            # Cut off rather than damaged: the part written is valid.
             yield IntactRecord(Opcode.CHUNK, position, end, _whole_records(broken.remains), whole=False)
             yield DamagedStretch(
                 position,
@@ -178,7 +178,7 @@ def read_attachment(content: bytes) -> RecoveredAttachment | None:
 
 
 def _record(data: Buffer, position: int) -> IntactRecord | DamagedStretch:
-    """The record at ``position``, or what is wrong with it; ``DamagedStretch.end`` is as its length field says."""
+    """The record at ``position``, or a damaged stretch there, whose ``end`` is as its length field says."""
     size = len(data)
     head = data[position : position + RECORD_HEAD.size]
     if len(head) < RECORD_HEAD.size:

@@ -1,4 +1,4 @@
-"""Making a broken recording readable again: whatever is sound in it goes into a new file with index and summary."""
+"""Makes a damaged recording readable: its intact records go into a new file with index and summary."""
 
 from __future__ import annotations
 
@@ -81,10 +81,10 @@ class RepairReport:
 def repair(
     path: Path, out: Path | None, *, force: bool = False, progress: Progress = unwatched, in_place: bool = False
 ) -> RepairReport:
-    """Copy what is sound in the MCAP file ``path`` to ``out``; nothing is written where ``path`` is healthy.
+    """Copy the intact records of the MCAP file ``path`` to ``out``; nothing is written if ``path`` is healthy.
 
-    ``in_place`` replaces ``path`` itself (``out`` is then not looked at). Works on any program's MCAP file. Blocks;
-    ``progress`` counts bytes. Raises LogError where nothing at all can be recovered, or ``out`` cannot be written.
+    ``in_place`` replaces ``path`` itself (``out`` is ignored). Works on any program's MCAP file. Blocks; ``progress``
+    counts bytes. Raises LogError if nothing at all can be recovered, or ``out`` cannot be written.
     """
     target = path if in_place or out is None else out
     if not in_place:
@@ -113,8 +113,8 @@ def examine(path: Path, progress: Progress = unwatched) -> RepairReport:
 
 
 def _check_closed(path: Path) -> None:
-    """Raise LogError while ``path`` is being recorded: most of what comes is not in it yet, and nothing is broken."""
-    with suppress(OSError):  # who reads it next will say so
+    """Raise LogError while ``path`` is being recorded: its last messages are not in it yet, and nothing is damaged."""
+    with suppress(OSError):  # reported by the next reader
         if path.is_file() and is_being_written(path):
             raise LogError(f"{path} is being recorded now; there is nothing to repair until that has ended")
 
@@ -269,7 +269,7 @@ class _Examination:
         return not crc or zlib.crc32(self._data[start : footer.end - 4]) == crc
 
     def _settle(self, after: int | None) -> None:
-        """The next readable message came at ``after`` (None: there is none): so long lasts what is missing before."""
+        """Set the duration of the open losses: the next readable message came at ``after`` (None: there is none)."""
         for part in self._open:
             since = self.end if self.end is not None else part.begin_ns
             until = after if after is not None else part.end_ns

@@ -81,7 +81,7 @@ class Catalog:
         return sorted(found, key=lambda r: (r.modified if r.begin is None else r.begin, r.name), reverse=True)
 
     def has(self, name: str) -> bool:
-        """Whether there is a recording of this name. Raises ValueError for a name that may not be."""
+        """Whether there is a recording of this name. Raises ValueError for an invalid name."""
         return self._library.path(name).is_file()
 
     def written(self, name: str) -> bool:

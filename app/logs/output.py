@@ -29,7 +29,7 @@ def unwatched(done: int, total: int) -> None:
 
 
 def check_new(path: Path, force: bool) -> None:
-    """Raise LogError where ``path`` exists and may not be replaced, or its folder does not."""
+    """Raise LogError if ``path`` exists and may not be replaced, or its folder does not exist."""
     if path.exists() and not force:
         raise LogError(f"{path} exists already; --force replaces it, -o names another")
     if not path.parent.is_dir():
@@ -67,7 +67,7 @@ def disk_trouble(failure: OSError, path: Path) -> DiskTrouble:
 
 
 def durable(stream: IO[bytes]) -> None:
-    """Have the disk keep what was written, before the name points at it."""
+    """Flush the written data to the disk, before the name refers to it."""
     stream.flush()
     os.fsync(stream.fileno())
 

@@ -52,7 +52,7 @@ class Onward:
         self.seen = 0
 
     def next(self, stamp: float) -> float:
-        """``stamp``, or what is in its place: never less than the one before."""
+        """``stamp``, or its replacement: never less than the one before."""
         self.seen += 1
         went_back = stamp < self._newest
         follows = self._last < self._newest and stamp >= self._last

@@ -59,7 +59,7 @@ class MapKeeper(Protocol):
         ...
 
     async def search(self) -> None:
-        """The robot is somewhere on the map: look for it."""
+        """Localize the robot, which is anywhere on the map."""
         ...
 
     async def mark(self, zones: tuple[Zone, ...]) -> None:
@@ -76,9 +76,9 @@ class MapLayer(Protocol):
         ...
 
     async def load(self, name: str) -> None:
-        """The map ``name`` is in use now: what was kept with it counts, nothing else.
+        """Load the layer saved with the map ``name``, which is in use now, in place of the present one.
 
-        Raises MapUnavailable, in words for people, where that is not known.
+        Raises MapUnavailable, with a message for people, if it cannot be read.
         """
         ...
 

@@ -1,9 +1,9 @@
-"""The folder of maps: names, listing, keeping, renaming, deleting.
+"""The folder of maps: list, save, rename, delete.
 
-A map is a folder of its own: ``map.yaml`` and ``map.pgm`` (as ROS's ``map_server`` reads them), ``zones.yaml``, what
-its maker keeps beside them (``graph.npz``, the pose graph with which mapping goes on), and what others do
-(``things.npz``, what a camera saw stand where the laser sees nothing). A map that another program made is used as it is
-once its YAML file is called ``map.yaml``.
+A map is a folder of its own: ``map.yaml`` and ``map.pgm`` (as ROS's ``map_server`` reads them), ``zones.yaml``, files
+of the module that made it (``graph.npz``, the pose graph with which mapping goes on), and files of others
+(``things.npz``, obstacles that only a camera sees). A map of another program is used as it is once its YAML file is
+called ``map.yaml``.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ class MapLibrary(Library):
         return path
 
     def listing(self) -> list[MapFacts]:
-        """Every map with its facts, sorted by name; a damaged one says what its problem is."""
+        """Every map with its facts, sorted by name; ``problem`` describes damage."""
         return [self.facts(name) for name in self.names()]
 
     def facts(self, name: str) -> MapFacts:

@@ -21,7 +21,7 @@ log = logging.getLogger("hbba.body")
 MOST_IN_A_ROW = 5
 FIRST_DELAY_S = 0.5
 LONGEST_DELAY_S = 8.0
-#: A body that was up for so long is trusted again.
+#: Up-time (s) after which the count of failures is reset.
 TRUSTED_AFTER_S = 60.0
 
 

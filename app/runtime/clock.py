@@ -144,7 +144,7 @@ class _JumpingSelector(selectors.DefaultSelector):
         self._turns = self._turns + 1 if spinning else 0
         if spinning and not (jobs and self._turns > _LONGEST_SPIN):
             return super().select(0)
-        # Every task waits. Results are handed over one by one and in the order they were asked for, not as they come.
+        # Every task waits. Results are delivered one by one in the order of their calls, not of their arrival.
         while jobs:
             if jobs[0].future.done():
                 jobs.popleft()

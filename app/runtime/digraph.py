@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 Feed = tuple[str, float]
 
 _MOST_STEPS = 1000
-"""The number of paths may double with each channel on a cycle: only those found in so many steps are compared."""
+"""Limit of the search: the number of paths may double with each channel on a cycle."""
 
 
 def find_cycle(followers: Mapping[str, Collection[str]]) -> list[str] | None:

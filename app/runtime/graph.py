@@ -24,7 +24,7 @@ WiringErrorFactory = Callable[[str, tuple[str, ...]], Exception]
 
 
 class WiringError(Exception):
-    """A graph that cannot be: the message says which module or channel, what is wrong and what is allowed."""
+    """An invalid graph: the message names the module or channel, the mistake and what is allowed."""
 
 
 def _plain_wiring_error(message: str, key: tuple[str, ...]) -> Exception:
@@ -76,7 +76,8 @@ class ModuleSlot:
         return module
 
     def adopt_inputs(self) -> dict[str, int]:
-        """Give the inboxes to a new instance; returns how many messages each lossless input lost meanwhile, if any."""
+        """Give the inboxes to a new instance; returns the number of messages that each lossless input lost meanwhile,
+        if any."""
         lost = {name: port.subscription.adopt() for name, port in self.context.inputs.items() if port.connected}
         return {name: count for name, count in lost.items() if count}
 
@@ -98,7 +99,7 @@ class ModuleSlot:
 
 @dataclass(frozen=True, slots=True)
 class Pin:
-    """A filter held at φ = ``divisor`` whatever attention wants; the first ``offset`` messages go by."""
+    """A filter fixed at φ = ``divisor`` against attention; it skips the first ``offset`` messages."""
 
     divisor: float
     offset: int = 0
@@ -158,7 +159,7 @@ class FilterBank:
         return self._pinned.keys()
 
     def reset(self) -> None:
-        """Let the next message pass wherever a filter is open, a pinned one's after its offset: as at the start."""
+        """Reset the phases of open filters: the next message passes, at a pinned filter after its offset."""
         for name, rate_filter in self._filters.items():
             rate_filter.begin(self._pinned.get(name, 0))
 
@@ -279,7 +280,7 @@ class Graph:
         }
 
     def undivided(self) -> Collection[str]:
-        """The filters ``Module.port`` whose channel may not be decimated: open or closed, nothing between."""
+        """The filters ``Module.port`` whose channel may not be decimated: they are open or closed."""
         return self.filters.undivided()
 
     def inputs(self) -> dict[str, str]:

@@ -12,9 +12,9 @@ import sys
 
 
 def forget_half_imports() -> list[str]:
-    """Forget all imported modules whose package, or a package above it, is not imported; returns their names.
+    """Remove all imported modules whose package, or a package above it, is not imported; returns their names.
 
-    May be called in any thread while others import: a package counts as imported as soon as its import starts.
+    May be called in any thread during other imports: a package counts as imported as soon as its import starts.
     """
     names = set(sys.modules)
     half = sorted(name for name in names if any(above not in names for above in _above(name)))

@@ -15,10 +15,10 @@ HUNG_PERIODS = 10
 
 
 class LoopTime:
-    """Time that modules had to work in: no more than passed by either clock.
+    """Time available to modules: the lesser of the times that both clocks passed.
 
-    ``clock`` is theirs, which in a recording may stand or run faster than any computer; ``pace`` is real time there and
-    the same clock elsewhere.
+    ``clock`` is the modules' clock, which in a recording may be paused or run faster than any computer; ``pace`` is
+    real time there and the same clock elsewhere.
     """
 
     def __init__(self, clock: Clock, pace: Clock) -> None:

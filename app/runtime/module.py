@@ -32,8 +32,7 @@ ServiceT = TypeVar("ServiceT")
 
 
 class Settings(BaseModel):
-    """Base of a module's settings, as they stand in configuration: frozen; unknown keys and what is no finite number
-    are refused."""
+    """Base of a module's settings, as configured: frozen; unknown keys and numbers that are not finite are refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -88,12 +87,14 @@ class Module:
 
     @classmethod
     def default_inputs(cls, channels: Mapping[str, ChannelSpec]) -> Mapping[str, str]:
-        """Input port: channel, for a module whose configuration names no inputs; ``channels`` is the whole table."""
+        """Channels by input port, for a module whose configuration names no inputs; ``channels`` is the whole table."""
         return {}
 
     def accept(self, name: str, message_type: type[Message]) -> None:
-        """Declare an input that configuration asks for and the constructor did not; a module that takes whatever there
-        is overrides it. By default nothing is declared, and the graph refuses the input.
+        """Declare an input that the configuration names and the constructor did not declare, for modules that accept
+        any input.
+
+        By default nothing is declared, and the graph refuses the input.
         """
 
     def __init__(self, context: ModuleContext) -> None:
@@ -176,9 +177,10 @@ class Module:
     # --- to be overridden ---
 
     def check_wiring(self) -> None:
-        """Refuse what is wired so that it must not run: called once, with all ports wired and before anything starts.
+        """Refuse a wiring with which the module must not run: called once, with all ports wired and before anything
+        starts.
 
-        Raises ModuleFailed with a sentence that says what to do.
+        Raises ModuleFailed with a sentence that gives a remedy.
         """
 
     def cautions(self) -> tuple[Caution, ...]:
@@ -189,7 +191,7 @@ class Module:
         """Set up what takes time or can fail; called before the first message."""
 
     async def stop(self) -> None:
-        """Release what ``start`` took; called once, whatever ended the module."""
+        """Release the resources of ``start``; called once, however the module ended."""
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take over the intention's parameters for this module (P'); called on the loop, again after a restart."""

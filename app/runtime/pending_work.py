@@ -1,4 +1,4 @@
-"""Work in threads that the program waits for: who moves time by hand must let it end first."""
+"""Calls in threads that are under way: they must end before time is moved by a jump."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-#: A loop that does not say what it has left to do is quiet after so many turns, too: no chain of tasks is longer.
+#: Turns of the loop after which it counts as quiet, where its ready tasks are unknown: no chain of tasks is longer.
 LONGEST_SPIN = 100
 
 

@@ -62,10 +62,10 @@ class Input(Generic[M]):
 
 
 class Output(Generic[M]):
-    """An output port: publishes on its channel what its own filter lets through.
+    """An output port: publishes on its channel the messages that pass its own filter.
 
-    When the filter closes, the module's last word for this port (a stop, say) is published once, unfiltered; nothing
-    is said on a channel that is closed.
+    When the filter closes, the module's last message for this port (a stop, for instance) is published once,
+    unfiltered; a closed channel gets none.
     """
 
     def __init__(self, module: str, name: str, message_type: type[M]) -> None:
@@ -74,7 +74,7 @@ class Output(Generic[M]):
         self.message_type = message_type
         self.channel: Channel[M] | None = None
         self.filter = RateFilter(1, self._filter_changed)
-        #: Asked for a closing word when the filter closes.
+        #: Returns the last message when the filter closes.
         self.last_word: Callable[[], M | None] | None = None
         self.offered = 0
         self._wanted_observers: Observers[[bool]] = Observers(f"demand for {module}.{name}")
@@ -105,7 +105,7 @@ class Output(Generic[M]):
 
     @property
     def wanted(self) -> bool:
-        """Whether publishing would reach anyone: a module may save itself the work otherwise."""
+        """Whether publishing would reach a subscription: a module may skip the work otherwise."""
         return self.channel is not None and self.channel.wanted and self.filter.is_open
 
     def on_wanted(self, callback: Callable[[bool], None]) -> Callable[[], None]:
@@ -128,7 +128,7 @@ class Output(Generic[M]):
             self._stop_listening = None
 
     def close_quietly(self) -> None:
-        """Close the filter without a last word: nothing was said yet."""
+        """Close the filter without a last message: nothing was published yet."""
         last_word, self.last_word = self.last_word, None
         self.filter.divisor = CLOSED
         self.last_word = last_word
@@ -137,7 +137,7 @@ class Output(Generic[M]):
         self._stop_listening = channel.on_wanted(self._report_wanted)
 
     def _filter_changed(self, _before: float, after: float) -> None:
-        # On a stream that has ended a last word is not received, and a rewrite of many filters must not stop half-way.
+        # A closed stream delivers no last message, and a rewrite of many filters must not stop half-way.
         if after == CLOSED and self.channel is not None and not self.channel.closed and self.last_word is not None:
             message = self.last_word()
             if message is not None:

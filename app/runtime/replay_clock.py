@@ -18,7 +18,7 @@ from app.runtime.clock import RealClock
 
 #: A heap with fewer sleepers that gave up than this is not worth tidying.
 _FEW = 64
-#: A timer of the loop may come early by its resolution; then it is asked again, this much later at least.
+#: Least delay (s) of the next check after a timer of the loop that came early by its resolution.
 _SHORTEST_WAIT_S = 1e-4
 
 
@@ -62,7 +62,7 @@ class ReplayClock:
         await self.sleep_until(self.now() + seconds) if seconds > 0 else await asyncio.sleep(0)
 
     async def sleep_until(self, stamp: float) -> None:
-        """Wait until ``now() >= stamp``, or until the next jump, wherever it leads: look at the clock afterwards."""
+        """Wait until ``now() >= stamp``, or until the next jump to any time: read the clock afterwards."""
         if stamp <= self.now():
             await asyncio.sleep(0)
             return
@@ -93,7 +93,7 @@ class ReplayClock:
         return self._sleepers[0][0] if self._sleepers else None
 
     def run(self, rate: float) -> None:
-        """Go on at ``rate`` times real time; 0: stand still. Raises ValueError for a rate below 0 or infinite."""
+        """Run at ``rate`` times real time; 0: pause. Raises ValueError for a rate below 0 or infinite."""
         if not 0 <= rate < math.inf:
             raise ValueError(f"a recording's time runs at a finite rate from 0, not {rate!r}")
         now = self.now()
@@ -132,7 +132,7 @@ class ReplayClock:
             self._timer = asyncio.get_running_loop().call_later(wait_s, self._wake)
 
     def _tidy(self) -> None:
-        """Drop who gave up before their time once they are the greater part."""
+        """Drop sleepers that were cancelled once they are the greater part."""
         if self._given_up > _FEW and 2 * self._given_up > len(self._sleepers):
             self._sleepers = [sleeper for sleeper in self._sleepers if not sleeper[2].done()]
             heapq.heapify(self._sleepers)

@@ -91,8 +91,8 @@ class Supervisor:
     """Runs a graph's modules: ``async with supervisor:`` starts them all and stops them all."""
 
     def __init__(self, slots: Mapping[str, ModuleSlot], clock: Clock, pace: Clock | None = None) -> None:
-        """``pace`` is the time that modules are given to work in, where that is not ``clock``'s: a recording's may run
-        faster than any module, or stand."""
+        """``pace`` is the time that modules get to work in, if it is not ``clock``'s: a recording's clock may be paused
+        or run faster than any module."""
         self._slots = slots
         self._clock = clock
         self._pace = pace or clock
@@ -209,7 +209,7 @@ class Supervisor:
                     return "failed", "was cancelled"
                 log.debug("%s failed", slot.name, exc_info=task.exception())
                 return "failed", _in_words(task.exception())
-            # Before its task is cancelled, which takes time: from now on nothing it says is to be trusted.
+            # Set before its task is cancelled, which takes time: from now on its outputs must not be used.
             self._change(slot, status="hung", problem=run.hung.result())
             return "hung", run.hung.result()
         finally:

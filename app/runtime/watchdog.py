@@ -1,7 +1,7 @@
-"""Notices that the event loop is blocked and names who blocks it: for people, not for safety.
+"""Detects that the event loop is blocked and names the module that blocks it: for people, not for safety.
 
-A thread of this process cannot act while one C call holds the interpreter lock, and then speaks only afterwards.
-The guard in the link's process is what stops the wheels.
+A thread of this process cannot run while a C call holds the interpreter lock, and reports only afterwards. The guard in
+the link's process stops the wheels.
 """
 
 from __future__ import annotations
@@ -72,8 +72,8 @@ class WatchdogStatistics:
 class LoopWatchdog:
     """``async with LoopWatchdog(meters):`` watches the running loop from a daemon thread.
 
-    ``meters`` are the modules' CPU meters by name, which know whose step it is. ``report`` is called in the watchdog's
-    thread with each :class:`Blockage`, on entering and when it is over; it must not wait for the loop.
+    ``meters`` are the modules' CPU meters by name; they know which module's step runs. ``report`` is called in the
+    watchdog's thread with each :class:`Blockage`, on entering and when it is over; it must not wait for the loop.
     """
 
     def __init__(
@@ -151,7 +151,7 @@ class LoopWatchdog:
                     self._report(caught)
 
     def _look(self, late_s: float) -> Blockage | None:
-        # The meters first: the module is the one at work now, whatever the stack says a moment later.
+        # The meters are read first: they name the module of this moment; the stack is read a moment later.
         module = next((name for name, meter in self._meters.items() if meter.stepping), "")
         frame = sys._current_frames().get(self._loop_thread)
         frames = list(_outwards(frame))

@@ -1,4 +1,4 @@
-"""``hbba detect``: the robot's perceptions on anyone's files, each in a file of its own beside this one."""
+"""``hbba detect``: the robot's perceptions on files of the user, each in a file of its own beside this one."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ DETECTORS: Mapping[str, Detector] = {
 
 
 def add_parser(subparsers: Any) -> None:
-    """Declare ``hbba detect`` and what it can detect."""
+    """Declare ``hbba detect`` and its detectors."""
     parser = subparsers.add_parser(
         "detect",
         help="find faces, QR codes, voices and loud noises in your own files",

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-#: Endings under which photographs are looked for in folders; a file that is named is read whatever its ending.
+#: Endings of photographs in folders; a file that is named is read with any ending.
 SUFFIXES = frozenset({".jpg", ".jpeg", ".png", ".webp", ".bmp", ".tif", ".tiff", ".gif", ".ppm", ".pgm"})
 
 #: Endings of copies with drawn detections: searches of folders skip them.

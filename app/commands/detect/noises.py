@@ -1,4 +1,4 @@
-"""``hbba detect noises FILE…``: when it claps, bangs and calls in anyone's recordings."""
+"""``hbba detect noises FILE…``: times of claps, bangs and calls in recordings."""
 
 from __future__ import annotations
 

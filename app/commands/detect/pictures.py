@@ -45,11 +45,11 @@ class Seeker(Protocol):
         ...
 
     def summary(self) -> tuple[str, list[Found]]:
-        """The video's list in JSON of what was followed, and its name."""
+        """The video's list in JSON of tracks, and its name."""
         ...
 
     def draw(self, picture: Picture, found: list[Found]) -> None:
-        """Frame what was found in ``picture``, which may be written to."""
+        """Draw frames around the detections in ``picture``, which may be written to."""
         ...
 
 
@@ -106,7 +106,7 @@ def exit_code(documents: list[Found]) -> int:
 
 
 def for_json(documents: list[Found]) -> list[Found]:
-    """The documents without what is only counted."""
+    """The documents without values that only serve counting."""
     return [{name: value for name, value in document.items() if name != "found"} for document in documents]
 
 

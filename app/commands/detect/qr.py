@@ -1,4 +1,4 @@
-"""``hbba detect qr FILE…``: the QR codes in anyone's photographs and videos."""
+"""``hbba detect qr FILE…``: QR codes in photographs and videos."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import soundfile
     from numpy.typing import NDArray
 
-#: Endings under which recordings are looked for in folders; a file that is named is read whatever its ending.
+#: Endings of recordings in folders; a file that is named is read with any ending.
 SUFFIXES = frozenset({".wav", ".flac", ".ogg", ".oga", ".opus", ".mp3", ".aiff", ".aif", ".w64", ".rf64"})
 FORMATS = "WAV, FLAC, Ogg, MP3"
 #: A block that is read at once (samples).

@@ -26,7 +26,7 @@ VIDEO_SUFFIXES = frozenset({".mp4", ".m4v", ".mov", ".webm", ".mkv", ".avi"})
 VIDEOS = "MP4, MOV, WebM, MKV, AVI"
 
 _BEGINNING = re.compile(rb"....ftyp|\x1a\x45\xdf\xa3|RIFF....AVI ", re.DOTALL)
-#: A video ends as it says if no more than this is missing (s), nor more than so many of its frames.
+#: A video is complete if at most this much (s), and at most this share of its frames, is missing.
 _MISSING_S, _MISSING_FRAMES = 0.25, 3.0
 _SLOWEST_HZ, _FASTEST_HZ, _USUAL_HZ = 0.1, 1000.0, 30.0
 
@@ -141,7 +141,7 @@ class VideoFile:
 
 
 class Copy:
-    """A copy of a video with what was found drawn on it: ``file``, an MP4 that browsers play."""
+    """A copy of a video with its detections drawn on it: ``file``, an MP4 that browsers play."""
 
     def __init__(self, file: Path, rate_hz: float) -> None:
         self._file, self._rate_hz = file, rate_hz

@@ -1,4 +1,4 @@
-"""``hbba detect voices FILE… --array ARRAY``: who speaks from where, in anyone's recordings of several microphones."""
+"""``hbba detect voices FILE… --array ARRAY``: voices with their directions in recordings of several microphones."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ def _heard(
     names: set[str],
     progress: Progress,
 ) -> dict[str, Any]:
-    # Half a second of imports, which a file that cannot be used shall not wait for.
+    # Imports take half a second; unusable files are reported before.
     import numpy as np
 
     from app.modules.perception.voices.microphone_array import MicrophoneArray

@@ -45,7 +45,7 @@ class TrackSummary:
 
 
 class Writer:
-    """Each source's own sound in a file of its own, from when it was first separated."""
+    """The sound of each source in a file of its own, from its first separation on."""
 
     def __init__(self, folder: Path, stem: str) -> None:
         self._folder, self._stem = folder, stem

@@ -40,7 +40,7 @@ def write(folder: Path, log: MappedLog, check: Checked) -> list[str]:
 
 
 def drawn(log: MappedLog) -> OccupancyGrid:
-    """The occupancy grid of all keyframes, no larger than what is known."""
+    """The occupancy grid of all keyframes, cropped to the known cells."""
     from app.messages import OccupancyGrid, read_only
     from app.modules.perception.slam.map_rendering import MapDrawing
     from app.modules.perception.slam.occupancy import cropped

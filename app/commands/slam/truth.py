@@ -30,7 +30,7 @@ class Relations:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reference:
-    """Corrected poses (K, 3) of sweeps, by their time (s), if ``timed``, and by what was read in them."""
+    """Corrected poses (K, 3) of sweeps, by their time (s), if ``timed``, and by their readings."""
 
     path: Path
     stamps: NDArray[np.float64]

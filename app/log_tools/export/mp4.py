@@ -41,12 +41,12 @@ class Video(Protocol):
         ...
 
     def close(self) -> str:
-        """End the file; returns what it is, for people. Raises DiskTrouble where it could not be written."""
+        """End the file; returns a summary for people. Raises DiskTrouble if it could not be written."""
         ...
 
 
 class Mp4(Unsurveyed):
-    """``<channel>.mp4``; it begins with the first image, and lies within the time that is asked for.
+    """``<channel>.mp4``; it begins with the first image, and is within the requested time.
 
     An image may arrive long after it was captured, from a busy computer: one captured more than ``LATE_S`` before that
     time is shown from its begin on, until the next.

@@ -17,7 +17,7 @@ from app.logs.log import LogError, LoggedChannel
 
 #: A piece that begins so much later than the one before ended has others missing in between; less is jitter.
 GAP_S = 0.02
-#: A source that was not heard for so long has gone; one of its number is another.
+#: Time (s) without sound after which a source has ended; a later one of its number is another.
 GONE_S = 10.0
 #: Of samples: the format's own lengths are of 32 bits, and count some bytes of header.
 MOST_BYTES = 2**32 - 1024

@@ -1,7 +1,7 @@
 """CARMEN laser logs: text, one message per line, plain or packed by gzip.
 
-There is no index in such a log: it is gone through once when it is opened, which counts its messages and its damage
-and notes where one may begin to read. Memory stays bounded, whatever the log's length.
+Such a log has no index: one pass at its opening counts messages and damage and notes marks where reading can begin.
+Memory stays bounded, whatever the log's length.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def is_carmen(head: bytes) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class _Mark:
-    """Here one may begin to read: ``offset`` (bytes of text), and what was known there."""
+    """A mark where reading can begin: ``offset`` (bytes of text), and the state of the reader there."""
 
     offset: int
     clock: Clock
@@ -145,7 +145,7 @@ class CarmenLog:
         """Messages from ``begin`` on; the text before it is unpacked but not read. Raises LogError where damaged."""
         mark = self._survey.marks[0]
         if begin is not None:
-            # The last mark whose lines all come before: marks' clocks do not go back.
+            # The last mark whose lines are all earlier: marks' clocks do not go back.
             mark = self._survey.marks[max(0, bisect_left(self._survey.marks, begin, key=lambda m: m.clock.at) - 1)]
         wanted = set(self._info.channels if channels is None else channels)
         clock, twist = mark.clock.copy(), mark.twist
@@ -297,7 +297,7 @@ def _gone_through(path: Path, clock: Clock, advance: Advance) -> _Survey:
             offset, line = next(lines)
         except StopIteration:
             break
-        except LogError as failure:  # what was read until then is good
+        except LogError as failure:  # everything read before is valid
             survey.truncated = str(failure)
             break
         number += 1

@@ -12,14 +12,14 @@ from app.logs.stamps import Onward
 #: A line of a log that goes back further than this (s), or on further, was not written at the time that it says.
 _BACK_S = 10.0
 _ON_S = 86400.0
-#: No time of a line that is that small (s) was measured: programs write it for what they do not know. Nought itself is
-#: that of the first lines, where no later one came before.
+#: Least time (s) of a line that was measured: programs write smaller ones for an unknown time. Zero itself is the time
+#: of the first lines, before any later one.
 _NO_TIME_S = 1e-9
 #: Lines of a log without times are so far apart that its scans are (s).
 ASSUMED_PERIOD_S = 0.2
 #: Times are of use where so large a share of the laser's lines says a later one than all before, ...
 _ADVANCING = 0.5
-#: ... and no more than this share one that cannot be.
+#: ... and at most this share of invalid ones.
 _UNTIMED = 0.2
 
 
@@ -66,7 +66,7 @@ class CarmenClock:
 
 @dataclass(slots=True)
 class OrderClock:
-    """Lines one after another, ``period_s`` apart, whatever their stamps say."""
+    """Times of lines at a fixed period of ``period_s``, without regard to their stamps."""
 
     period_s: float
     lines: int = 0

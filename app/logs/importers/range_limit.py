@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-#: A bin of the histogram (m), up to where readings are counted (m), and in so many sectors of rays.
+#: Width of a bin of the histogram (m), its upper end (m), and the number of sectors of rays.
 _BIN_M = 0.1
 _MOST_M = 80.0
 _SECTORS = 8
@@ -22,12 +22,12 @@ _NEAREST_M = 15.0
 _SHARE = 2e-3
 #: ... is no wider than this (m), ...
 _WIDEST_M = 1.6
-#: ... has no more than this share of itself beyond it, ...
+#: ... has at most this share of its readings beyond it, ...
 _BEYOND = 0.02
-#: ... is so many times as dense as the readings before it, from this share of its range on, ...
+#: ... is this many times as dense as the readings before it, from this share of its range on, ...
 _DENSER = 20.0
 _BEFORE = 0.8
-#: ... and has readings in so many sectors: no wall is seen in as many at one distance.
+#: ... and has readings in this many sectors: a wall is seen in fewer at one distance.
 _LEAST_SECTORS = 4
 #: A sector has the pile, too, where its share there is at least this share of the pile's.
 _SECTOR_SHARE = 0.1
@@ -65,7 +65,7 @@ class FarEnd:
         if pile < _SHARE * total:
             return None
         before = counts[int(_BEFORE * first) : first].mean()
-        # Its edges: where it is no denser than what is before it.
+        # The peak's edges: where its density falls to that before it.
         dense = np.flatnonzero(counts[first : first + widest] > max(_DENSER / 2 * before, _SHARE * pile))
         if not dense.size:
             return None

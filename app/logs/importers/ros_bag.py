@@ -46,7 +46,7 @@ _BEFORE_S = 2.0
 #: Amount of moving transforms (s, messages) that is read to find the frames.
 _SAMPLE_S = 5.0
 _SAMPLE_MESSAGES = 5000
-#: The standing transforms of a bag are few; a bag that repeats them is read no longer than this.
+#: Limit for static transforms: a bag has few; a bag that repeats them is read no longer than this.
 _STATIC_MESSAGES = 20000
 _BASES = ("base_link", "base_footprint")
 #: The camera's optical frame where nothing is known: in the base's origin, looking ahead.
@@ -64,11 +64,11 @@ class RosBag:
     """A bag that another robot wrote."""
 
     def __init__(self, path: Path, remap: Remap | None = None) -> None:
-        """Open the bag at ``path``, a file or a ROS 2 bag's folder. Reads its index, its standing transforms, the first
+        """Open the bag at ``path``, a file or a ROS 2 bag's folder. Reads its index, its static transforms, the first
         seconds of the others and one message of each sensor.
 
-        Raises LogError for a bag that cannot be read or does not say which topic is meant, ConfigError where ``remap``
-        does not fit it.
+        Raises LogError for a bag that cannot be read or whose topics are ambiguous, ConfigError where ``remap`` does
+        not fit it.
         """
         self._path = path
         self._reader, self._others, self._named = opened(path)

@@ -40,7 +40,7 @@ _TO_RGB = {
 }
 _TWO_BYTES = {"yuv422", "uyvy", "yuv422_yuy2", "yuyv"}
 _DEPTH = {"16UC1": "u2", "mono16": "u2", "32FC1": "f4"}
-#: No laser measures nearer than this (m); what is not known is 0.
+#: Least distance (m) that a laser measures; 0 is unknown.
 _RANGE_MIN_M = 1e-3
 _GREY = {"mono8", "8UC1", "mono16"}
 #: Head of compressedDepth before its PNG: int32 format, float32 A and B of its inverse depth.
@@ -49,7 +49,7 @@ _PNG = b"\x89PNG"
 
 
 class Unreadable(ValueError):
-    """A message whose content this program cannot turn into one of its own; says why."""
+    """A message that cannot be converted to one of ours; its text gives the reason."""
 
 
 def stamp_of(message: Any, at: float) -> float:

@@ -25,7 +25,7 @@ from app.messages import Image, JointState, LaserScan, Odometry, Twist, read_onl
 #: How long (s, the bag's time) a message waits for its other parts, and how long a depth is kept.
 AHEAD_S = 0.5
 _DEPTH_KEPT_S = 1.5
-#: Messages that wait hold at most about so many bytes; beyond, the oldest waits no longer.
+#: Limit (bytes, approximate) of messages that wait; beyond it the oldest waits no longer.
 _WAITING_BYTES = 96 * 1024 * 1024
 
 logger = logging.getLogger(__name__)

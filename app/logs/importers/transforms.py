@@ -74,9 +74,9 @@ class _Edge:
 
 
 class Transforms:
-    """The tree; moving frames are remembered over the last ``span_s``.
+    """The tree of transforms; moving frames are kept over the last ``span_s``.
 
-    A stamp up to ``tolerance_s`` beyond what is known of a moving frame takes its nearest pose; further out there is
+    A stamp up to ``tolerance_s`` outside the known time of a moving frame takes its nearest pose; further out there is
     none.
     """
 
@@ -86,7 +86,7 @@ class Transforms:
         self._edges: dict[str, _Edge] = {}
 
     def add(self, parent: str, child: str, placed: StampedTransform, *, static: bool) -> None:
-        """A transform that was published; a frame that stood still stays so."""
+        """Add a published transform; a static frame stays static."""
         edge = self._edges.get(child)
         if edge is None or edge.parent != parent or (static and not edge.static):
             edge = self._edges[child] = _Edge(parent, static)

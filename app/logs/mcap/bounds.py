@@ -24,7 +24,7 @@ _HEAD = struct.Struct("<QQQII")
 _LONGEST_NAME = 16
 #: Opcode (1), length (8), begin of the summary (8), of its offsets (8), checksum (4).
 _FOOTER = struct.Struct("<BQQQI")
-#: No file is so long: what the system takes as a place in one is smaller.
+#: Upper limit of a file's length: the system's greatest offset is smaller.
 _NO_PLACE = 1 << 62
 
 

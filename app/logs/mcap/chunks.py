@@ -151,7 +151,7 @@ def scan(file: BinaryIO) -> FileContents:
 
 
 def complete(path: Path) -> FileContents:
-    """Give a file that has no end its summary, in place, cutting off what was half written.
+    """Append the summary to a file that has no end, in place, after cutting off an incomplete record.
 
     Raises LogError where it is no MCAP file, OSError where it cannot be written.
     """
@@ -220,7 +220,7 @@ class _Summary:
         return sum(self._counts.values())
 
     def take(self, file: BinaryIO, found: FileContents, shift: dict[int, int] | None) -> None:
-        """Add what ``file`` holds, whose records now stand at ``shift[offset]`` (None: where they were)."""
+        """Add the contents of ``file``, whose records are now at ``shift[offset]`` (None: at their old offsets)."""
 
         def place(span: Span) -> int:
             return span.offset if shift is None else shift[span.offset]
@@ -260,7 +260,7 @@ class _Summary:
                 self._channels[record.id] = record
 
     def end(self, position: int) -> bytes:
-        """The rest of a file whose data section ends at ``position``, up to its last byte."""
+        """Write the end of a file whose data section ends at ``position``, up to its last byte."""
         data_end = RecordBuilder()
         DataEnd(0).write(data_end)
         head = _taken(data_end)

@@ -1,4 +1,4 @@
-"""Damage in the middle of a log: what is missing, and reading on behind it."""
+"""Damage in the middle of a log: the missing part, and reading on after it."""
 
 from __future__ import annotations
 

@@ -50,12 +50,12 @@ class FileSink:
             raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(self._file.path))
 
     def close(self, discard: bool) -> None:
-        """End the file well; of one file nothing is thrown away but an empty one. Raises OSError."""
+        """Close the file; of a single file nothing is deleted but an empty one. Raises OSError."""
         self._file.close()
         self._forget_if_empty()
 
     def abandon(self) -> None:
-        """Cut off what was half written."""
+        """Cut off an incomplete record."""
         self._file.abandon()
         with suppress(OSError):
             self._forget_if_empty()

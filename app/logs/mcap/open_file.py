@@ -193,7 +193,8 @@ class McapFile:
         self._release()
 
     def abandon(self) -> None:
-        """After a failed write: cut off what was half written, end the file properly if the disk has room for that."""
+        """After a failed write: cut off the incomplete record, and close the file properly if the disk has room for
+        that."""
         if self._closed:
             return
         with suppress(OSError):

@@ -22,7 +22,7 @@ from app.logs.ros.decoder import DecodableContents, Decoder, StoredTopic, conten
 from app.logs.stamps import from_ns, to_ns
 
 FORMAT = "HBBA MCAP"
-#: Messages of a channel that are no further apart (s) make one piece of time in which it spoke.
+#: Messages of a channel at most this far apart (s) form one span of activity.
 SHORT_S = 0.2
 
 #: Of a file that is only read, offsets beyond its end are damage too.

@@ -25,7 +25,7 @@ StateKey = Callable[[str, Any], str | None]
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """A closed segment: ``state`` holds what stood when it began, ``path`` what came; ``begin``, ``end`` in s."""
+    """A closed segment: ``state`` has the state at its begin, ``path`` the messages; ``begin``, ``end`` in s."""
 
     state: Path
     path: Path
@@ -103,12 +103,12 @@ class Ring:
             self._standing[key] = (channel, message)
 
     def flush(self) -> None:
-        """End the chunk, and delete what is too old. Raises OSError."""
+        """End the chunk, and delete expired segments. Raises OSError."""
         self._file.flush()
         self._forget(self._end - self.keep_s)
 
     def close(self, discard: bool) -> None:
-        """End it; ``discard``: delete what it kept. Otherwise the segments stay, to be found as left over."""
+        """Close it; ``discard``: delete the segments. Otherwise they stay, and are found as leftovers."""
         try:
             self._file.close()
         finally:
@@ -117,7 +117,7 @@ class Ring:
             self._lock_file.close()
 
     def abandon(self) -> None:
-        """After a failed write: what is on disk stays, to be found as left over."""
+        """After a failed write: segments on disk stay, and are found as leftovers."""
         with suppress(OSError):
             self._file.abandon()
         self._lock_file.close()

@@ -179,7 +179,7 @@ class RecordingWriter:
 
     @property
     def dropped(self) -> int:
-        """Messages that found no room in the queue, or could not be written as what they are."""
+        """Number of messages without room in the queue, or that could not be encoded."""
         return self._dropped + self._refused
 
     @property
@@ -189,7 +189,7 @@ class RecordingWriter:
 
     @property
     def duration_s(self) -> float:
-        """Seconds from the beginning of what it holds to the newest message taken."""
+        """Seconds from the begin of its data to the newest message."""
         sink = self._sink
         return max(0.0, self._newest - (self.began if sink is None else sink.begin))
 
@@ -247,7 +247,7 @@ class RecordingWriter:
         return future
 
     def finish(self, discard: bool = False) -> None:
-        """Take nothing more; what is queued is still written. See :meth:`Sink.close` for ``discard``."""
+        """Accept no more messages; queued ones are still written. See :meth:`Sink.close` for ``discard``."""
         self._discard = discard
         self._end("")
 
@@ -306,7 +306,7 @@ class RecordingWriter:
                 if call is None:
                     going = False
                 else:
-                    self._charge(self._drain)  # what was put before the call comes before it
+                    self._charge(self._drain)  # messages put before the call come before it
                     self._charge(call)
             self._charge(self._drain)
             now = time.monotonic()

@@ -148,9 +148,9 @@ def fit(points: Iterable[tuple[float, float]]) -> CostFit:
 
 
 class CalibrationProgress:
-    """Results so far, on disk after every batch, so that a calibration that was interrupted goes on where it was.
+    """Results so far, on disk after every batch, so that an interrupted calibration can continue.
 
-    ``key`` says what they are results of (recording, program, version): those of another key are not used.
+    ``key`` identifies the recording, program and version: results of another key are not used.
     """
 
     def __init__(self, path: Path, key: Mapping[str, object]) -> None:
@@ -159,7 +159,7 @@ class CalibrationProgress:
         self.results: dict[Run, Measurement] = {}
 
     def load(self) -> int:
-        """Take up what is on disk; returns how many results that are."""
+        """Read the results on disk; returns their number."""
         try:
             content = json.loads(self._path.read_text(encoding="utf-8"))
             if content["key"] == self._key:

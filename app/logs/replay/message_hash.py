@@ -1,4 +1,4 @@
-"""A fingerprint of messages: equal for equal messages, whatever process made them."""
+"""A hash of messages: equal for equal messages, in any process."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Playing a recording for people who watch: play, pause, speed, seek, step; the console works on it meanwhile."""
+"""Playback of a recording with a console: play, pause, speed, seek, step."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ log = logging.getLogger("hbba.playback")
 
 
 class Playback:
-    """Drives the clock, the body and the program that relives the recording: ``async with playback`` while it runs.
+    """Drives the clock, the body and the program of a replay: ``async with playback`` while it runs.
 
     ``log`` is a handle of the recording of its own, besides the body's: it is read in another thread, and not closed.
     """
@@ -283,7 +283,7 @@ class Playback:
         await self._come_to_the_end()
 
     async def _advance(self) -> None:
-        """Move time on by hand to the next thing that waits for it, once nothing is left to be done now."""
+        """Advance time to the next waiting sleeper, once no task has work left now."""
         await self._seeker.quiet()
         if self._changed.is_set():
             return

@@ -31,7 +31,7 @@ class PlaybackState:
 
 
 def checked_speed(speed: float | None) -> float | None:
-    """``speed`` if it may be. Raises ValueError saying what is allowed."""
+    """``speed`` if it is valid. Raises ValueError saying what is allowed."""
     if speed is not None and not SLOWEST <= speed <= FASTEST:
         raise ValueError(f"a speed is from {SLOWEST:g} to {FASTEST:g}, or none for as fast as possible, not {speed!r}")
     return speed

@@ -33,9 +33,9 @@ class CountedIds:
 
 
 class RecordedDesires:
-    """Keeps in ``workspace`` the desires that stood in the log, but for those of the program's own ``modules``.
+    """Keeps the recorded desires in ``workspace``, without those of the program's own ``modules``.
 
-    ``ids`` is what the workspace takes its ids from. Desires of ``ignored`` classes are passed over.
+    ``ids`` is the source of the workspace's ids. Desires of ``ignored`` classes are skipped.
     """
 
     def __init__(

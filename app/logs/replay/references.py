@@ -138,7 +138,7 @@ def _counts(report: ReplayReport) -> dict[str, int]:
 
 
 def _intentions(report: ReplayReport) -> list[dict[str, Any]]:
-    """When, what was selected and fulfilled, Ω, and every open filter's φ."""
+    """Stamp, selected and fulfilled names, Ω, and φ of every open filter."""
     return [
         {
             "at": round(line.stamp - report.begin, 3),
@@ -223,7 +223,7 @@ class _Figures:
             self.spreads.append(cloud.points.std(axis=0, dtype=np.float64))
 
     def _exploitation(self, now: Exploitation) -> None:
-        """The way that what was let through would have driven."""
+        """The path that the published commands would have driven."""
         self.drivers[now.behavior or "nobody"] += 1
         if self._last is not None:
             elapsed_s = now.stamp - self._last.stamp

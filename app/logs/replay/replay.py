@@ -87,7 +87,7 @@ class Replay:
         self._desires = RecordedDesires(
             self.system.workspace, ids, self.system.graph.modules.keys(), clock.now, ignored={RECORD}
         )
-        #: The channels of the log that say which desires stood.
+        #: Channels of the log with records of desires.
         self._desire_channels = [
             name for name, channel in log.info.channels.items() if channel.message_type is DesiresRecord
         ]
@@ -106,7 +106,7 @@ class Replay:
         self._folder.cleanup()
 
     async def __aenter__(self) -> Replay:
-        """Start the program, have the desires that stood then, let the log speak. Raises LinkFailed, ConfigError."""
+        """Start the program, add the desires of the beginning, start the log. Raises LinkFailed, ConfigError."""
         async with AsyncExitStack() as stack:
             stack.push_async_callback(asyncio.to_thread, self.close)
             await stack.enter_async_context(self.system)
@@ -140,7 +140,7 @@ class Replay:
         return next((module for module in modules if isinstance(module, Recorder)), None)
 
     async def end_recording(self) -> None:
-        """Desire no more to record the replay; its file is closed by and by (``recorder.writing``)."""
+        """Withdraw the desire to record the replay; its file is closed some time later (``recorder.writing``)."""
         if self._recording is not None:
             self.system.workspace.remove(self._recording)
             self._recording = None

@@ -31,8 +31,8 @@ class InputReport:
 
 @dataclass(frozen=True, slots=True)
 class ReplayedModule:
-    """``cpu_s``: thread CPU time (s) charged to the module while the log spoke; ``outputs``: messages published by
-    output port; ``restarts``: how often it failed."""
+    """``cpu_s``: thread CPU time (s) charged to the module during the log; ``outputs``: messages published by output
+    port; ``restarts``: number of failures."""
 
     cpu_s: float
     inputs: Mapping[str, InputReport]
@@ -97,7 +97,7 @@ class ReplayReport:
         }
 
     def document(self) -> dict[str, Any]:
-        """The outcome, the file, and what it cost, JSON-able."""
+        """The result, the file, and the cost, JSON-able."""
         cost = {
             "wall_s": round(self.wall_s, 3),
             "cpu_s": round(self.cpu_s, 3),

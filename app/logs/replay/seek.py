@@ -38,7 +38,7 @@ OF_ATTENTION = (DesiresRecord, IntentionRecord, Divisors)
 ATTENTION_S = 60.0
 #: A step where the recording has neither images nor scans.
 STEP_S = 0.1
-#: After a jump, modules get this long (real s) to start, and then to work on what they are shown.
+#: After a jump, modules get this long (real s) to start, and then to process the messages shown.
 START_WITHIN_S = 2.0
 SHOW_WITHIN_S = 0.3
 #: While the body reads, it is asked so often (s) whether it is done.
@@ -46,7 +46,7 @@ _READ_AGAIN_S = 0.001
 
 
 class Seeker:
-    """:meth:`open` before anything else, :meth:`close` at the end. ``log`` is read in a thread of its own."""
+    """Call :meth:`open` first, :meth:`close` at the end. ``log`` is read in a thread of its own."""
 
     def __init__(self, system: System, body: ReplayBody, clock: ReplayClock, log: Log) -> None:
         self._system = system
@@ -69,7 +69,7 @@ class Seeker:
         self._reader = ThreadPoolExecutor(1, thread_name_prefix="playback reader")
 
     async def close(self) -> None:
-        """Read no more; the log may be closed then."""
+        """Stop reading; the log may be closed then."""
         if self._reader is not None:
             await asyncio.get_running_loop().run_in_executor(None, self._reader.shutdown)
 
@@ -126,7 +126,7 @@ class Seeker:
                 return
 
     async def worked(self) -> None:
-        """Wait, within reason, until what was shown has been worked on."""
+        """Wait, for a limited time, until the messages shown are processed."""
         await _patiently(self.quiet(), SHOW_WITHIN_S)
 
     def _jump(self, position: float, known: list[Logged]) -> None:

@@ -14,11 +14,11 @@ MOTION = (Odometry, JointState)
 #: Messages that accumulate since the beginning: a module that restarts cannot compute them.
 ACCUMULATED = (Landmarks, OccupancyGrid, Localization, Zones)
 
-#: The body's motion is given from this long before what was seen, so that poses can be interpolated there.
+#: The body's motion begins this long (s) before the first image or scan, so that poses can be interpolated.
 LEAD_S = 0.1
 #: A message that arrives later than this after its capture (s) has a stamp of another clock.
 LONGEST_DELAY_S = 2.0
-#: Looking back begins with so many periods of the slowest channel, and spans from so many seconds to so many.
+#: Time searched first: this many periods of the slowest channel, within these limits (s).
 PERIODS = 2.5
 SHORTEST_S = 0.15
 LONGEST_S = 0.6
@@ -31,7 +31,7 @@ def taken_at(logged: Logged) -> float:
 
 
 class RecordedState:
-    """Looks back in ``log``, past what is damaged in it where the log says where that ends.
+    """The last messages of ``log`` before a position; damaged parts are skipped where the log says where they end.
 
     Its methods read the file: call them off the event loop, one at a time.
     """
@@ -72,17 +72,16 @@ class RecordedState:
         return [last for name in names if (last := self.last(name, position)) is not None]
 
     def since(self, begin: float, end: float, types: Collection[type[Any]]) -> list[Logged]:
-        """Messages of the channels of ``types`` after ``begin`` and up to ``end`` (s), before them those that stood at
-        ``begin``; in order of arrival. Raises LogError.
-        """
+        """Messages of the channels of ``types`` after ``begin`` and up to ``end`` (s), before them those valid at
+        ``begin``; in order of arrival. Raises LogError."""
         names = [name for name, channel in self._channels.items() if channel.message_type in types]
         stood = sorted(self.of_types(types, begin), key=lambda logged: logged.at)
         return [*stood, *(logged for logged in self._between(begin, end, names) if logged.at > begin)]
 
     def last(self, channel: str, position: float) -> Logged | None:
-        """The last message of ``channel`` at or before ``position`` (s), None where there is none.
+        """The last message of ``channel`` at or before ``position`` (s), None without one.
 
-        Probes ever further back, then halves: a handful of messages is decoded, wherever the last one is.
+        Probes further and further back, then bisects: few messages are decoded, wherever the last one is.
         """
         if channel not in self._channels or not self._channels[channel].count:
             return None

@@ -39,7 +39,7 @@ class ImageInfo:
 
 @dataclass(frozen=True, slots=True)
 class FisheyeImageInfo:
-    """The same of a fisheye's Image. A class of its own, so that recordings of before it stay what they are."""
+    """The same of a fisheye's Image. A class of its own, so that the format of other recordings does not change."""
 
     stamp: float
     frame: str

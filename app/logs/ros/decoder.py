@@ -91,14 +91,14 @@ class Decoder:
 
     @property
     def topics(self) -> frozenset[str]:
-        """The topics whose records it wants."""
+        """The topics whose records it needs."""
         return frozenset(self._lanes)
 
     def add(self, topic: str, data: bytes) -> tuple[str, Any] | None:
         """Take a record; returns channel and message once that is complete.
 
-        A message with a part lost is left out, and the first of a channel is logged. Raises ValueError where the
-        bytes are not what they should be.
+        A message with a missing part is skipped, and the first of a channel is logged. Raises ValueError for invalid
+        bytes.
         """
         lane, part = self._lanes[topic]
         stamp = data[STAMP : STAMP + 8]

@@ -75,7 +75,7 @@ class Generated:
             raise UnrecordableType(f"two fields of {cls.__name__} have one name in ROS: {declared}")
         typestore.add(self.type, "\n".join(f"{kind} {name}" for kind, name in declared))
         self._make = typestore.store().types[self.type]
-        # rosbags renames what is a keyword of Python, and keeps the type's name as one more field.
+        # rosbags renames Python's keywords, and keeps the type's name as one more field.
         self._attributes = [f.name for f in fields(self._make) if f.name != "__msgtype__"]  # type: ignore[arg-type]
 
     def to_ros(self, message: Any) -> Any:

@@ -22,7 +22,7 @@ _SCAN = "sensor_msgs/msg/LaserScan"
 #: Scans are drawn as points about ten times a second, for viewers that know no LaserScan; all are kept as scans.
 #: A little less than the period, or a clock's jitter would halve the rate.
 POINTS_PERIOD_NS = 95 * SECOND // 1000
-#: A transform that stays is repeated once a second, for who begins to look in the middle.
+#: A static transform is repeated once a second, for readers that begin in the middle.
 TRANSFORM_PERIOD_NS = 95 * SECOND // 100
 
 

@@ -48,8 +48,8 @@ class Converter(Protocol):
         ...
 
     def decode(self, parts: Mapping[str, bytes]) -> Any | None:
-        """The message of ``parts``, CDR by part; None where a part that it had is missing.
+        """The message of ``parts``, CDR by part; None where a part is missing.
 
-        Raises ValueError where bytes are not what they should be.
+        Raises ValueError for invalid bytes.
         """
         ...

@@ -43,7 +43,7 @@ from app.runtime.ports import Input
 CLOSING_S = 0.4
 
 
-#: Room (messages) for what comes in one go after the loop stood still; what finds none is counted as dropped.
+#: Capacity (messages) for a burst after the loop was blocked; messages beyond it are counted as dropped.
 INBOX = 1024
 #: ... of messages of a megabyte and more.
 LARGE_INBOX = 32
@@ -97,10 +97,10 @@ class Recorder(Module):
         self._writer: RecordingWriter | None = None
         self._ending: list[RecordingWriter] = []
         self._reported: list[RecordingWriter] = []
-        #: Whether what is written now is a ring.
+        #: Whether the present recording is a ring.
         self._turns = False
         self._wanted: dict[str, Any] = {}
-        #: Newest message of each standing state, by what it is the state of.
+        #: Newest message of each state, by the state's key.
         self._standing: dict[str, tuple[str, Message]] = {}
         self._tasks: set[asyncio.Task[None]] = set()
         self._saving_on_event = False
@@ -108,7 +108,7 @@ class Recorder(Module):
 
     @classmethod
     def default_inputs(cls, channels: Mapping[str, ChannelSpec]) -> Mapping[str, str]:
-        """Everything that may be recorded, on ports named as the channels."""
+        """All recordable channels, on ports of their names."""
         return {name: name for name, spec in channels.items() if spec.log != "never"}
 
     def accept(self, name: str, message_type: type[Message]) -> None:
@@ -118,7 +118,7 @@ class Recorder(Module):
         self.on(port, self._taker(port))
 
     async def start(self) -> None:
-        """Be there for who wants the ring saved, and look for what a killed program left of its ring."""
+        """Attach the service that saves the ring, and look for the ring of a killed program."""
         self._loop = asyncio.get_running_loop()
         self._library = self.service(RecordingLibrary)
         self._manifest = self.service(Manifest)
@@ -149,7 +149,7 @@ class Recorder(Module):
             ring.call(lambda sink: _keep_for(sink, keep_s))
         else:
             ended = self._writer
-            # Only who wants no recording any more wants the ring thrown away; another recording takes nothing from it.
+            # The ring is discarded only if nothing is to be recorded any more; another recording does not affect it.
             self._end(discard=not self._wanted)
             if self._wanted:
                 self._begin()
@@ -157,11 +157,11 @@ class Recorder(Module):
         self._publish()
 
     def overflowed(self, port: str, loss: InboxOverflow) -> None:
-        """Say it, and go on: what was lost is counted in the status."""
+        """Log it, and go on: the status counts lost messages."""
         self.log.warning("%s", loss)
 
     async def save_ring(self, minutes: float | None, name: str | None) -> str:
-        """See ``RecorderControl.save_ring``; also raises ValueError for a name that may not be."""
+        """See ``RecorderControl.save_ring``; also raises ValueError for an invalid name."""
         writer = self._ring_writer()
         if writer is None or writer.reason:
             raise RecorderUnavailable(NO_RING)
@@ -337,7 +337,7 @@ class Recorder(Module):
     def _kept(self, task: asyncio.Task[None]) -> None:
         self._tasks.discard(task)
         if not task.cancelled() and (error := task.exception()) is not None:
-            # A mistake of ours, beside what is being recorded, which goes on.
+            # A bug beside the recording, which goes on.
             self.log.error("%s failed", task.get_name(), exc_info=error)
 
 

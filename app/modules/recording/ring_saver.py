@@ -41,8 +41,8 @@ class RingSaver:
     async def save(self, writer: RecordingWriter, now: float, minutes: float | None, name: str | None) -> str:
         """Keep the last ``minutes`` (None: all) of the ring that ``writer`` writes; returns the recording's name.
 
-        Raises ValueError for a name that may not be, RecorderUnavailable where it writes no ring, LogError where it
-        cannot be written.
+        Raises ValueError for an invalid name, RecorderUnavailable if it writes no ring, LogError if it cannot be
+        written.
         """
         self._library.path(name or default_name(now))
         seconds = None if minutes is None else 60 * minutes
