@@ -6,6 +6,7 @@ comments of Python files, and the text of Markdown files without code. Literals 
 
     python scripts/words.py            # figures by room; status 1 above the limit, with file:line of each
     python scripts/words.py --list     # file:line of each in any case
+    python scripts/words.py --quiet    # nothing unless above the limit
     python scripts/words.py FILE...    # these files alone
 """
 
@@ -109,12 +110,16 @@ def rate(words: int, findings: list[Finding]) -> float:
     return 1e4 * len(findings) / words if words else 0.0
 
 
-def report(root: Path, *, listing: bool) -> int:
-    """Print the figures of all groups; the status: 1 where the whole of app/ or the papers are above the limit."""
+def report(root: Path, *, listing: bool = False, quiet: bool = False) -> int:
+    """Print the figures of all groups; returns 1 if the whole of ``app/`` or the papers are above the limit, else 0.
+
+    ``listing``: print each private word; ``quiet``: print nothing below the limit.
+    """
     whole: dict[str, tuple[int, list[Finding]]] = {"app": (0, []), "docs": (0, [])}
     for name, files in groups(root).items():
         words, findings = total(files)
-        print(f"{name:18} {words:7d} words  {len(findings):4d} private  {rate(words, findings):6.1f} per 10,000")
+        if not quiet:
+            print(f"{name:18} {words:7d} words  {len(findings):4d} private  {rate(words, findings):6.1f} per 10,000")
         part = name.split("/")[0]
         if part in whole:
             whole[part] = whole[part][0] + words, whole[part][1] + findings
@@ -149,9 +154,10 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="scripts/words.py", description="Private words in docstrings, comments, docs")
     parser.add_argument("files", nargs="*", type=Path, help="these alone: file:line of each private word")
     parser.add_argument("--list", action="store_true", help="file:line of each private word, below the limit too")
+    parser.add_argument("--quiet", action="store_true", help="print nothing below the limit")
     args = parser.parse_args()
     if not args.files:
-        return report(ROOT, listing=args.list)
+        return report(ROOT, listing=args.list, quiet=args.quiet)
     _words, findings = total(path.resolve() for path in args.files)
     for finding in findings:
         print(finding)

@@ -58,8 +58,10 @@ def test_what_is_allowed_does_not_count(words: ModuleType, tmp_path: Path, monke
 
 
 def test_plain_prose_passes(words: ModuleType, project: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert words.report(project, listing=False) == 0
+    assert words.report(project) == 0
     assert "app/room" in capsys.readouterr().out
+    assert words.report(project, quiet=True) == 0
+    assert not capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("file", "text"), [("app/room/b.py", "# told\n"), ("docs/b.md", "Told.\n")])
@@ -68,7 +70,7 @@ def test_a_group_above_the_limit_fails_with_the_place_of_each_word(
 ) -> None:
     (project / file).write_text(text)
 
-    assert words.report(project, listing=False) == 1
+    assert words.report(project, quiet=True) == 1
     assert f"{file}:1: " in capsys.readouterr().out
 
 
@@ -76,7 +78,7 @@ def test_tests_are_counted_but_do_not_fail(words: ModuleType, project: Path) -> 
     (project / "tests").mkdir()
     (project / "tests" / "test_a.py").write_text("# told\n")
 
-    assert words.report(project, listing=False) == 0
+    assert words.report(project) == 0
 
 
 def test_the_groups_hold_every_room_of_the_project(words: ModuleType) -> None:
