@@ -59,7 +59,7 @@ def test_no_file_is_no_zones(tmp_path: Path) -> None:
         (("keep_out", "keep-out"), 4, r"zones\[0\].kind: should be 'keep_out' or 'slow'"),
         (("speed: 1.0", "speed: 0"), 6, r"zones\[0\].speed: should be greater than 0"),
         (("[1.0, 1.0], [0.0, 1.0]", ""), 5, r"zones\[0\].polygon"),
-        (("[1.0, 1.0], [0.0, 1.0]", "[2.0, 0.0]"), 5, "corners stand in one line"),
+        (("[1.0, 1.0], [0.0, 1.0]", "[2.0, 0.0]"), 5, "corners are on one line"),
         (
             ("[1.0, 0.0], [1.0, 1.0]", "[1.0, 1.0], [1.0, 0.0]"),
             5,

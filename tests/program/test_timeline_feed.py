@@ -141,7 +141,7 @@ def test_a_stale_channel_that_is_closed_is_no_alarm(timeline: Timeline) -> None:
     for age in (3.0, 4.0):
         feed.freshness({"kinect": Freshness("stale", age, 0.3, 15.0)})
     feed.freshness({"kinect": Freshness("closed", 5.0, None, 0.0)})
-    assert "nobody wants it" in timeline.query()[-1].text
+    assert "no subscription is open" in timeline.query()[-1].text
 
 
 @given(st.lists(st.sampled_from(("live", "waiting", "stale", "closed"))))

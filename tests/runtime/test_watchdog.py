@@ -153,7 +153,7 @@ async def test_a_blockage_that_was_not_sampled_is_reported_when_it_is_over() -> 
         (
             Blockage("", "", "", 4.35, True),
             (
-                "the event loop was blocked for 4.35 s and nobody was seen at it: "
+                "the event loop was blocked for 4.35 s, not by Python code: "
                 "the computer had no time for this program, or a call held the interpreter lock"
             ),
         ),
