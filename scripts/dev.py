@@ -242,7 +242,7 @@ GIVING_WAY = ("nice", "-n", "3")
 #: Tests that drive programs against the clock, or a browser: these go first, one after another.
 HURRIED = (
     "tests/browser",
-    "tests/commands/test_body.py",
+    "tests/commands/test_body_options.py",
     "tests/commands/test_run.py",
     "tests/console/live/test_late_commands.py",
     "tests/console/live/test_lost_body.py",

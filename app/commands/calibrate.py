@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from app.attention.calibration import CostCalibration
     from app.attention.strategies import StrategyTable
     from app.logs.log import Log, LogInfo
-    from app.logs.replay.calibration import CalibrationProgress, Measurement, Run
+    from app.logs.replay.calibration_runs import CalibrationProgress, Measurement, Run
     from app.program.config import Configuration
 
 #: A recording shorter than this says little.
@@ -90,7 +90,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log) -> int:
     from app.commands.calibrate_report import relations_table, strategies_document, strategies_table
-    from app.logs.replay.calibration import CalibrationProgress, plan
+    from app.logs.replay.calibration_runs import CalibrationProgress, plan
 
     info = log.info
     if args.seconds < LEAST_S:
@@ -169,7 +169,7 @@ def _measure(
 ) -> dict[Run, Measurement]:
     from app.commands.progress import shown
     from app.logs.replay.batch_replay import batches
-    from app.logs.replay.calibration import measure_all
+    from app.logs.replay.calibration_runs import measure_all
     from app.logs.replay.measure import Bench
 
     bench = Bench(log, configuration, begin, begin + seconds, _table(configuration).filters)
@@ -253,7 +253,7 @@ def _calibration(
     results: dict[Run, Measurement], version: str, log: str, before: CostCalibration | None
 ) -> CostCalibration:
     from app.attention.calibration import CostCalibration
-    from app.logs.replay.calibration import relations
+    from app.logs.replay.calibration_runs import relations
 
     return CostCalibration(
         host=paths.host_name(),

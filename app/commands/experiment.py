@@ -157,7 +157,7 @@ def _budget(text: str) -> float:
 def _scenario(named: str | None) -> Path | None:
     """The scenario's file, None for the experiment's own. Raises ConfigError."""
     from app.base.errors import ConfigError
-    from app.commands.body import scenario_file
+    from app.commands.body_options import scenario_file
 
     if named is None:
         return None

@@ -44,7 +44,7 @@ def add_parser(experiments: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run it. Raises ConfigError."""
     from app.base import logging_setup
-    from app.commands.body import scenario_file
+    from app.commands.body_options import scenario_file
     from app.commands.progress import shown
     from app.experiments.goals.experiment import done, plan
     from app.experiments.goals.experiment import run as run_goals

@@ -37,7 +37,7 @@ def add_parser(subparsers: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Do it. Exit code 2 for a person's mistake or a log that cannot be read, 1 where the disk does not take it."""
     from app.logs.log import LogError
-    from app.logs.output import DiskTrouble
+    from app.logs.output_file import DiskTrouble
 
     doing = {"info": _info, "cut": _cut, "repair": _repair, "export": _export, None: _list, "list": _list}[args.action]
     try:
@@ -184,7 +184,7 @@ def _add_export(actions: Any) -> None:
 
 def _export(args: argparse.Namespace) -> int:
     from app.commands.progress import shown
-    from app.log_tools.export.run import Wish, export
+    from app.log_tools.export.exporter import Wish, export
     from app.logs.open import open_log
 
     path = find_log(args.file)

@@ -17,7 +17,7 @@ from app.logs.mcap.channel_sizes import channel_bytes
 from app.logs.mcap.open_file import is_being_written
 from app.logs.mcap.structure import is_mcap
 from app.logs.open import open_log
-from app.logs.output import Progress, unwatched
+from app.logs.output_file import Progress, unwatched
 
 State = Literal["complete", "recording", "unfinished", "damaged"]
 

@@ -21,7 +21,7 @@ from urllib.parse import quote
 
 from app.base import logging_setup
 from app.commands.arguments import file_named
-from app.commands.body import add_body_options, chosen
+from app.commands.body_options import add_body_options, chosen
 from app.commands.kernels import kernels_ready
 from app.runtime.realtime import tune_for_latency
 

@@ -17,7 +17,7 @@ from app.logs import layout
 from app.logs.log import LogError
 from app.logs.mcap.bounds import BoundedReader, check_chunks
 from app.logs.mcap.structure import DAMAGE, MAGIC
-from app.logs.output import McapCopy, Progress, check_new, durable, replacing, unwatched
+from app.logs.output_file import McapCopy, Progress, check_new, durable, replacing, unwatched
 from app.logs.ros.converters import converter
 from app.logs.ros.record import MAIN
 from app.logs.stamps import SECOND, from_ns, to_ns

@@ -22,7 +22,7 @@ from app.logs.layout import PROFILE, library
 from app.logs.log import LogError
 from app.logs.mcap.open_file import is_being_written
 from app.logs.mcap.structure import MAGIC
-from app.logs.output import McapCopy, Progress, check_new, durable, replacing, unwatched
+from app.logs.output_file import McapCopy, Progress, check_new, durable, replacing, unwatched
 from app.logs.stamps import SECOND, from_ns
 
 #: Message about a file that begins as MCAP files do, and holds nothing more.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from app.attention.calibration import CostCalibration
 from app.attention.strategies import CLOSED, Strategy, StrategyTable
 from app.commands.calibrate_report import relations_table, strategies_table
-from app.logs.replay.calibration import Measurement, Run, relations
+from app.logs.replay.calibration_runs import Measurement, Run, relations
 from app.runtime.graph import ModuleSpec
 
 MODULES = {

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from app.maps.map_server import read_map
+from app.maps.map_file import read_map
 from app.modules.perception.slam.relations import between
 from app.modules.perception.slam.storage import read_state
 from tests.modules.perception.slam.rooms import around, driven, half_circle, ring

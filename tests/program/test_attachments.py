@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from app.base import paths
-from app.commands.body import chosen
+from app.commands.body_options import chosen
 from app.logs.manifest import Manifest
 from app.logs.replay.options import ReplayOptions
 from app.logs.replay.replay_config import prepare

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def write(folder: Path, log: MappedLog, check: Checked) -> list[str]:
     """Write all files into ``folder``, which is there; returns their names. Raises ConfigError."""
-    from app.maps.map_server import pgm_bytes, yaml_text
+    from app.maps.map_file import pgm_bytes, yaml_text
     from app.maps.picture import shown_png
     from app.modules.perception.slam.storage import write_state
 

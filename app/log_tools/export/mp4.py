@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from app.log_tools.export.png import rgb_of
 from app.log_tools.export.target import Target, Unsurveyed, Write
 from app.logs.log import LogError, LoggedChannel
-from app.logs.output import DiskTrouble, disk_trouble
+from app.logs.output_file import DiskTrouble, disk_trouble
 from app.messages import EncodedImage, Image
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from app.logs.log import LogError, LoggedChannel
-from app.logs.output import check_new, replacing
+from app.logs.output_file import check_new, replacing
 
 #: Takes the next message of a channel.
 Write = Callable[[Any], None]

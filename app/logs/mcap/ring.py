@@ -15,7 +15,7 @@ from app.logs.log import LogError
 from app.logs.manifest import Manifest
 from app.logs.mcap.open_file import FileTopic, McapFile, OpenFile, RecordEncoder, create
 from app.logs.mcap.ring_folder import SEGMENT, STATE, make_home, save
-from app.logs.output import Progress, unwatched
+from app.logs.output_file import Progress, unwatched
 
 SEGMENT_S = 10.0
 

@@ -21,7 +21,7 @@ from typing import IO
 from app.logs.log import LogError
 from app.logs.mcap.chunks import join, scan
 from app.logs.mcap.structure import DAMAGE
-from app.logs.output import Progress, unwatched
+from app.logs.output_file import Progress, unwatched
 from app.logs.stamps import SECOND, to_ns
 
 #: Ending of a segment's file name, and of the file with the state at its begin.

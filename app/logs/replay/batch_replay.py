@@ -15,7 +15,7 @@ from itertools import groupby
 from typing import Any, TypeVar
 
 from app.attention.strategies import CLOSED
-from app.logs.replay.calibration import Run
+from app.logs.replay.calibration_runs import Run
 from app.program.config import Configuration
 from app.program.system import System
 from app.runtime.graph import FilterBank, Pin

@@ -10,7 +10,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 from app.logs.log import Log
 from app.logs.replay.batch_replay import batch_program, serialize_computing
-from app.logs.replay.calibration import Measurement, Run
+from app.logs.replay.calibration_runs import Measurement, Run
 from app.logs.replay.headless import ReplayWatch, run_headless
 from app.logs.replay.options import ReplayOptions
 from app.program.config import Configuration

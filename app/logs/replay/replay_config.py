@@ -12,8 +12,8 @@ from app.base.errors import ConfigError
 from app.base.yaml_source import suggestion
 from app.link import RobotDescription, StreamDescription
 from app.logs.log import Log, LogInfo
-from app.logs.replay.attachments import extract
 from app.logs.replay.options import ReplayOptions
+from app.logs.replay.unpack_attachments import extract
 from app.messages import (
     DesiresRecord,
     Divisors,

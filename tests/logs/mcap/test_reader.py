@@ -14,7 +14,7 @@ from mcap.writer import Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from app.base.geometry import FisheyeModel
-from app.log_tools.export.run import Wish, export
+from app.log_tools.export.exporter import Wish, export
 from app.logs import layout as mcap_layout
 from app.logs.log import Indexed, Log, LogError, Logged
 from app.logs.manifest import YAML, AttachedFile, Manifest

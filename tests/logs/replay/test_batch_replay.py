@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from app.attention.strategies import CLOSED
 from app.base import paths
 from app.logs.replay.batch_replay import MOST, ExclusiveCpuMeter, batch_program, batches
-from app.logs.replay.calibration import Measurement, Run
+from app.logs.replay.calibration_runs import Measurement, Run
 from app.logs.replay.measure import WARM_UP_S, Bench
 from app.program.config import load_configuration
 from app.runtime.graph import Pin

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from app.attention.calibration import CostCalibration
 from app.attention.strategies import CLOSED, Strategy, StrategyTable
-from app.logs.replay.calibration import CalibrationProgress, Measurement, Run, fit, measure_all, plan, relations
 from app.logs.replay.calibration_plot import plot
+from app.logs.replay.calibration_runs import CalibrationProgress, Measurement, Run, fit, measure_all, plan, relations
 
 TABLE = StrategyTable(
     (

@@ -9,7 +9,7 @@ import pytest
 
 from app import cli
 from app.base import paths
-from app.commands.body import add_body_options, chosen
+from app.commands.body_options import add_body_options, chosen
 from app.robots.config import RobotConfig
 from tests.robots.devices.files import ramp, sound_file
 

@@ -16,7 +16,7 @@ from hypothesis import given
 
 from app.base import image_source
 from app.base.errors import ConfigError
-from app.maps.map_server import pgm_bytes, read_map, yaml_text
+from app.maps.map_file import pgm_bytes, read_map, yaml_text
 from app.messages import OccupancyGrid
 from tests.maps.grids import room, trinary_grids
 

@@ -17,7 +17,7 @@ from app.log_tools.export.png import Png
 from app.log_tools.export.target import Format, Target, Write
 from app.log_tools.export.wav import Wav
 from app.logs.log import Log, LogError, LoggedChannel, LogInfo
-from app.logs.output import Progress, disk_trouble, unwatched
+from app.logs.output_file import Progress, disk_trouble, unwatched
 from app.logs.stamps import SECOND
 
 FORMATS: Mapping[str, Callable[[], Format]] = {"png": Png, "mp4": Mp4, "csv": Csv, "wav": Wav, "pcd": Pcd}
