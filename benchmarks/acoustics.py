@@ -1,8 +1,8 @@
-"""What the simulated microphones cost: ``python -m benchmarks.acoustics [--quick] [--json] [--out FILE]``.
+"""Cost of the simulated microphones: ``python -m benchmarks.acoustics [--quick] [--json] [--out FILE]``.
 
 CPU of one thread, in % of a core, to give eight channels of 48 kHz in real time: no sound at all, one to three talkers
 in a reverberant room, standing and walking while the robot drives and turns, with and without the torso between the
-microphones. The longest frames tell whether one (10.7 ms) can be late. Offline: seconds of scene rendered in a second.
+microphones. The longest frames show whether one (10.7 ms) can be late. Offline: seconds of scene rendered in a second.
 """
 
 from __future__ import annotations

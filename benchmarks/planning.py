@@ -1,4 +1,4 @@
-"""Planning on whole maps, and what stands around the robot: how long each takes, alone in one thread.
+"""Planning on whole maps, and the local costmap: the time of each, alone in one thread.
 
 Ways on maps of 50 x 50 m at 0.05 m between random free places: empty, a building of rooms along corridors, random
 posts, a single lane of 2.3 km (serpentine), and a goal walled off, for which everything else is searched. CPU time is

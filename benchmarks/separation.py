@@ -1,4 +1,4 @@
-"""Voices each by themselves, whether they are voices, and how soon they are told of: figures of separation and speech.
+"""Separation of voices, speech detection, and the latency of the first report: figures.
 
 Rooms and talkers as ``voice_rooms`` draws them (held out from tuning), scored by BSS Eval (``bss_eval``) against what
 microphone 0 heard of each talker alone, at 16 kHz. Directions are the true ones, except where tracks are said: then
@@ -32,7 +32,7 @@ from benchmarks.voice_rooms import BOX, HELD_OUT, RATE, Scene, cached, recipes
 
 BENCHMARK = "separation"
 PEER = "delay and sum"
-#: Sound before a talker begins, where it is measured how soon he is told of (s).
+#: Sound (s) before a talker begins, where the latency until the first report is measured.
 QUIET_S = 0.7
 
 
@@ -142,7 +142,8 @@ def _spread(values: Sequence[float]) -> float:
 
 
 def how_soon(count: int, speech: Path) -> list[Row]:
-    """From when a talker is first louder than the noise (over 10 ms) to the message that first tells where he is."""
+    """Latency from the instant when a talker is first louder than the noise (over 10 ms) to the first message with its
+    direction."""
     rows = []
     for rt60_s, snr_db in ((0.3, 20.0), (0.45, 10.0)):
         delays = []
@@ -157,7 +158,7 @@ def how_soon(count: int, speech: Path) -> list[Row]:
 
 
 def _delay(scene: Scene, array: MicrophoneArray) -> float:
-    """Seconds, computing included; infinite if he is never told of."""
+    """Seconds, computing included; infinite without such a message."""
     rng = np.random.default_rng(1)
     noise = float(np.sqrt(np.mean((scene.samples[:, 0] - scene.alone.sum(0)) ** 2)))
     quiet = rng.normal(0, noise, (int(QUIET_S * scene.rate), len(array)))
@@ -169,10 +170,10 @@ def _delay(scene: Scene, array: MicrophoneArray) -> float:
     pipeline = VoicePipeline(array, scene.rate, PipelineSettings(separation=False))
     for begin in range(0, len(sound) - pipeline.step + 1, pipeline.step):
         began = time.thread_time()
-        told, _ = pipeline.process(sound[begin : begin + pipeline.step], begin / scene.rate, begin)
+        result, _ = pipeline.process(sound[begin : begin + pipeline.step], begin / scene.rate, begin)
         now = (begin + pipeline.step) / scene.rate
         direction = talker.direction(now - QUIET_S)
-        if now > begun and any(np.dot(s.direction, direction) > np.cos(np.radians(20)) for s in told.sources):
+        if now > begun and any(np.dot(s.direction, direction) > np.cos(np.radians(20)) for s in result.sources):
             return now - begun + time.thread_time() - began
     return float("inf")
 

@@ -4,9 +4,9 @@
 counts from 5 scans a second; scans between those taken get poses from odometry on both sides. The peer is openslam's
 GMapping with ROS's settings (30 particles), built and run on the same logs and relations on another day; on Fr079 it
 doubles the map six times of six. *720 rays* are Fr079's scans with a ray between each two. *Corridors* are 1.7 km,
-synthetic (``corridors.py``), with odometry that tells so much of each metre and radian: *revisits* are pairs of scans
+synthetic (``corridors.py``), with odometry of the given scale of each metre and radian: *revisits* are pairs of scans
 within 2 m of each other, with 500 scans or more between them. *Off the reference* is the trajectory's root mean square
-distance from poses by Freiburg's GMapping; *walls off a right angle* and *astray* tell which of both is the truer
+distance from poses by Freiburg's GMapping; *walls off a right angle* and *astray* show which of both is the truer
 (``walls.py``): the peer is that reference. The rest needs the reference data (HBBA_REFERENCE_DATA).
 """
 
@@ -38,7 +38,7 @@ PEER = "GMapping"
 PEERS = {"intel": (0.0183, 69.0), "fr079": (None, 75.0)}
 PHIS = (2, 4, 8, 16, 32)
 RANGE_MAX_M = 80.0
-#: Seed, and what odometry tells of a metre and of a radian.
+#: Seed, and the values of odometry for a metre and a radian.
 CORRIDORS = ((1, 1.02, 1.03), (2, 0.96, 1.06))
 REVISIT_M, REVISIT_SCANS = 2.0, 500
 

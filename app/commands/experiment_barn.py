@@ -40,7 +40,7 @@ def add_parser(experiments: Any) -> None:
     parser.add_argument("--seed", type=whole(0), default=1, metavar="S", help="of the robot's noise (default 1)")
     parser.add_argument("--jobs", type=whole(1, 256), metavar="N", help="worlds at a time (default: one a core)")
     parser.add_argument("--out", type=Path, metavar="FOLDER", help="where results are kept (default: your data folder)")
-    parser.add_argument("--fresh", action="store_true", help="begin anew; earlier results are moved aside")
+    parser.add_argument("--fresh", action="store_true", help="start again; earlier results are moved aside")
     add_json(parser)
     parser.add_argument("--plot", action="append", default=[], metavar="ID", help="draw this world and the way driven")
 
@@ -69,7 +69,7 @@ def run(args: argparse.Namespace) -> int:
     if before:
         print(f"hbba experiment barn: {len(before)} of {len(what.chosen)} worlds are done already", file=sys.stderr)
     results = _run_shown(what, kept, before, run_worlds)
-    _tell(args, what, kept, results)
+    _report(args, what, kept, results)
     return 0
 
 
@@ -83,15 +83,15 @@ def _run_shown(what: BarnPlan, kept: KeptResults, before: tuple[WorldResult, ...
         counts[result.outcome] = counts.get(result.outcome, 0) + 1
     with shown("crossing") as progress:
 
-        def told(result: WorldResult, number: int, total: int) -> None:
+        def finished(result: WorldResult, number: int, total: int) -> None:
             counts[result.outcome] = counts.get(result.outcome, 0) + 1
             so_far = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
             progress(number, total, f"{so_far}; world {result.world}: {result.outcome}, {result.time_s:.1f} s")
 
-        return run_worlds(what, kept, told)
+        return run_worlds(what, kept, finished)
 
 
-def _tell(args: argparse.Namespace, what: BarnPlan, kept: KeptResults, results: tuple[WorldResult, ...]) -> None:
+def _report(args: argparse.Namespace, what: BarnPlan, kept: KeptResults, results: tuple[WorldResult, ...]) -> None:
     from app.base.yaml_source import load_yaml
     from app.experiments.barn.report import failures, plot, table
     from app.experiments.barn.result import Summary
@@ -120,7 +120,7 @@ def _tell(args: argparse.Namespace, what: BarnPlan, kept: KeptResults, results: 
 
 
 def _controller(named: str | None) -> dict[str, dict[str, object]]:
-    """What ``--controller`` sets. Raises ConfigError."""
+    """The settings given by ``--controller``. Raises ConfigError."""
     from app.base.yaml_source import suggestion
     from app.modules.behaviors.navigation.tracking.control_cycle import CONTROLLERS
 

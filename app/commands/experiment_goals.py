@@ -37,14 +37,14 @@ def add_parser(experiments: Any) -> None:
         "--blind", action="store_true", help="without the Kinect: quicker, but what is lower than the laser is not seen"
     )
     parser.add_argument("--out", type=Path, metavar="FOLDER", help="where results are kept (default: your data folder)")
-    parser.add_argument("--fresh", action="store_true", help="begin anew; earlier results are moved aside")
+    parser.add_argument("--fresh", action="store_true", help="start again; earlier results are moved aside")
     add_json(parser)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run it. Raises ConfigError."""
     from app.base import logging_setup
-    from app.commands.body import scenario_file
+    from app.commands.body_options import scenario_file
     from app.commands.progress import shown
     from app.experiments.goals.experiment import done, plan
     from app.experiments.goals.experiment import run as run_goals
@@ -74,7 +74,7 @@ def run(args: argparse.Namespace) -> int:
     with_contact = sum(bool(result.touched) for result in before)
     with shown("goals") as progress:
 
-        def told(result: GoalResult, number: int, total: int) -> None:
+        def finished(result: GoalResult, number: int, total: int) -> None:
             nonlocal reached, with_contact
             reached += result.outcome == "reached"
             with_contact += bool(result.touched)
@@ -86,7 +86,7 @@ def run(args: argparse.Namespace) -> int:
                 f"{reached} of {number} reached, {with_contact} with contact",
             )
 
-        results = run_goals(what, kept, told, lambda stage: progress(len(before), args.count, stage))
+        results = run_goals(what, kept, finished, lambda stage: progress(len(before), args.count, stage))
     if args.json:
         print_json(
             {

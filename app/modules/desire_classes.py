@@ -7,7 +7,8 @@ from typing import Annotated
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from app.attention.desires import DesireClass
-from app.logs.library import LONGEST_NAME, NAME_PATTERN, name_or_nothing
+from app.base.library import LONGEST_NAME
+from app.logs.library import NAME_PATTERN, name_or_nothing
 from app.maps.zones import FURTHEST_M
 
 

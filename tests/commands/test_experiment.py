@@ -53,7 +53,7 @@ def barn_files(folder: Path) -> tuple[Path, Path]:
     return worlds, folder / "out"
 
 
-def test_barn_tells_what_is_done_and_draws_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_barn_reports_its_results_and_draws_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     worlds, out = barn_files(tmp_path)
     arguments = ["experiment", "barn", "--worlds", str(worlds), "--out", str(out)]
     assert cli.main([*arguments, "--plot", "4"]) == 0

@@ -39,3 +39,9 @@ def installing() -> Iterator[ModuleType]:
 def dev(page: ModuleType, installing: ModuleType) -> Iterator[ModuleType]:
     yield _load("dev")
     del sys.modules["dev"]
+
+
+@pytest.fixture(scope="session")
+def words() -> Iterator[ModuleType]:
+    yield _load("words")
+    del sys.modules["words"]

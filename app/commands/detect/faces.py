@@ -1,4 +1,4 @@
-"""``hbba detect faces FILE…``: the faces in anyone's photographs and videos."""
+"""``hbba detect faces FILE…``: faces in photographs and videos."""
 
 from __future__ import annotations
 

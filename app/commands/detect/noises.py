@@ -1,4 +1,4 @@
-"""``hbba detect noises FILE…``: when it claps, bangs and calls in anyone's recordings."""
+"""``hbba detect noises FILE…``: times of claps, bangs and calls in recordings."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from app.modules.perception.loud_noises import Rule
 
 COMMAND = "hbba detect noises"
-#: What the rule's constants were chosen at; sound of another rate is brought to it.
+#: Sample rate (Hz) for which the rule's constants were chosen; sound of another rate is resampled to it.
 RATE = 48_000
 LEAST_RATE = 8_000
 
@@ -130,7 +130,7 @@ def _within(least: float, most: float, above: bool = False) -> Callable[[str], f
 
 
 def _listen(path: Path, args: argparse.Namespace, names: set[str], progress: Progress) -> dict[str, Any]:
-    """One file's document. Raises NoRecording."""
+    """The document of one file. Raises NoRecording."""
     with open_recording(path) as recording:
         rate, channels = recording.samplerate, recording.channels
         if rate < LEAST_RATE:
@@ -161,7 +161,7 @@ def _listen(path: Path, args: argparse.Namespace, names: set[str], progress: Pro
 def _noises(
     recording: soundfile.SoundFile, chosen: list[int], rule: Rule, levels: Levels | None, progress: Progress
 ) -> tuple[list[dict[str, Any]], float]:
-    """What begins when, and how long the recording is (s). Raises NoRecording."""
+    """The noises with their times, and the recording's duration (s). Raises NoRecording."""
     import numpy as np
 
     from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudNoiseJudge, onset_of

@@ -1,4 +1,4 @@
-"""What ``hbba slam --out`` writes: the map as ROS keeps it and as a picture, its pose graph, the trajectory."""
+"""Output files of ``hbba slam --out``: the map in ROS's format and as a picture, its pose graph, the trajectory."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def write(folder: Path, log: MappedLog, check: Checked) -> list[str]:
     """Write all files into ``folder``, which is there; returns their names. Raises ConfigError."""
-    from app.maps.map_server import pgm_bytes, yaml_text
+    from app.maps.map_file import pgm_bytes, yaml_text
     from app.maps.picture import shown_png
     from app.modules.perception.slam.storage import write_state
 
@@ -40,7 +40,7 @@ def write(folder: Path, log: MappedLog, check: Checked) -> list[str]:
 
 
 def drawn(log: MappedLog) -> OccupancyGrid:
-    """The occupancy grid of all keyframes, no larger than what is known."""
+    """The occupancy grid of all keyframes, cropped to the known cells."""
     from app.messages import OccupancyGrid, read_only
     from app.modules.perception.slam.map_rendering import MapDrawing
     from app.modules.perception.slam.occupancy import cropped

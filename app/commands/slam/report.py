@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 #: A time of a relation or reference names a scan not farther away than this (s).
 _SAME_S = 0.05
-#: Beyond this (m) a relation between poses that odometry led to tells of the map, too.
+#: Beyond this distance (m) a relation between poses from odometry concerns the map, too.
 GROSS_M = 0.5
 
 
@@ -31,7 +31,7 @@ def figures(
     relations: Relations | None,
     reference: Reference | None,
 ) -> dict[str, Any]:
-    """All that is told, for JSON. Raises ConfigError where relations or reference are of another log."""
+    """The whole report, for JSON. Raises ConfigError if relations or reference are of another log."""
     from app.modules.perception.slam.relations import filled_in
 
     scan_ms = 1e3 * np.array(log.scan_s)
@@ -134,7 +134,7 @@ def _compared(source: SweepSource, log: MappedLog, poses: NDArray[np.float64], r
 
 
 def _gross(document: dict[str, Any]) -> int:
-    """Gross relations that tell of the map: between scans that were not taken, a wrong angle alone is odometry's."""
+    """Gross relations that concern the map: between scans that were not matched, a wrong angle alone is odometry's."""
     related = document.get("relations")
     if related is None or (document["phi"] > 1 and related["max_m"] <= GROSS_M):
         return 0

@@ -137,7 +137,7 @@ def _of_log(source: SweepSource, log: Log, scans: str, odometry: str) -> Iterato
             message = logged.message
             stamp = order[logged.channel].next(message.stamp)
             if isinstance(message, Odometry):
-                # One that goes back is not taken; those around it say where the robot was.
+                # Odometry that goes back in time is skipped; its neighbours give the robot's pose.
                 poses.add(message.stamp, message.X_OB)
                 twist = (message.linear_mps, message.angular_radps)
                 newest = max(newest, message.stamp)
@@ -176,7 +176,7 @@ class _Readings:
         self._none += ranges.size - int(np.count_nonzero(ranges >= range_min))
 
     def notes(self) -> list[str]:
-        """What is to be said of them."""
+        """Notes about the readings."""
         if not self._none:
             return []
         share = 100 * self._none / self._all
@@ -259,7 +259,8 @@ def _loaded(path: Path) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any] | None
 
 
 def _limit(ranges: NDArray[Any]) -> float:
-    """From where on a reading says that nothing was seen: 80 m, or just below what too many readings have in common."""
+    """The range from which a reading means "nothing seen": 80 m, or just below the value that too many readings
+    share."""
     finite = ranges[np.isfinite(ranges)]
     if not finite.size:
         return _RANGE_MAX_M

@@ -68,7 +68,7 @@ from app.modules.behaviors.navigation.tracking.status_publisher import Teller
 from app.modules.body import robot_link
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
-from app.runtime.realtime import go_first
+from app.runtime.realtime import raise_thread_priority
 
 #: Between two costmaps published, s.
 _COSTMAP_S = 0.2
@@ -163,7 +163,7 @@ class PlanAndFollowPath(Module):
         """Load what is compiled, and learn what the body is. Raises ModuleFailed for one that does not drive."""
         description = robot_link(self).description
         await self.compute(load_kernels)
-        await self.compute(go_first)
+        await self.compute(raise_thread_priority)
         s = self.settings
         settings = PilotSettings(
             costmap=CostmapSettings(
@@ -196,7 +196,7 @@ class PlanAndFollowPath(Module):
             control, library = self.service(MapControl), self.service(MapLibrary)
         except ModuleFailed:
             return  # where no maps are kept, what is remembered lasts as long as the module
-        layer = ThingsKept(things, library, self.compute, self.compute_behind, self.log)
+        layer = ThingsKept(things, library, self.compute, self.compute_background, self.log)
         self._leave_map = await control.add(layer)
 
     async def stop(self) -> None:
@@ -375,7 +375,7 @@ class PlanAndFollowPath(Module):
         )  # fmt: skip
         self._planned_at, self._planned_from, self._planned_for = now, localization, goal
         self._wanted_plan = ""
-        finding = self.compute_behind(self._wayfinder.find, request)
+        finding = self.compute_background(self._wayfinder.find, request)
         self._planning = asyncio.create_task(finding, name=f"{self.name} plans")
         self._planning.add_done_callback(self._planned)
 

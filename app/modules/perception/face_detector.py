@@ -81,7 +81,7 @@ class FaceDetector(Module):
         people = People(self.settings.height_mean_m, self.settings.height_sigma_m)
         self._looker = await self.compute(FaceLooker, self._min_score, people)
         await self.compute(prepare)
-        self._tracks = FaceTracks(TrackModel(forget_s=self.settings.forget_s), self.kept.get(_NEXT_TRACK, 1))
+        self._tracks = FaceTracks(TrackModel(forget_s=self.settings.forget_s), self.persistent.get(_NEXT_TRACK, 1))
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take ``min_score`` and ``fine`` from the intention."""
@@ -97,7 +97,7 @@ class FaceDetector(Module):
         if sightings:
             self._tell_of_pose(X_OB)
         placed = self._tracks.see(image.stamp, image.frame, sightings, None if X_OB is None else X_OB.to_pose3())
-        self.kept[_NEXT_TRACK] = self._tracks.next
+        self.persistent[_NEXT_TRACK] = self._tracks.next
         faces = tuple(_face(sighting, where) for sighting, where in zip(sightings, placed, strict=True))
         height, width = image.color.shape[:2]
         self.faces.publish(Faces(image.stamp, image.frame, width, height, image.X_BC, faces))

@@ -70,7 +70,7 @@ class QRCodeDetector(Module):
     """Reads codes and remembers where they hang."""
 
     title = "QR code detector"
-    aids = frozenset({"scans"})
+    auxiliary_inputs = frozenset({"scans"})
     Settings = QRCodeDetectorSettings
     settings: QRCodeDetectorSettings
 

@@ -96,7 +96,7 @@ class SLAM2D(Module):
         self._name = ""
         self._zones: tuple[Zone, ...] = ()
         self._told: Localization | None = None
-        self._legacy = Legacy(self.kept)
+        self._legacy = Legacy(self.persistent)
         self._fits = FitWatch(self.settings.lost_after_s, self.settings.sure_after_s)
         #: Looking for the robot: asked for, under way, and where it may be by now.
         self._search_due = False
@@ -250,13 +250,13 @@ class SLAM2D(Module):
     async def _look(self, session: MapSession) -> None:
         """Begin to look for the robot, or go on with it."""
         if self._search_due and self._search is None:
-            search = await self.compute_behind(session.begin_search)
+            search = await self.compute_background(session.begin_search)
             if session is self._session and self._search_due:
                 self._search, self._search_due = search, False
         search, sighting, self._sighting = self._search, self._sighting, None
         if search is None or sighting is None:
             return
-        X_MO, places = await self.compute_behind(_looked, search, *sighting)
+        X_MO, places = await self.compute_background(_looked, search, *sighting)
         if search is not self._search:
             return
         self._places = places
@@ -270,7 +270,7 @@ class SLAM2D(Module):
     async def _close_loops(self, session: MapSession) -> None:
         followed, self._followed = self._followed, None
         if followed is not None and followed.job is not None:
-            outcome = await self.compute_behind(followed.job.run)
+            outcome = await self.compute_background(followed.job.run)
             await self.compute(session.take, followed.slam, outcome)
 
     async def _draw(self, session: MapSession) -> None:
@@ -279,10 +279,10 @@ class SLAM2D(Module):
             return
         async with self._drawing:
             snapshot, state = await self.compute(session.snapshot), await self.compute(session.state)
-            while await self.compute_behind(session.draw, snapshot):
+            while await self.compute_background(session.draw, snapshot):
                 await self._close_loops(session)
             glances, self._glances = self._glances, []
-            grid = await self.compute_behind(session.drawn, glances, self.clock.now(), self._version + 1)
+            grid = await self.compute_background(session.drawn, glances, self.clock.now(), self._version + 1)
             if session is not self._session:
                 return
             self._legacy.grow(state)
@@ -372,7 +372,7 @@ class SLAM2D(Module):
         settling = await self.compute(session.settling)
         if settling is not None:
             slam, job = settling
-            await self.compute(session.take, slam, await self.compute_behind(job.run))
+            await self.compute(session.take, slam, await self.compute_background(job.run))
         await self._draw(session)
 
     # --- The beginning ---------------------------------------------------------------------------------------------
@@ -389,7 +389,7 @@ class SLAM2D(Module):
         self._version = 0 if shown is None else shown.version
         last = Shown(shown, self._told, () if zones is None else zones.zones)
         library, settings = self.service(MapLibrary), self.settings
-        first = await self.compute_behind(
+        first = await self.compute_background(
             first_map, self._legacy, last, library, self.new_session, settings.map, settings.extend
         )
         if first.refused:

@@ -135,7 +135,7 @@ class VoiceLocalizer(Module):
         self._next_sample = audio.first_sample + len(audio.samples)
         while self._pipeline is None:
             wanted = self._microphones, self._wanted
-            first = self.kept.get(_NEXT_TRACK, 1)
+            first = self.persistent.get(_NEXT_TRACK, 1)
             made = await self.compute(_made, self._wiring, *wanted, self.settings.body_m, first)
             # Another may have been asked for meanwhile.
             self._pipeline = made if wanted == (self._microphones, self._wanted) else None
@@ -159,7 +159,7 @@ class VoiceLocalizer(Module):
         self._stamp, self._first_sample = stamp + pipeline.step / rate, first_sample + pipeline.step
         heading = await self._heading_at(pipeline.instant(stamp))
         sources, separated = await self.compute(pipeline.process, block, stamp, first_sample, heading)
-        self.kept[_NEXT_TRACK] = pipeline.next_track
+        self.persistent[_NEXT_TRACK] = pipeline.next_track
         self.sources.publish(sources)
         if separated is not None:
             self.separated.publish(separated)

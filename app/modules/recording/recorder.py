@@ -1,4 +1,4 @@
-"""Recorder: what the robot lives, on disk (thesis 4.4: every experiment was recorded).
+"""Recorder: channels on disk (thesis 4.4: every experiment was recorded).
 
 ┌─────────────────────────────────────────────────────────────────────────────────────────┐
 │ Recorder    in   <channel>  every channel whose `log` is not `never`, or those named    │
@@ -6,8 +6,9 @@
 └─────────────────────────────────────────────────────────────────────────────────────────┘
 
 It records while the intention gives it parameters (desire class Record): into one file, or, with ``keep_minutes``,
-into a ring of the last minutes. Strategies may thin pictures and scans; what no strategy names is taken whole. While
-it does not record it takes and forgets. Disk and encoding are the writer's thread's; see docs/recording.md.
+into a ring of the last minutes. Strategies may decimate images and scans; inputs that no strategy names are recorded
+completely. While it does not record, it discards its messages. The writer's thread encodes and writes; see
+docs/recording.md.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ from app.runtime.ports import Input
 CLOSING_S = 0.4
 
 
-#: Room (messages) for what comes in one go after the loop stood still; what finds none is counted as dropped.
+#: Capacity (messages) for a burst after the loop was blocked; messages beyond it are counted as dropped.
 INBOX = 1024
 #: ... of messages of a megabyte and more.
 LARGE_INBOX = 32
@@ -63,7 +64,7 @@ class EventPattern(BaseModel):
 
 
 class RecorderSettings(Settings):
-    """How much memory and disk recording may take, and when a ring saves itself."""
+    """Limits of memory and disk, and the events that save a ring."""
 
     queue_mb: float = Field(64, gt=0, description="memory for what waits for the disk")
     queue_messages: int = Field(20_000, ge=100, description="... and so many messages at most")
@@ -79,7 +80,7 @@ class Recorder(Module):
     """Writes every message it is given into a log."""
 
     title = "Recorder"
-    #: How files are made; tests put a disk that fails in its place.
+    #: Opens files; tests replace it by a disk that fails.
     open_file: ClassVar[OpenFile] = staticmethod(create)
     Settings = RecorderSettings
     settings: RecorderSettings
@@ -95,11 +96,11 @@ class Recorder(Module):
         self.every(1.0, self._beat)
         self._writer: RecordingWriter | None = None
         self._ending: list[RecordingWriter] = []
-        self._told: list[RecordingWriter] = []
-        #: Whether what is written now is a ring.
+        self._reported: list[RecordingWriter] = []
+        #: Whether the present recording is a ring.
         self._turns = False
         self._wanted: dict[str, Any] = {}
-        #: Newest message of each standing state, by what it is the state of.
+        #: Newest message of each state, by the state's key.
         self._standing: dict[str, tuple[str, Message]] = {}
         self._tasks: set[asyncio.Task[None]] = set()
         self._saving_on_event = False
@@ -107,7 +108,7 @@ class Recorder(Module):
 
     @classmethod
     def default_inputs(cls, channels: Mapping[str, ChannelSpec]) -> Mapping[str, str]:
-        """Everything that may be recorded, on ports named as the channels."""
+        """All recordable channels, on ports of their names."""
         return {name: name for name, spec in channels.items() if spec.log != "never"}
 
     def accept(self, name: str, message_type: type[Message]) -> None:
@@ -117,7 +118,7 @@ class Recorder(Module):
         self.on(port, self._taker(port))
 
     async def start(self) -> None:
-        """Be there for who wants the ring saved, and look for what a killed program left of its ring."""
+        """Attach the service that saves the ring, and look for the ring of a killed program."""
         self._loop = asyncio.get_running_loop()
         self._library = self.service(RecordingLibrary)
         self._manifest = self.service(Manifest)
@@ -148,7 +149,7 @@ class Recorder(Module):
             ring.call(lambda sink: _keep_for(sink, keep_s))
         else:
             ended = self._writer
-            # Only who wants no recording any more wants the ring thrown away; another recording takes nothing from it.
+            # The ring is discarded only if nothing is to be recorded any more; another recording does not affect it.
             self._end(discard=not self._wanted)
             if self._wanted:
                 self._begin()
@@ -156,11 +157,11 @@ class Recorder(Module):
         self._publish()
 
     def overflowed(self, port: str, loss: InboxOverflow) -> None:
-        """Say it, and go on: what was lost is counted in the status."""
+        """Log it, and go on: the status counts lost messages."""
         self.log.warning("%s", loss)
 
     async def save_ring(self, minutes: float | None, name: str | None) -> str:
-        """See ``RecorderControl.save_ring``; also raises ValueError for a name that may not be."""
+        """See ``RecorderControl.save_ring``; also raises ValueError for an invalid name."""
         writer = self._ring_writer()
         if writer is None or writer.reason:
             raise RecorderUnavailable(NO_RING)
@@ -227,7 +228,7 @@ class Recorder(Module):
         if self._writer is not None:
             self._writer.finish(discard)
             self._ending = [*(w for w in self._ending if not w.over), self._writer]
-            self._told = [w for w in self._told if w in self._ending]
+            self._reported = [w for w in self._reported if w in self._ending]
             self._writer = None
 
     def _taker(self, port: Input[Any]) -> Callable[[Any], Awaitable[None]]:
@@ -241,7 +242,7 @@ class Recorder(Module):
         writer = self._writer
         if writer is not None:
             writer.put(self.clock.now(), channel, message)
-            if writer.reason and writer not in self._told:
+            if writer.reason and writer not in self._reported:
                 self._publish()
         if isinstance(message, EventRecord):
             self._save_on(message)
@@ -254,7 +255,7 @@ class Recorder(Module):
         return f"{channel}/{message.module}" if isinstance(message, ModuleRecord) else channel
 
     def _states(self) -> dict[str, tuple[str, Message]]:
-        """What stands now, whether it came by here or before this instance: a log begins with the whole state."""
+        """The newest state of each channel, also from before this instance: a log begins with the whole state."""
         states = dict(self._standing)
         for port in self._inputs.values():
             if port.channel is not None and (latest := port.channel.latest) is not None:
@@ -263,19 +264,19 @@ class Recorder(Module):
                     states[key] = (port.channel.name, latest)
         return states
 
-    # --- telling ---
+    # --- status ---
 
     async def _beat(self) -> None:
         self._publish()
 
     def _changed_in_thread(self) -> None:
-        with suppress(RuntimeError):  # the loop is closed: nobody is told any more
+        with suppress(RuntimeError):  # the loop is closed: the status has no subscriber any more
             self._loop.call_soon_threadsafe(self._publish)
 
     def _publish(self) -> None:
         for writer in (*self._ending, self._writer):
-            if writer is not None and writer.reason and writer not in self._told:
-                self._told.append(writer)
+            if writer is not None and writer.reason and writer not in self._reported:
+                self._reported.append(writer)
                 self.log.error("recording stopped: %s", writer.reason)
         self.status.publish(self._describe())
 
@@ -336,7 +337,7 @@ class Recorder(Module):
     def _kept(self, task: asyncio.Task[None]) -> None:
         self._tasks.discard(task)
         if not task.cancelled() and (error := task.exception()) is not None:
-            # A mistake of ours, beside what is being recorded, which goes on.
+            # A bug beside the recording, which goes on.
             self.log.error("%s failed", task.get_name(), exc_info=error)
 
 

@@ -12,7 +12,7 @@ from app.base.errors import ConfigError
 from app.robots.simulated.camera_models import picture_formats
 from app.robots.simulated.gl import GlUnavailable, check_gl
 from app.robots.simulated.wire import Ready, Socket, Start
-from app.runtime.realtime import be_punctual
+from app.runtime.realtime import tune_for_latency
 
 
 def serve(link_descriptor: int, memory_descriptor: int) -> int:
@@ -35,7 +35,7 @@ def serve(link_descriptor: int, memory_descriptor: int) -> int:
     except (ConfigError, GlUnavailable) as failure:
         return _refuse(str(failure))
     signal.signal(signal.SIGTERM, lambda *_: loop.end())
-    be_punctual()
+    tune_for_latency()
     sock.send(Ready(setup_s=time.monotonic() - began))
     loop.run()
     return 0

@@ -22,7 +22,7 @@ NewSession = Callable[["KeptMap | None", Pose2 | None, bool], "MapSession"]
 
 
 class Legacy:
-    """What an instance of the module leaves to the next, in ``kept`` (``Module.kept``)."""
+    """What an instance of the module leaves to the next, in ``kept`` (``Module.persistent``)."""
 
     def __init__(self, kept: dict[str, Any]) -> None:
         self._kept = kept

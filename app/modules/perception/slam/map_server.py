@@ -74,7 +74,7 @@ class MapHost(Protocol):
         """See :class:`app.runtime.module.Module`."""
         ...
 
-    async def compute_behind(self, function: Callable[..., T], *args: Any) -> T:
+    async def compute_background(self, function: Callable[..., T], *args: Any) -> T:
         """See :class:`app.runtime.module.Module`."""
         ...
 
@@ -105,7 +105,7 @@ class Keeper:
             if grid is None or not (grid.cells >= 0).any():
                 raise MapUnavailable("there is nothing to keep yet: let the robot see something with SLAM in force")
             state = await host.compute(session.state)
-            await host.compute_behind(
+            await host.compute_background(
                 keep, self._library, name, grid, host.known_zones, state, others or {}, host.map_name
             )
             host.call(name)
@@ -117,20 +117,20 @@ class Keeper:
         host = self._host
         self._checked(name)
         async with self._one:
-            kept = await host.compute_behind(kept_map, self._library, name)
+            kept = await host.compute_background(kept_map, self._library, name)
             if extend and kept.state is None:
                 raise MapUnavailable(
                     f"the map {name!r} was kept without its graph: the robot can find itself on it, but it cannot grow"
                 )
             X_MO = None if X_MB is None else X_MB @ host.X_OB.inverse()
-            session = await host.compute_behind(host.new_session, kept, X_MO, extend)
+            session = await host.compute_background(host.new_session, kept, X_MO, extend)
             host.use(session, name, kept.zones)
 
     async def begin(self) -> None:
         """Begin an empty map."""
         async with self._one:
             X_MO = self._host.X_OB.inverse()
-            session = await self._host.compute_behind(self._host.new_session, None, X_MO, True)
+            session = await self._host.compute_background(self._host.new_session, None, X_MO, True)
             self._host.use(session, "", ())
 
     async def place(self, X_MB: Pose2) -> None:
@@ -161,7 +161,7 @@ class Keeper:
             name = self._host.map_name
             if name:
                 try:
-                    await self._host.compute_behind(self._library.keep_zones, name, zones)
+                    await self._host.compute_background(self._library.keep_zones, name, zones)
                 except OSError as failure:
                     raise MapUnavailable(f"the disk refuses the zones: {failure.strerror or failure}") from None
             self._host.mark(zones)

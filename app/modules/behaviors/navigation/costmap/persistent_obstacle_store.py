@@ -55,7 +55,7 @@ class ThingsKept:
                 return
             await self._compute(self._things.take, things)
 
-    async def forget(self) -> None:
+    async def clear(self) -> None:
         """Begin anew."""
         async with self._one:
             await self._compute(self._things.forget)

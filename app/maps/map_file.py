@@ -26,7 +26,7 @@ _OCCUPIED, _UNKNOWN, _FREE = 0, 205, 254
 OCCUPIED_FROM, FREE_UP_TO = 65, 25
 #: A map of more cells is none: at 5 cm, these are 400 m by 400 m.
 MOST_CELLS = 64_000_000
-#: Nor is its picture a larger file: as many grey values, each written as text.
+#: Limit of the picture file's size: as many grey values, each written as text.
 _MOST_BYTES = 4 * MOST_CELLS + 100_000
 #: Rows of a colored picture that are made grey in one go.
 _ROWS = 64
@@ -126,7 +126,7 @@ def _cells(grey: NDArray[np.uint8], alpha: NDArray[np.uint8] | None, file: MapSe
 
 
 def _meaning(file: MapServerFile) -> NDArray[np.int8]:
-    """What each of the 256 shades of grey is as a cell."""
+    """The cell value of each of the 256 shades of grey."""
     grey = np.arange(256)
     if file.mode == "raw":
         return np.where(grey <= 100, grey, -1).astype(np.int8)

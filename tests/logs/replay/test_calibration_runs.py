@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.attention.calibration import Calibration
+from app.attention.calibration import CostCalibration
 from app.attention.strategies import CLOSED, Strategy, StrategyTable
-from app.logs.replay.calibration import Measurement, Progress, Run, fit, measure_all, plan, relations
 from app.logs.replay.calibration_plot import plot
+from app.logs.replay.calibration_runs import CalibrationProgress, Measurement, Run, fit, measure_all, plan, relations
 
 TABLE = StrategyTable(
     (
@@ -45,7 +45,7 @@ def test_each_set_of_parameters_is_measured_by_itself() -> None:
     runs = plan(table, {"Ear": ["sound"]})
     assert [run.relation for run in runs] == ["Ear.sound with microphones=2", "Ear.sound with microphones=8"]
     results = {run: Measurement(0.6 * (number + 1), 60, 60) for number, run in enumerate(runs)}
-    calibration = Calibration(host="here", made="now", relations=relations(results))
+    calibration = CostCalibration(host="here", made="now", relations=relations(results))
     costs = [calibration.cost(s.filters, s.parameters) for s in table.strategies]
     assert costs == [1.0, 2.0]
     assert calibration.cost({"Ear.sound": 1}) is None
@@ -71,7 +71,7 @@ def test_one_divisor_alone_is_taken_as_proportional() -> None:
     assert (fit([(2, 3.0)]).base, fit([(2, 3.0)]).slope) == (0, 6)
 
 
-def test_one_busy_moment_does_not_move_a_point_but_its_spread_is_told() -> None:
+def test_one_busy_moment_does_not_move_a_point_but_its_spread_is_reported() -> None:
     found = relations(
         {
             Run("Eye", "images", 1): Measurement(2.4, 600, 60),
@@ -102,8 +102,8 @@ def test_what_was_interrupted_goes_on_where_it_was(tmp_path: Path) -> None:
 
     path = tmp_path / "cache" / "brain.json"
     with pytest.raises(KeyboardInterrupt):
-        measure_all(runs, measure, Progress(path, {"log": "a"}), pairs)
-    later = Progress(path, {"log": "a"})
+        measure_all(runs, measure, CalibrationProgress(path, {"log": "a"}), pairs)
+    later = CalibrationProgress(path, {"log": "a"})
     assert later.load() == 4
     done = list(made)
     made.clear()
@@ -120,12 +120,12 @@ def test_what_was_interrupted_goes_on_where_it_was(tmp_path: Path) -> None:
 def test_results_of_something_else_are_not_taken(tmp_path: Path, content: str) -> None:
     path = tmp_path / "brain.json"
     path.write_text(content, encoding="utf-8")
-    assert Progress(path, {"log": "a"}).load() == 0
+    assert CalibrationProgress(path, {"log": "a"}).load() == 0
 
 
 @pytest.mark.parametrize("suffix", ["png", "svg"])
 def test_a_calibration_is_drawn(tmp_path: Path, suffix: str) -> None:
     found = relations({Run("Eye", "images", phi): Measurement(2.0 / phi + 0.1, 900 // phi, 60) for phi in (1, 2, 4, 8)})
     path = tmp_path / f"brain.{suffix}"
-    plot(Calibration(host="brain", made="2026-11-21", relations=found), path)
+    plot(CostCalibration(host="brain", made="2026-11-21", relations=found), path)
     assert path.stat().st_size > 10_000

@@ -1,4 +1,4 @@
-"""Who is in the world is the user's choice: a file, one of the project's scenarios by name, or nobody."""
+"""The people in the world are the user's choice: a file, one of the project's scenarios by name, or none."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from app import cli
 from app.base import paths
-from app.commands.body import add_body_options, chosen
+from app.commands.body_options import add_body_options, chosen
 from app.robots.config import RobotConfig
 from tests.robots.devices.files import ramp, sound_file
 
@@ -26,7 +26,7 @@ def scenario(*options: str) -> Path | None:
     return body.scenario
 
 
-def test_people_live_in_the_lab_unless_told_otherwise(tmp_path: Path) -> None:
+def test_people_are_in_the_lab_by_default(tmp_path: Path) -> None:
     assert scenario() == SCENARIOS / "lab.yaml"
     assert scenario("--scenario", "trial") == SCENARIOS / "trial.yaml"
     assert scenario("--scenario", "none") is None

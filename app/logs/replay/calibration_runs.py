@@ -1,8 +1,8 @@
-"""What each module costs at each φ of its strategies: the plan of runs, their results, and the lines through them.
+"""Measured cost of each module at each φ of its strategies: the plan of runs, their results, and fitted lines.
 
 Thesis 4.2.3 and figure 4.4: each perception was run on a recording at several φ, from every starting offset; CPU use
 and events were found to be close to linear in 1/φ. Here one *run* is one module alone in a headless replay, its input
-pinned at one φ and one offset; many are made in one replay (``side_by_side.py``). Everything in this file is pure or a
+pinned at one φ and one offset; many are made in one replay (``batch_replay.py``). Everything in this file is pure or a
 file of results.
 """
 
@@ -16,14 +16,14 @@ from itertools import groupby
 from pathlib import Path
 from statistics import median
 
-from app.attention.calibration import Fit, Point, Relation, relation_name
+from app.attention.calibration import CostFit, Point, Relation, relation_name
 from app.attention.strategies import CLOSED, StrategyTable
 
 
 @dataclass(frozen=True, slots=True, order=True)
 class Run:
     """One measurement to make: ``module`` alone, its input ``port`` at ``phi``, after ``offset`` messages; ``repeat``
-    numbers measurements of the same. ``parameters``: what the module is handed, as JSON."""
+    numbers equal measurements. ``parameters``: those of the module, as JSON."""
 
     module: str
     port: str
@@ -39,13 +39,13 @@ class Run:
 
     @property
     def relation(self) -> str:
-        """What it is a measurement of."""
+        """The key of the relation that the run belongs to."""
         return relation_name(self.filter, json.loads(self.parameters))
 
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """What a run gave: thread CPU time and percepts over ``duration_s`` of the recording."""
+    """Result of a run: thread CPU time and number of percepts over ``duration_s`` of the recording."""
 
     cpu_s: float
     events: int
@@ -70,13 +70,13 @@ def plan(
     repeats: int = 1,
     sweep: Mapping[str, Collection[int]] | None = None,
 ) -> list[Run]:
-    """The runs that the strategies of ``table`` ask for: each filtered input at each of its divisors, ascending, with
-    each set of parameters that a strategy hands to its module.
+    """The runs for the strategies of ``table``: each filtered input at each of its divisors, ascending, with each set
+    of parameters that a strategy sets for its module.
 
     ``inputs`` maps each module to be measured to its input ports (outputs cost nothing to decimate). With
-    ``every_offset``, each φ is measured from each of its φ starting offsets, as the thesis did. All is done
-    ``repeats`` times over, so that a computer's busy minute does not fall on one φ alone. ``sweep`` asks for other
-    divisors, of the filters in it alone, with the module's own settings.
+    ``every_offset``, each φ is measured from each of its φ starting offsets, as the thesis did. The whole plan is
+    repeated ``repeats`` times, so that other load on the computer does not affect one φ alone. ``sweep`` gives other
+    divisors, for the filters in it alone, with the module's own settings.
     """
     wanted = {
         (module, port, int(divisor), json.dumps(strategy.parameters.get(module, {}), sort_keys=True))
@@ -127,7 +127,7 @@ def _point(phi: int, measurements: Sequence[Measurement]) -> Point:
     )
 
 
-def fit(points: Iterable[tuple[float, float]]) -> Fit:
+def fit(points: Iterable[tuple[float, float]]) -> CostFit:
     """The line ``base + slope / φ`` with the least squared distances from ``points`` (φ, value).
 
     Through one point alone (or several of one φ), the value is taken as proportional to 1/φ.
@@ -144,13 +144,13 @@ def fit(points: Iterable[tuple[float, float]]) -> Fit:
         slope = math.fsum((x - mean_x) * (y - mean_y) for x, y in zip(xs, ys, strict=True)) / spread
         base = mean_y - slope * mean_x
     squares = math.fsum((base + slope * x - y) ** 2 for x, y in zip(xs, ys, strict=True))
-    return Fit(base=round(base, 5), slope=round(slope, 5), residual=round(math.sqrt(squares / n), 5))
+    return CostFit(base=round(base, 5), slope=round(slope, 5), residual=round(math.sqrt(squares / n), 5))
 
 
-class Progress:
-    """Results so far, on disk after every batch, so that a calibration that was interrupted goes on where it was.
+class CalibrationProgress:
+    """Results so far, on disk after every batch, so that an interrupted calibration can continue.
 
-    ``key`` says what they are results of (recording, program, version): those of another key are not used.
+    ``key`` identifies the recording, program and version: results of another key are not used.
     """
 
     def __init__(self, path: Path, key: Mapping[str, object]) -> None:
@@ -159,13 +159,13 @@ class Progress:
         self.results: dict[Run, Measurement] = {}
 
     def load(self) -> int:
-        """Take up what is on disk; returns how many results that are."""
+        """Read the results on disk; returns their number."""
         try:
             content = json.loads(self._path.read_text(encoding="utf-8"))
             if content["key"] == self._key:
                 self.results = {Run(**entry["run"]): Measurement(**entry["result"]) for entry in content["results"]}
         except (OSError, ValueError, KeyError, TypeError):
-            self.results = {}  # none, or not ours: measure anew
+            self.results = {}  # none, or of another calibration: measure again
         return len(self.results)
 
     def add(self, results: Mapping[Run, Measurement]) -> None:
@@ -185,7 +185,7 @@ class Progress:
 def measure_all(
     runs: Sequence[Run],
     measure: Callable[[Sequence[Run]], Sequence[Measurement]],
-    progress: Progress,
+    progress: CalibrationProgress,
     batches: Callable[[Sequence[Run]], Sequence[Sequence[Run]]],
 ) -> dict[Run, Measurement]:
     """Make the runs that ``progress`` does not have yet, in order and in ``batches``; the results of all ``runs``."""

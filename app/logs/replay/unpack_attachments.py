@@ -8,7 +8,7 @@ from pathlib import Path
 from app.logs.log import LogError
 from app.logs.manifest import AttachedFile, Manifest
 
-#: So many folders may a program's files lie above the program itself.
+#: Levels that a program's files may be above the program itself.
 _MOST_ABOVE = 16
 
 
@@ -39,5 +39,5 @@ def _checked(file: AttachedFile) -> str:
 
 
 def _parents(name: str) -> int:
-    """How many folders above its own a normal path begins."""
+    """Number of levels above its own folder at which a normal path begins."""
     return sum(1 for part in name.split("/") if part == "..")

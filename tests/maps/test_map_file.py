@@ -16,7 +16,7 @@ from hypothesis import given
 
 from app.base import image_source
 from app.base.errors import ConfigError
-from app.maps.map_server import pgm_bytes, read_map, yaml_text
+from app.maps.map_file import pgm_bytes, read_map, yaml_text
 from app.messages import OccupancyGrid
 from tests.maps.grids import room, trinary_grids
 
@@ -99,7 +99,7 @@ def test_pictures_may_be_png_in_colour_and_text_pgm(tmp_path: Path) -> None:
         ("image: [\n", 2, "not valid YAML"),
     ],
 )
-def test_a_mistake_in_the_yaml_file_is_told_with_its_line(tmp_path: Path, yaml: str, line: int, words: str) -> None:
+def test_a_mistake_in_the_yaml_file_is_reported_with_its_line(tmp_path: Path, yaml: str, line: int, words: str) -> None:
     path = write(tmp_path, yaml, FOREIGN_PGM)
     with pytest.raises(ConfigError, match=words) as mistake:
         read_map(path)
@@ -107,7 +107,7 @@ def test_a_mistake_in_the_yaml_file_is_told_with_its_line(tmp_path: Path, yaml: 
 
 
 @pytest.mark.parametrize("picture", [FOREIGN_PGM[:-2], b"", b"P5\n3 2\n", b"a drawing"])
-def test_a_damaged_picture_is_told(tmp_path: Path, picture: bytes) -> None:
+def test_a_damaged_picture_is_reported(tmp_path: Path, picture: bytes) -> None:
     path = write(tmp_path, FOREIGN_YAML, picture)
     with pytest.raises(ConfigError, match="damaged or cut off") as mistake:
         read_map(path)
@@ -188,7 +188,7 @@ def test_a_pipe_or_a_device_in_a_files_place_is_refused_and_not_waited_for(
         read_map(path)
 
 
-def test_a_picture_that_is_not_there_is_told(tmp_path: Path) -> None:
+def test_a_missing_picture_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "map.yaml"
     path.write_text(FOREIGN_YAML, encoding="utf-8")
     with pytest.raises(ConfigError, match="cannot be read: No such file"):

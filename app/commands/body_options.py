@@ -17,15 +17,19 @@ if TYPE_CHECKING:
 
 
 def add_body_options(parser: argparse.ArgumentParser) -> None:
-    """The options that choose a body, its devices and what is around it."""
+    """The options for a body, its devices and its surroundings."""
     parser.add_argument("--robot", type=Path, metavar="FILE", help="the body to run: a file, or a name as webcam")
-    parser.add_argument("--camera", metavar="SOURCE", help="of a body of devices: a number, a video, pictures")
+    parser.add_argument(
+        "--camera", metavar="SOURCE", help="camera of a body of devices: a device number, a video file, or pictures"
+    )
     parser.add_argument(
         "--scenario",
         metavar="FILE",
-        help="who else is in the simulated world: a file, a name as walkers, or none",
+        help="people in the simulated world: a file, a name as walkers, or none",
     )
-    parser.add_argument("--microphones", metavar="SOURCE", help="of a body of devices: an input's name, a sound file")
+    parser.add_argument(
+        "--microphones", metavar="SOURCE", help="microphones of a body of devices: an input's name, or a sound file"
+    )
 
 
 def chosen(args: argparse.Namespace) -> tuple[Configuration, Body]:
@@ -118,7 +122,7 @@ def _names_a_file(source: str) -> bool:
 
 
 def scenario_file(named: str) -> Path | None:
-    """The file of a scenario named by its path or by its name in ``config/scenarios``; None for "none", nobody.
+    """The file of a scenario given by its path or by its name in ``config/scenarios``; None for "none", an empty world.
 
     Raises ConfigError.
     """

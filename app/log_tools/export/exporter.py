@@ -1,4 +1,4 @@
-"""One export: which channels, which time, and every message to the writer of its channel."""
+"""One export: selects channels and times, and passes every message to the writer of its channel."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from app.log_tools.export.png import Png
 from app.log_tools.export.target import Format, Target, Write
 from app.log_tools.export.wav import Wav
 from app.logs.log import Log, LogError, LoggedChannel, LogInfo
-from app.logs.output import Progress, disk_trouble, unwatched
+from app.logs.output_file import Progress, disk_trouble, unwatched
 from app.logs.stamps import SECOND
 
 FORMATS: Mapping[str, Callable[[], Format]] = {"png": Png, "mp4": Mp4, "csv": Csv, "wav": Wav, "pcd": Pcd}
@@ -25,9 +25,9 @@ FORMATS: Mapping[str, Callable[[], Format]] = {"png": Png, "mp4": Mp4, "csv": Cs
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """What is to be exported: messages that arrived from ``begin`` to ``end`` (robot's clock, s; None: all).
+    """The request: messages that arrived from ``begin`` to ``end`` (robot's clock, s; None: all).
 
-    ``channels`` None: all that ``kind`` can hold. Of each channel one message in ``every``, the first among them.
+    ``channels`` None: all that ``kind`` can hold. Of each channel one message in ``every``, beginning with the first.
     """
 
     kind: str
@@ -41,7 +41,7 @@ class Wish:
 
 @dataclass(frozen=True, slots=True)
 class Exported:
-    """What was written, a line for people each, in ``folder``."""
+    """The result: one line for people for each file in ``folder``."""
 
     folder: Path
     written: tuple[str, ...]

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from app.logs.log import LogError
 from app.logs.manifest import AttachedFile, Manifest
-from app.logs.replay.attachments import extract
+from app.logs.replay.unpack_attachments import extract
 
 
 def manifest(*names: str) -> Manifest:

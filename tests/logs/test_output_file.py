@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from app.logs.log import LogError
-from app.logs.output import DiskTrouble, check_new, replacing
+from app.logs.output_file import DiskTrouble, check_new, replacing
 
 
 def test_a_file_appears_when_it_is_whole(tmp_path: Path) -> None:

@@ -17,19 +17,19 @@ from app.logs.log import LogError
 
 
 class DiskTrouble(LogError):
-    """The disk is full or refuses; nobody asked for anything wrong."""
+    """The disk is full or refuses; the request itself was valid."""
 
 
-#: Told how far a long work is: done, of how much (bytes, or nanoseconds of the log; only their ratio matters).
+#: Progress of a long operation: ``(done, total)`` in bytes, or nanoseconds of the log; only their ratio matters.
 Progress = Callable[[int, int], None]
 
 
 def unwatched(done: int, total: int) -> None:
-    """The progress nobody looks at."""
+    """A Progress that does nothing."""
 
 
 def check_new(path: Path, force: bool) -> None:
-    """Raise LogError where ``path`` exists and may not be replaced, or its folder does not."""
+    """Raise LogError if ``path`` exists and may not be replaced, or its folder does not exist."""
     if path.exists() and not force:
         raise LogError(f"{path} exists already; --force replaces it, -o names another")
     if not path.parent.is_dir():
@@ -38,10 +38,10 @@ def check_new(path: Path, force: bool) -> None:
 
 @contextmanager
 def replacing(path: Path, force: bool = False) -> Iterator[Path]:
-    """A name beside ``path`` to write to; renamed to ``path`` when all went well, deleted on any exception.
+    """A name beside ``path`` to write to; renamed to ``path`` at the end, deleted on any exception.
 
-    Where nothing was written there, or it was deleted again, ``path`` does not come to be.
-    Raises LogError where ``path`` exists and ``force`` is not given, DiskTrouble where the disk is full or refuses.
+    If nothing was written there, or the file was deleted, ``path`` is not created. Raises LogError if ``path`` exists
+    and ``force`` is not given, DiskTrouble if the disk is full or refuses.
     """
     check_new(path, force)
     # The suffix stays the last part: writers of video choose the container by it.
@@ -60,20 +60,20 @@ def replacing(path: Path, force: bool = False) -> Iterator[Path]:
 
 
 def disk_trouble(failure: OSError, path: Path) -> DiskTrouble:
-    """What an error of the disk under ``path`` means to people."""
+    """The exception for people for an OSError under ``path``."""
     if failure.errno in (errno.ENOSPC, errno.EDQUOT):
         return DiskTrouble(f"the disk under {path.parent} is full: {path.name} was not written")
     return DiskTrouble(f"{path} cannot be written: {failure.strerror or failure}")
 
 
 def durable(stream: IO[bytes]) -> None:
-    """Have the disk keep what was written, before the name points at it."""
+    """Flush the written data to the disk, before the name refers to it."""
     stream.flush()
     os.fsync(stream.fileno())
 
 
 class McapCopy:
-    """A new MCAP file that takes records of another as they are; ids are given anew, payloads are not touched."""
+    """A new MCAP file that takes records of another; ids are assigned again, payloads are copied."""
 
     def __init__(self, stream: IO[bytes], profile: str, library: str, compression: str = "zstd") -> None:
         kinds = {"": CompressionType.NONE, "lz4": CompressionType.LZ4}
@@ -94,15 +94,15 @@ class McapCopy:
         return self._channels[channel.id]
 
     def message(self, channel_id: int, log_time: int, data: bytes, publish_time: int, sequence: int) -> None:
-        """One message of a declared channel; ``channel_id`` is the one it had in its file."""
+        """Copy one message of a declared channel; ``channel_id`` is the one it had in its file."""
         self._writer.add_message(self._channels[channel_id], log_time, data, publish_time, sequence)
 
     def attachment(self, log_time: int, create_time: int, name: str, media_type: str, data: bytes) -> None:
-        """One attached file."""
+        """Copy one attached file."""
         self._writer.add_attachment(create_time, log_time, name, media_type, data)
 
     def metadata(self, name: str, data: dict[str, str]) -> None:
-        """One metadata record."""
+        """Copy one metadata record."""
         self._writer.add_metadata(name, data)
 
     def finish(self) -> None:
