@@ -15,12 +15,12 @@ import numpy as np
 
 from app.base.geometry import Pose3
 from app.robots.config import MicrophonesConfig
+from app.robots.simulated.acoustics.auralization import Emission, Hearing, OneRoom
 from app.robots.simulated.acoustics.diffraction import Microphones
-from app.robots.simulated.acoustics.hearing import Emission, Hearing, OneRoom
-from app.robots.simulated.acoustics.offline import Source, render_scene
+from app.robots.simulated.acoustics.dry_sound import Recorded
+from app.robots.simulated.acoustics.offline_rendering import Source, render_scene
 from app.robots.simulated.acoustics.room import Shoebox
 from app.robots.simulated.acoustics.sounds import Library
-from app.robots.simulated.acoustics.source import Recorded
 from benchmarks.report import Row, benchmark_main, row
 
 RATE, BLOCK = 48000, 512

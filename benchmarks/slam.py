@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from app.base.geometry import Pose2
 from app.commands.slam.sweeps import sweep_key
 from app.commands.slam.truth import read_reference
-from app.modules.perception.slam.offline import MappedLog, Sweep, mapped
+from app.modules.perception.slam.offline_mapping import MappedLog, Sweep, mapped
 from app.modules.perception.slam.relations import RelationErrors, between, filled_in, relation_errors, trajectory_error
 from app.modules.perception.slam.scans import Beams
 from benchmarks.corridors import ANGLES, drive

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose3
 from app.robots.simulated.acoustics.diffraction import Microphones
-from app.robots.simulated.acoustics.offline import Source, render_scene
+from app.robots.simulated.acoustics.offline_rendering import Source, render_scene
 from app.robots.simulated.acoustics.room import Shoebox
 from benchmarks.voice_rooms import BLOCK_S, RATE, Recipe, Scene, Talker, draw, talk
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from app.base import paths
 from app.base.errors import ConfigError
-from app.experiments.lockstep import able
+from app.experiments.world_run import able
 from app.program.config import Configuration, load_configuration
 from app.program.system import System
 from app.robots.config import RobotConfig

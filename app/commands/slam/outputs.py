@@ -12,7 +12,7 @@ from app.base.errors import ConfigError
 
 if TYPE_CHECKING:
     from app.messages import OccupancyGrid
-    from app.modules.perception.slam.offline import MappedLog
+    from app.modules.perception.slam.offline_mapping import MappedLog
     from app.modules.perception.slam.self_check import Checked
 
 

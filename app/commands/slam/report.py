@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from app.commands.slam.sweeps import SweepSource
     from app.commands.slam.truth import Reference, Relations
-    from app.modules.perception.slam.offline import MappedLog
+    from app.modules.perception.slam.offline_mapping import MappedLog
     from app.modules.perception.slam.self_check import Checked
 
 #: A time of a relation or reference names a scan not farther away than this (s).

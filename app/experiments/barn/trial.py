@@ -16,7 +16,7 @@ from app.base.errors import ConfigError
 from app.base.geometry import Pose2
 from app.experiments.barn.result import Outcome, WorldResult
 from app.experiments.barn.worlds import BarnWorld
-from app.experiments.lockstep import WorldRun, run_in_world, with_settings
+from app.experiments.world_run import WorldRun, run_in_world, with_settings
 from app.maps.library import MapLibrary
 from app.messages import NavigationStatus
 from app.program.config import load_configuration

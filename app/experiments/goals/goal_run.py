@@ -13,7 +13,7 @@ from app.attention.desires import Source
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2, wrap_angle
 from app.experiments.goals.result import GoalResult, Outcome, clearance
-from app.experiments.lockstep import WorldRun, run_in_world
+from app.experiments.world_run import WorldRun, run_in_world
 from app.maps.control import MapUnavailable
 from app.maps.library import MapLibrary
 from app.messages import NavigationStatus

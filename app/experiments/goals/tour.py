@@ -9,8 +9,8 @@ from pathlib import Path
 from app.attention.desires import Source
 from app.base.geometry import Pose2
 from app.experiments.goals.goal_run import MAP, UNCONCERNED, seeing, simulated_body
-from app.experiments.lockstep import WorldRun, run_in_world
 from app.experiments.script import Waypoint, drive_script, load_script
+from app.experiments.world_run import WorldRun, run_in_world
 from app.maps.library import MapLibrary
 from app.program.config import load_configuration
 from app.robots.config import RobotConfig

@@ -21,7 +21,7 @@ from app.logs.replay.state_at import Past
 from app.messages import DesiresRecord, RecorderStatus
 from app.modules.recording.recorder import Recorder
 from app.program.system import System
-from app.robots.replayed.body import ReplayedBody
+from app.robots.replayed.link import ReplayedBody
 from app.runtime.clock import Clock
 from app.runtime.graph import Pin
 

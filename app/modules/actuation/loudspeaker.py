@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from app.link import RobotLink
 from app.messages import Audio
-from app.modules.body import robot_link
+from app.modules.stream_module import robot_link
 from app.runtime.errors import InboxOverflow
 from app.runtime.module import Module, ModuleContext
 

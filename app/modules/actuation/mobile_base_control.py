@@ -35,7 +35,7 @@ from app.messages import Exploitation, LaserScan, LinkStatus, Message, Odometry,
 from app.modules.actuation.arbitration import Contender, approach, arbitrate, clamped
 from app.modules.actuation.collision_context import Lookout
 from app.modules.actuation.collision_monitor import CollisionMonitor, Rules
-from app.modules.body import attach, robot_link
+from app.modules.stream_module import attach, robot_link
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Caution, Input, Module, ModuleContext, Settings
 

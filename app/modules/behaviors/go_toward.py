@@ -39,7 +39,7 @@ from app.modules.behaviors.navigation.tracking.localization_monitor import PoseW
 from app.modules.behaviors.navigation.tracking.path_tracker import Follower, Goal, Step
 from app.modules.behaviors.navigation.tracking.sensor_health import unfit
 from app.modules.behaviors.navigation.tracking.status_publisher import Teller
-from app.modules.body import robot_link
+from app.modules.stream_module import robot_link
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
 

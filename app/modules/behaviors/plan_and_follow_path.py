@@ -65,7 +65,7 @@ from app.modules.behaviors.navigation.tracking.desired_goal import goal_of
 from app.modules.behaviors.navigation.tracking.localization_monitor import PoseWatch
 from app.modules.behaviors.navigation.tracking.path_tracker import FollowerSettings, Goal
 from app.modules.behaviors.navigation.tracking.status_publisher import Teller
-from app.modules.body import robot_link
+from app.modules.stream_module import robot_link
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
 from app.runtime.realtime import go_first

@@ -21,7 +21,7 @@ from pydantic import Field
 
 from app.messages import OperatorDrive, Twist
 from app.modules.behaviors.drive_gate import Decision, DriveGate
-from app.modules.body import robot_link
+from app.modules.stream_module import robot_link
 from app.runtime.module import Module, ModuleContext, Settings
 
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 from types import MappingProxyType
 
 from app.messages import JointState, Odometry
-from app.modules.body import StreamModule
+from app.modules.stream_module import StreamModule
 from app.runtime.module import ModuleContext
 
 

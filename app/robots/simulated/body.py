@@ -19,7 +19,7 @@ from app.base.geometry import Pose2
 from app.robots.config import RobotConfig
 from app.robots.guard import Velocity
 from app.robots.model import load_model
-from app.robots.simulated.kinect import camera_model
+from app.robots.simulated.kinect_noise import camera_model
 from app.robots.simulated.odometry import TrueBase
 from app.robots.simulated.scenery.actor import Actor
 from app.robots.simulated.scenery.people import add_people

@@ -7,7 +7,7 @@ import math
 from app.base.geometry import CameraModel, FisheyeModel
 from app.robots.config import ImvConfig, RobotConfig
 from app.robots.simulated.image_ring import PictureFormat
-from app.robots.simulated.kinect import camera_model
+from app.robots.simulated.kinect_noise import camera_model
 
 
 def fisheye_model(config: ImvConfig) -> FisheyeModel:

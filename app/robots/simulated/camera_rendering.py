@@ -19,7 +19,7 @@ from app.robots.simulated.body import PREFIX
 from app.robots.simulated.camera_models import fisheye_model
 from app.robots.simulated.color_noise import ColorNoise
 from app.robots.simulated.fisheye import Tiling, tile
-from app.robots.simulated.kinect import KinectNoise
+from app.robots.simulated.kinect_noise import KinectNoise
 from app.robots.simulated.renderer import Painter, Place, Snapshot, View
 
 

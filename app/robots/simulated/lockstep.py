@@ -13,7 +13,7 @@ experiments; ``hbba run`` keeps the real process, for a guard in the program's o
         await run.system.clock.sleep(0.2)                             # 50 turns of the world
         return run.link.true_pose()                                   # the truth is the experimenter's to ask
 
-    pose = run_in_world(configuration, body, script)                  # app.experiments.lockstep
+    pose = run_in_world(configuration, body, script)                  # app.experiments.world_run
 
 ``kinect`` and ``imv`` are there only with ``cameras``, and ``microphones`` only with that: pictures are then drawn and
 sound is made while time stands, and come with the step they belong to. There is no loudspeaker.

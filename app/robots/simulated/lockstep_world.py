@@ -8,7 +8,7 @@ import numpy as np
 
 from app.messages import Image
 from app.robots.config import RobotConfig
-from app.robots.simulated.acoustics.microphone_array import Ear
+from app.robots.simulated.acoustics.microphone_simulator import Ear
 from app.robots.simulated.acoustics.soundscape import SCENES_HZ, Soundscape
 from app.robots.simulated.body import TIMESTEP_S
 from app.robots.simulated.camera_models import lenses, picture_formats

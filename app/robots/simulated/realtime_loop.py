@@ -17,8 +17,8 @@ from app.robots.simulated import wire
 from app.robots.simulated.acoustics.client import Acoustics
 from app.robots.simulated.acoustics.soundscape import SCENES_HZ
 from app.robots.simulated.body import TIMESTEP_S
-from app.robots.simulated.camera import CameraThread
 from app.robots.simulated.camera_models import picture_formats
+from app.robots.simulated.camera_thread import CameraThread
 from app.robots.simulated.guard_log import GuardLog
 from app.robots.simulated.image_ring import ImageRings
 from app.robots.simulated.pacer import Pacer

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from app.base import compiled, paths
 from app.base.geometry import Pose2
 from app.base.yaml_source import parse
-from app.experiments.lockstep import WorldRun, run_in_world, with_settings
 from app.experiments.script import Waypoint, drive_script
+from app.experiments.world_run import WorldRun, run_in_world, with_settings
 from app.maps.library import MapLibrary
 from app.messages import Localization
 from app.program.config import Configuration, load_configuration

@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from app.modules.perception.slam.offline import MappedLog
+from app.modules.perception.slam.offline_mapping import MappedLog
 from app.modules.perception.slam.pose_graph import graph_arrays, uncertainties
 from app.modules.perception.slam.scan_overlap import Pairs, compared
 from app.modules.perception.slam.types import Keyframe

@@ -20,7 +20,7 @@ from app.base.geometry import Pose2
 from app.maps.control import MapUnavailable
 from app.maps.library import GRAPH, MapLibrary
 from app.messages import LaserScan, OccupancyGrid, Zone, read_only
-from app.modules.perception.slam.beams import BeamsOf
+from app.modules.perception.slam.beam_cache import BeamsOf
 from app.modules.perception.slam.grid_views import state_of
 from app.modules.perception.slam.likelihood_field import PlaceField
 from app.modules.perception.slam.localization_quality import FITS

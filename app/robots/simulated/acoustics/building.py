@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from app.robots.simulated.acoustics.auralization import Way
 from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS
-from app.robots.simulated.acoustics.hearing import Way
 from app.robots.simulated.acoustics.room import Shoebox
 from app.robots.simulated.world_config import DoorConfig, RoomConfig, WallConfig, WorldConfig
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.robots.simulated.acoustics.diffraction import Microphones
-from app.robots.simulated.acoustics.source import ramp
+from app.robots.simulated.acoustics.dry_sound import ramp
 
 Samples = NDArray[np.float32]
 _LENGTH = 1 << 16

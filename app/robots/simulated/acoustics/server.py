@@ -8,7 +8,7 @@ import select
 import socket
 
 from app.robots.simulated.acoustics.ipc import Played, Scene, Setup
-from app.robots.simulated.acoustics.microphone_array import Ear
+from app.robots.simulated.acoustics.microphone_simulator import Ear
 from app.robots.simulated.wire import Socket
 
 

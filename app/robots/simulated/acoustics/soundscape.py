@@ -24,7 +24,7 @@ SCENES_HZ = 100.0
 
 class Soundscape:
     """Every sound of ``scenario``; ``setup`` is what
-    an :class:`~app.robots.simulated.acoustics.microphone_array.Ear` is
+    an :class:`~app.robots.simulated.acoustics.microphone_simulator.Ear` is
     made from.
 
     Raises ConfigError for a sound there is not, or that would be cut off.

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
-from app.modules.perception.slam.offline import Sweep
+from app.modules.perception.slam.offline_mapping import Sweep
 from app.modules.perception.slam.scans import Beams
 
 Walls = NDArray[np.float64]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from app.base.geometry import Pose2
-from app.modules.perception.slam.offline import MappedLog, Sweep, mapped
+from app.modules.perception.slam.offline_mapping import MappedLog, Sweep, mapped
 from app.modules.perception.slam.scan_overlap import Pairs
 from app.modules.perception.slam.self_check import CheckSettings, checked, cuts_of
 from tests.modules.perception.slam.rooms import around, driven, half_circle, ring

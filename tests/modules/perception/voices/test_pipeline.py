@@ -12,7 +12,7 @@ from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
 from app.robots.config import MicrophonesConfig
 from app.robots.simulated.acoustics.diffraction import Microphones
-from app.robots.simulated.acoustics.offline import Source, render_scene
+from app.robots.simulated.acoustics.offline_rendering import Source, render_scene
 from app.robots.simulated.acoustics.room import Shoebox
 from app.robots.simulated.acoustics.sounds import Library
 from benchmarks.bss_eval import bss_eval

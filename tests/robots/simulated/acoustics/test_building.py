@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from app.robots.simulated.acoustics.auralization import Way
 from app.robots.simulated.acoustics.building import Building, Opening, build
-from app.robots.simulated.acoustics.hearing import Way
 from app.robots.simulated.acoustics.room import Shoebox
 from app.robots.simulated.world_config import WorldConfig
 from tests.robots.conftest import make_hall

@@ -21,7 +21,7 @@ from app.robots.guard import Velocity
 from app.robots.model import load_model
 from app.robots.simulated.body import Simulation, build_simulation
 from app.robots.simulated.camera_rendering import KinectEye
-from app.robots.simulated.kinect import camera_model
+from app.robots.simulated.kinect_noise import camera_model
 from app.robots.simulated.laser import Laser
 from app.robots.simulated.link import SimulatedLink
 from app.robots.simulated.odometry import TrueBase

@@ -8,7 +8,7 @@ import pytest
 from app.base.geometry import Pose3
 from app.robots.simulated.acoustics.activity import activity
 from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, Microphones
-from app.robots.simulated.acoustics.offline import Source, render_scene
+from app.robots.simulated.acoustics.offline_rendering import Source, render_scene
 from app.robots.simulated.acoustics.room import Shoebox, response
 from tests.robots.simulated.acoustics.decay import reverberation_time
 

@@ -7,10 +7,10 @@ import pytest
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose3
+from app.robots.simulated.acoustics.auralization import Emission, Hearing, OneRoom
 from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, Microphones
-from app.robots.simulated.acoustics.hearing import Emission, Hearing, OneRoom
+from app.robots.simulated.acoustics.dry_sound import Recorded
 from app.robots.simulated.acoustics.room import Shoebox
-from app.robots.simulated.acoustics.source import Recorded
 
 RATE, BLOCK = 48000, 512
 ROOM = Shoebox((0.0, 0.0, 0.0), (10.0, 6.8, 2.7), (0.4, 0.35))

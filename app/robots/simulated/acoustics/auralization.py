@@ -21,8 +21,8 @@ from app.base.geometry import Pose3
 from app.robots.simulated.acoustics.bands import AIR_DB_PER_M, low_pass
 from app.robots.simulated.acoustics.convolver import Partitions, Spectra, Tail, finish, transform
 from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, TAPS, Microphones
+from app.robots.simulated.acoustics.dry_sound import Dry, Samples, ramp, read_between
 from app.robots.simulated.acoustics.room import MOUTH_MEAN, Images, Shoebox, diffuse_noise, early, images, late
-from app.robots.simulated.acoustics.source import Dry, Samples, ramp, read_between
 
 MARGIN = 64
 """Samples by which a kernel begins before the sound arrives at the array's middle: some microphones are nearer."""

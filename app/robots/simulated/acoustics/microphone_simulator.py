@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from app.base.geometry import Pose2, Pose3
 from app.messages import Audio
+from app.robots.simulated.acoustics.auralization import Emission, Hearing
 from app.robots.simulated.acoustics.building import build
 from app.robots.simulated.acoustics.diffraction import Microphones
-from app.robots.simulated.acoustics.hearing import Emission, Hearing
+from app.robots.simulated.acoustics.dry_sound import Recorded
 from app.robots.simulated.acoustics.ipc import Heard, Played, Scene, Setup, Sounding
-from app.robots.simulated.acoustics.loudspeaker import Loudspeaker
+from app.robots.simulated.acoustics.loudspeaker_source import Loudspeaker
 from app.robots.simulated.acoustics.selfnoise import SelfNoise
-from app.robots.simulated.acoustics.source import Recorded
 
 LATE_S = 0.15
 """How far behind the world the microphones may fall before frames are left out."""

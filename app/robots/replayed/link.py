@@ -20,7 +20,7 @@ from app.link import LinkFailed, RobotDescription
 from app.logs.log import Log, LogError, Logged
 from app.logs.mcap.damage import LogDamaged
 from app.messages import Audio, Twist
-from app.robots.replayed.source import LogSource, Place
+from app.robots.replayed.log_source import LogSource, Place
 from app.runtime.clock import Clock
 
 log = logging.getLogger("hbba.replay")

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from app.base.geometry import Pose2
 from app.logs.log import LogError, Logged
 from app.messages import Odometry
-from app.robots.replayed.source import PIECE_MESSAGES, PIECE_S, LogSource, Place
+from app.robots.replayed.log_source import PIECE_MESSAGES, PIECE_S, LogSource, Place
 from tests.logs.replay.logs import MemoryLog, numbered
 
 TIMES = st.lists(st.tuples(st.integers(0, 40).map(lambda n: n / 8), st.sampled_from("abc")), max_size=60)

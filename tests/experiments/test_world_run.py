@@ -9,7 +9,7 @@ import pytest
 from app.attention.desires import Source
 from app.base import paths
 from app.base.errors import ConfigError
-from app.experiments.lockstep import WorldRun, able, run_in_world, with_settings
+from app.experiments.world_run import WorldRun, able, run_in_world, with_settings
 from app.link import LinkFailed
 from app.messages import LaserScan, OperatorDrive
 from app.program.config import Configuration, load_configuration

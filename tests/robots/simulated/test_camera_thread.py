@@ -15,7 +15,7 @@ from app.robots.config import KinectConfig, RobotConfig
 from app.robots.model import load_model
 from app.robots.simulated.body import Simulation, build_simulation
 from app.robots.simulated.camera_rendering import KinectEye
-from app.robots.simulated.kinect import camera_model
+from app.robots.simulated.kinect_noise import camera_model
 from app.robots.simulated.odometry import TrueBase
 from app.robots.simulated.renderer import Painter, Snapshot
 from app.robots.simulated.world_config import WorldConfig

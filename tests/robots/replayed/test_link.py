@@ -12,7 +12,7 @@ import pytest
 from app.link import BaseLimits, LinkFailed, RobotDescription, StreamDescription
 from app.logs.log import Logged
 from app.messages import Image, JointState, LaserScan, LinkStatus, Odometry, Twist
-from app.robots.replayed.body import ReplayedBody
+from app.robots.replayed.link import ReplayedBody
 from app.runtime.clock import Clock, VirtualClock, in_virtual_time, run_virtual
 from app.runtime.replay_clock import ReplayClock
 from tests.logs.replay.logs import BEGIN, MemoryLog, lab_messages, numbered

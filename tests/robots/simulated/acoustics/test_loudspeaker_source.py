@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.robots.simulated.acoustics.loudspeaker import MOST_S, START_S, Loudspeaker
+from app.robots.simulated.acoustics.loudspeaker_source import MOST_S, START_S, Loudspeaker
 
 RATE = 48000
 

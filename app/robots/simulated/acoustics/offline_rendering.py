@@ -1,6 +1,6 @@
 """Rendered scenes without a running world: for benchmarks and tests, through the same code as the live microphones.
 
-from app.robots.simulated.acoustics.offline import Source, render_scene
+from app.robots.simulated.acoustics.offline_rendering import Source, render_scene
 
 array = Microphones(positions - positions.mean(0), 48000, shadow=True)      # False: no torso, free field
 room = Shoebox(corner=(0, 0, 0), size=(6, 5, 3), rt60_s=(0.45, 0.40))        # low and high band
@@ -22,10 +22,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from app.base.geometry import Pose3
 from app.robots.simulated.acoustics.activity import ACTIVITY_S, activity
+from app.robots.simulated.acoustics.auralization import Emission, Hearing, OneRoom, Surroundings
 from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, Microphones
-from app.robots.simulated.acoustics.hearing import Emission, Hearing, OneRoom, Surroundings
+from app.robots.simulated.acoustics.dry_sound import Recorded, Samples
 from app.robots.simulated.acoustics.room import Shoebox
-from app.robots.simulated.acoustics.source import Recorded, Samples
 
 
 @dataclass(frozen=True, slots=True, eq=False)

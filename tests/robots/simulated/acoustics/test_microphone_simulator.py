@@ -11,7 +11,7 @@ from app.base.geometry import Pose2, Pose3
 from app.messages import Audio
 from app.robots.config import LoudspeakerConfig, MicrophonesConfig
 from app.robots.simulated.acoustics.ipc import Heard, Played, Scene, Setup, Sounding
-from app.robots.simulated.acoustics.microphone_array import LATE_S, Ear
+from app.robots.simulated.acoustics.microphone_simulator import LATE_S, Ear
 from tests.robots.conftest import make_hall
 
 X_BM = Pose3.from_translation_rpy((0.0, 0.0, 0.6))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from app.robots.simulated.acoustics.source import Recorded, read_between
+from app.robots.simulated.acoustics.dry_sound import Recorded, read_between
 
 Samples = NDArray[np.float32]
 MOST_S = 0.5
