@@ -12,13 +12,13 @@ from app.base.pose_buffer import PoseBuffer
 from app.link import BaseLimits
 from app.messages import LaserScan, Odometry, OperatorDrive, Twist
 from app.modules.actuation.arbitration import approach
-from app.modules.actuation.collision_monitor import CollisionMonitor, Seen, Verdict
+from app.modules.actuation.collision_monitor import CollisionMonitor, SeenPoints, Verdict
 
 #: Odometry that is older (s) than this is not carried on to now by its own speed.
 _CARRIED_S = 0.1
 
 
-class Lookout:
+class CollisionContext:
     """Holds the newest scan, the odometry since, and the operator's hold; limits commands by them."""
 
     def __init__(self, monitor: CollisionMonitor, limits: BaseLimits, hold_s: float) -> None:
@@ -27,7 +27,7 @@ class Lookout:
         self._limits = limits
         self._hold_s = hold_s
         self._scan: LaserScan | None = None
-        self._seen: Seen | None = None
+        self._seen: SeenPoints | None = None
         self._odometry: Odometry | None = None
         self._poses = PoseBuffer(span_s=2.0)
         self._operator: OperatorDrive | None = None

@@ -37,7 +37,7 @@ NEARED, NEARED_IN_TOUCH = 0.02, 0.25
 
 
 @dataclass(frozen=True, slots=True)
-class Rules:
+class MonitorRules:
     """How careful the monitor is.
 
     ``margin_m`` around the footprint; ``contact_s`` is the least time to contact; ``reaction_s`` the time from a ray to
@@ -65,7 +65,7 @@ class Verdict:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Seen:
+class SeenPoints:
     """What one scan saw: the near ``points`` (N,), x + iy m in ``base_link`` at ``stamp`` (s), the middle of its sweep;
     whether the laser looks along the body's x axis ``ahead`` and ``behind``; ``dead``: not one ray measured anything,
     not even that nothing is there."""
@@ -80,7 +80,7 @@ class Seen:
 class CollisionMonitor:
     """Judges commands for one body: a pure function of what it is given, but for a table of the scan's angles."""
 
-    def __init__(self, corners: tuple[tuple[float, float], ...], limits: BaseLimits, rules: Rules) -> None:
+    def __init__(self, corners: tuple[tuple[float, float], ...], limits: BaseLimits, rules: MonitorRules) -> None:
         """``corners`` as ``RobotDescription.footprint``. Raises ValueError for what is no footprint."""
         self.rules = rules
         self._limits = limits
@@ -93,7 +93,7 @@ class CollisionMonitor:
         self._angles: tuple[int, float, float] | None = None
         self._cosines = self._sines = np.empty(0)
 
-    def see(self, scan: LaserScan) -> Seen:
+    def see(self, scan: LaserScan) -> SeenPoints:
         """The points of ``scan`` that may matter."""
         key = (len(scan.ranges), scan.angle_min, scan.angle_increment)
         if key != self._angles:
@@ -113,9 +113,9 @@ class CollisionMonitor:
         first, last = min(scan.angle_min, last), max(scan.angle_min, last)
         middle = scan.stamp + scan.duration_s / 2
         ahead, behind = _looks(first, last, -yaw), _looks(first, last, math.pi - yaw)
-        return Seen(middle, points, ahead, behind, not measured.any())
+        return SeenPoints(middle, points, ahead, behind, not measured.any())
 
-    def judge(self, seen: Seen, X_SB: Pose2, linear: float, angular: float, *, stands: bool = False) -> Verdict:
+    def judge(self, seen: SeenPoints, X_SB: Pose2, linear: float, angular: float, *, stands: bool = False) -> Verdict:
         """What may be driven of (``linear``, ``angular``); the base has moved by ``X_SB`` since ``seen`` was seen, and
         ``stands`` now or drives."""
         if linear == 0.0 and angular == 0.0:

@@ -33,8 +33,8 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from app.link import BaseLimits, RobotDescription, RobotLink
 from app.messages import Exploitation, LaserScan, LinkStatus, Message, Odometry, OperatorDrive, Twist
 from app.modules.actuation.arbitration import Contender, approach, arbitrate, clamped
-from app.modules.actuation.collision_context import Lookout
-from app.modules.actuation.collision_monitor import CollisionMonitor, Rules
+from app.modules.actuation.collision_context import CollisionContext
+from app.modules.actuation.collision_monitor import CollisionMonitor, MonitorRules
 from app.modules.stream_module import attach, robot_link
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Caution, Input, Module, ModuleContext, Settings
@@ -68,9 +68,9 @@ class MonitorSettings(BaseModel):
     crawl_radps: float = Field(0.3, gt=0, le=0.5, description="allowed likewise")
     evidence: int = Field(2, ge=1, le=10, description="so many points make a thing; one alone may be noise")
 
-    def rules(self) -> Rules:
+    def rules(self) -> MonitorRules:
         """As the monitor takes them."""
-        return Rules(**self.model_dump())
+        return MonitorRules(**self.model_dump())
 
 
 _OWN_INPUTS = frozenset({"scans", "odometry", "operator"})
@@ -120,7 +120,7 @@ class MobileBaseControl(Module):
         self._odometry = self.input("odometry", Odometry, capacity=128, always_open=True)
         self._operator = self.input("operator", OperatorDrive, capacity=8, always_open=True)
         self.every(self.settings.period_s, self._beat)
-        self._lookout: Lookout | None = None
+        self._lookout: CollisionContext | None = None
         self._limited = ""
         self._commands: dict[str, Twist] = {}
         self._sent = Twist(0.0, 0.0, 0.0)
@@ -167,7 +167,7 @@ class MobileBaseControl(Module):
             return ""
         return f"{body.name} {why}: nothing keeps it from driving into things"
 
-    def _post_lookout(self) -> Lookout | None:
+    def _post_lookout(self) -> CollisionContext | None:
         if self._unmonitored():
             return None
         body = self._link.description
@@ -175,7 +175,7 @@ class MobileBaseControl(Module):
             monitor = CollisionMonitor(body.footprint, body.limits, self.settings.monitor.rules())
         except ValueError as problem:
             raise ModuleFailed(f"{body.name}: {problem}") from None
-        return Lookout(monitor, body.limits, self.settings.max_age_s)
+        return CollisionContext(monitor, body.limits, self.settings.max_age_s)
 
     async def _take(self, port: str, command: Twist) -> None:
         self._commands[port] = command

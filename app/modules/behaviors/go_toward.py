@@ -26,19 +26,19 @@ from pydantic import Field as Setting
 
 from app.base.geometry import Pose2
 from app.messages import LaserScan, Localization, NavigationStatus, Odometry, Twist, Zones
-from app.modules.behaviors.navigation.controller import Body, Motion
+from app.modules.behaviors.navigation.controller import BodyModel, MotionState
 from app.modules.behaviors.navigation.costmap.scan_costmap import points_of, scan_field
 from app.modules.behaviors.navigation.costmap.zone_layer import speed_share
 from app.modules.behaviors.navigation.kernels import load_kernels
-from app.modules.behaviors.navigation.planning.goal_planning import Plan
+from app.modules.behaviors.navigation.planning.goal_planning import GlobalPlan
 from app.modules.behaviors.navigation.planning.reference_path import SpeedAt
 from app.modules.behaviors.navigation.recovery.recovery_behaviors import RecoverySettings
 from app.modules.behaviors.navigation.tracking.desired_goal import goal_of
 from app.modules.behaviors.navigation.tracking.dynamic_window import DynamicWindow, DynamicWindowSettings
-from app.modules.behaviors.navigation.tracking.localization_monitor import PoseWatch
-from app.modules.behaviors.navigation.tracking.path_tracker import Follower, Goal, Step
+from app.modules.behaviors.navigation.tracking.localization_monitor import LocalizationMonitor
+from app.modules.behaviors.navigation.tracking.path_tracker import Goal, PathTracker, TrackingStep
 from app.modules.behaviors.navigation.tracking.sensor_health import unfit
-from app.modules.behaviors.navigation.tracking.status_publisher import Teller
+from app.modules.behaviors.navigation.tracking.status_publisher import StatusPublisher
 from app.modules.stream_module import robot_link
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
@@ -63,7 +63,7 @@ class GoToward(Module):
     Settings = GoTowardSettings
     settings: GoTowardSettings
 
-    _follower: Follower
+    _follower: PathTracker
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
@@ -78,8 +78,8 @@ class GoToward(Module):
         self.on(self.localization, self._localize)
         self.on(self.zones, self._take_zones)
         self.every(self.settings.period_s, self._cycle)
-        self._poses = PoseWatch()
-        self._teller = Teller(self.status.publish, self.log)
+        self._poses = LocalizationMonitor()
+        self._teller = StatusPublisher(self.status.publish, self.log)
         self._scan: LaserScan | None = None
         self._seen: tuple[float, np.ndarray[Any, np.dtype[np.float64]]] | None = None
         self._zones = Zones(0.0, ())
@@ -92,11 +92,11 @@ class GoToward(Module):
         await self.compute(load_kernels)
         self._zones = (None if self.zones.channel is None else self.zones.channel.latest) or self._zones
         try:
-            body = Body.of(description.footprint, description.limits)
+            body = BodyModel.of(description.footprint, description.limits)
         except ValueError as error:
             raise ModuleFailed(f"{self.name} cannot drive {description.name}: {error}") from None
         # It has no way to recover by: it stands and says so.
-        self._follower = Follower(body, DynamicWindow(_CHEAP), recovery=RecoverySettings(stuck_s=math.inf))
+        self._follower = PathTracker(body, DynamicWindow(_CHEAP), recovery=RecoverySettings(stuck_s=math.inf))
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take the goal from the desire; without ``x`` and ``y`` nobody wants to go anywhere."""
@@ -133,7 +133,9 @@ class GoToward(Module):
         )
         if goal is None or problem or motion is None or X_MO is None or self._seen is None:
             self._follower.go(goal, now)
-            step = Step(0.0, 0.0, "waiting" if goal is not None else "idle", problem if goal is not None else "no goal")
+            step = TrackingStep(
+                0.0, 0.0, "waiting" if goal is not None else "idle", problem if goal is not None else "no goal"
+            )
         else:
             step = await self.compute(self._decide, now, goal, motion, X_MO, self._seen[1], self._zones)
         if self._goal is not goal:
@@ -151,11 +153,11 @@ class GoToward(Module):
         self,
         now: float,
         goal: Goal,
-        motion: Motion,
+        motion: MotionState,
         X_MO: Pose2,
         seen: np.ndarray[Any, np.dtype[np.float64]],
         zones: Zones,
-    ) -> Step:
+    ) -> TrackingStep:
         """One cycle, in the module's thread; everything on the map."""
         follower = self._follower
         X_MB = X_MO @ motion.pose
@@ -178,8 +180,8 @@ class GoToward(Module):
         return lambda points: np.array([speed_mps * speed_share(zones.zones, x, y)[0] for x, y in points])
 
 
-def _straight(X_MB: Pose2, goal: Pose2) -> Plan:
+def _straight(X_MB: Pose2, goal: Pose2) -> GlobalPlan:
     heading = math.atan2(goal.y - X_MB.y, goal.x - X_MB.x)
     length = math.hypot(goal.y - X_MB.y, goal.x - X_MB.x)
     poses = np.array([[X_MB.x, X_MB.y, heading], [goal.x, goal.y, heading]])
-    return Plan("way", "", poses, goal, length)
+    return GlobalPlan("way", "", poses, goal, length)

@@ -53,18 +53,24 @@ from app.messages import (
 )
 from app.modules.behaviors.navigation.costmap.inflation import CostSettings
 from app.modules.behaviors.navigation.costmap.local_costmap import CostmapSettings
-from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import ThingsMemory
-from app.modules.behaviors.navigation.costmap.persistent_obstacle_store import ThingsKept
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import PersistentObstacleLayer
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_store import PersistentObstacleStore
 from app.modules.behaviors.navigation.kernels import load_kernels
-from app.modules.behaviors.navigation.planning.global_planner import Answer, Request, Wayfinder
-from app.modules.behaviors.navigation.planning.goal_planning import Plan
+from app.modules.behaviors.navigation.planning.global_planner import GlobalPlanner, PlanRequest, PlanResult
+from app.modules.behaviors.navigation.planning.goal_planning import GlobalPlan
 from app.modules.behaviors.navigation.recovery.recovery_behaviors import RecoverySettings
-from app.modules.behaviors.navigation.tracking.command_jitter import Periods
-from app.modules.behaviors.navigation.tracking.control_cycle import CONTROLLERS, Pilot, PilotSettings, Senses, Told
+from app.modules.behaviors.navigation.tracking.command_jitter import CommandJitter
+from app.modules.behaviors.navigation.tracking.control_cycle import (
+    CONTROLLERS,
+    ControlCycle,
+    ControlCycleSettings,
+    CycleInput,
+    CycleOutput,
+)
 from app.modules.behaviors.navigation.tracking.desired_goal import goal_of
-from app.modules.behaviors.navigation.tracking.localization_monitor import PoseWatch
-from app.modules.behaviors.navigation.tracking.path_tracker import FollowerSettings, Goal
-from app.modules.behaviors.navigation.tracking.status_publisher import Teller
+from app.modules.behaviors.navigation.tracking.localization_monitor import LocalizationMonitor
+from app.modules.behaviors.navigation.tracking.path_tracker import Goal, PathTrackerSettings
+from app.modules.behaviors.navigation.tracking.status_publisher import StatusPublisher
 from app.modules.stream_module import robot_link
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
@@ -113,8 +119,8 @@ class PlanAndFollowPath(Module):
     Settings = PlanAndFollowPathSettings
     settings: PlanAndFollowPathSettings
 
-    _pilot: Pilot
-    _wayfinder: Wayfinder
+    _pilot: ControlCycle
+    _wayfinder: GlobalPlanner
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
@@ -137,7 +143,7 @@ class PlanAndFollowPath(Module):
         self.on(self.zones, self._take_zones)
         self.on(self.base, self._notice)
         self.every(self.settings.period_s, self._cycle)
-        self._poses = PoseWatch()
+        self._poses = LocalizationMonitor()
         self._scan: LaserScan | None = None
         self._image: Image | None = None
         self._grid: OccupancyGrid | None = None
@@ -146,18 +152,18 @@ class PlanAndFollowPath(Module):
         self._goal: Goal | None = None
         self._controller = self.settings.controller
         self._steering_with = self._controller
-        self._planning: asyncio.Task[Answer] | None = None
+        self._planning: asyncio.Task[PlanResult] | None = None
         self._planned_at = -math.inf
         self._planned_from: Localization | None = None
         self._planned_for: Goal | None = None
-        self._answer: Answer | None = None
-        self._plan: Plan | None = None
+        self._answer: PlanResult | None = None
+        self._plan: GlobalPlan | None = None
         self._wanted_plan = ""
-        self._teller = Teller(self.status.publish, self.log)
+        self._teller = StatusPublisher(self.status.publish, self.log)
         self._costmap_at = -math.inf
         self._costmap_version = 0
         self._leave_map: Callable[[], None] | None = None
-        self._periods = Periods()
+        self._periods = CommandJitter()
 
     async def start(self) -> None:
         """Load what is compiled, and learn what the body is. Raises ModuleFailed for one that does not drive."""
@@ -165,38 +171,38 @@ class PlanAndFollowPath(Module):
         await self.compute(load_kernels)
         await self.compute(go_first)
         s = self.settings
-        settings = PilotSettings(
+        settings = ControlCycleSettings(
             costmap=CostmapSettings(
                 size_m=s.costmap_m,
                 memory_m=max(8.0, 1.5 * s.costmap_m),
                 resolution_m=s.costmap_resolution_m,
                 keep_s=s.keep_s,
             ),
-            follower=FollowerSettings(corner_share=s.corner_share),
+            follower=PathTrackerSettings(corner_share=s.corner_share),
             recovery=RecoverySettings(stuck_s=s.stuck_s, wait_s=s.wait_s, rounds=s.rounds, ask_s=s.ask_s),
             fresh_s=s.fresh_s,
             people_m=s.people_m,
         )
         try:
             self._pilot = await self.compute(
-                lambda: Pilot(description, self._controller, settings, depth=self.images.connected)
+                lambda: ControlCycle(description, self._controller, settings, depth=self.images.connected)
             )
         except ValueError as error:
             raise ModuleFailed(f"{self.name} cannot drive {description.name}: {error}") from None
         costs = CostSettings(unknown=s.unknown, closeness=s.closeness, reach_m=s.reach_m)
-        self._wayfinder = Wayfinder(self._pilot.footprint, costs)
+        self._wayfinder = GlobalPlanner(self._pilot.footprint, costs)
         if self._pilot.things is not None:
             await self._keep_with_map(self._pilot.things)
         # What was said before a restart still holds.
         self._grid = None if self.map.channel is None else self.map.channel.latest
         self._zones = (None if self.zones.channel is None else self.zones.channel.latest) or self._zones
 
-    async def _keep_with_map(self, things: ThingsMemory) -> None:
+    async def _keep_with_map(self, things: PersistentObstacleLayer) -> None:
         try:
             control, library = self.service(MapControl), self.service(MapLibrary)
         except ModuleFailed:
             return  # where no maps are kept, what is remembered lasts as long as the module
-        layer = ThingsKept(things, library, self.compute, self.compute_behind, self.log)
+        layer = PersistentObstacleStore(things, library, self.compute, self.compute_behind, self.log)
         self._leave_map = await control.add(layer)
 
     async def stop(self) -> None:
@@ -265,7 +271,7 @@ class PlanAndFollowPath(Module):
         answer, self._answer = self._answer, None
         if answer is not None and self._planned_for is not goal:
             answer = None
-        senses = Senses(
+        senses = CycleInput(
             now, motion, self._poses.X_MO, problem, goal, self._scan_with_poses(), self._image_with_pose(),
             answer.plan if answer is not None and answer.changed else None,
             None if answer is None else _speeds(answer, self._pilot.body.limits[1] * (goal.speed if goal else 1.0)),
@@ -290,7 +296,7 @@ class PlanAndFollowPath(Module):
             return
         motion, scan, image = self._poses.motion(now), self._scan_with_poses(), self._image_with_pose()
         if motion is not None and (scan is not None or image is not None):
-            senses = Senses(now, motion, self._poses.X_MO, self._poses.problem(now), None, scan, image)
+            senses = CycleInput(now, motion, self._poses.X_MO, self._poses.problem(now), None, scan, image)
             await self.compute(self._pilot.remember, senses)
 
     def _scan_with_poses(self) -> tuple[LaserScan, Pose2, Pose2] | None:
@@ -311,7 +317,7 @@ class PlanAndFollowPath(Module):
         self._image = None
         return image, X_OB
 
-    def _publish(self, now: float, told: Told, goal: Goal | None, answer: Answer | None) -> None:
+    def _publish(self, now: float, told: CycleOutput, goal: Goal | None, answer: PlanResult | None) -> None:
         if goal is None:
             self.twist.publish(Twist(now, 0.0, 0.0))
         else:
@@ -357,7 +363,7 @@ class PlanAndFollowPath(Module):
 
     # --- planning, behind ---
 
-    def _plan_if_wanted(self, now: float, goal: Goal, told: Told) -> None:
+    def _plan_if_wanted(self, now: float, goal: Goal, told: CycleOutput) -> None:
         if self._planning is not None:
             return
         if self._planned_for is not goal:
@@ -369,7 +375,7 @@ class PlanAndFollowPath(Module):
         X_MB = self._poses.X_MB(now)
         if localization is None or grid is None or X_MB is None:
             return
-        request = Request(
+        request = PlanRequest(
             grid, self._zones.zones, localization.X_MO, X_MB, goal.pose, told.around, told.opened_up, self._plan, why,
             told.things,
         )  # fmt: skip
@@ -379,7 +385,7 @@ class PlanAndFollowPath(Module):
         self._planning = asyncio.create_task(finding, name=f"{self.name} plans")
         self._planning.add_done_callback(self._planned)
 
-    def _why_plan(self, now: float, goal: Goal, told: Told) -> str | None:
+    def _why_plan(self, now: float, goal: Goal, told: CycleOutput) -> str | None:
         """Why a way is looked for now: "" for a better one alone; None if it is not the time."""
         since = now - self._planned_at
         if self._planned_for is not goal:
@@ -393,7 +399,7 @@ class PlanAndFollowPath(Module):
             return "" if self._plan is not None and len(self._plan.poses) and told.step.state == "following" else wanted
         return "" if since >= self.settings.replan_s else None
 
-    def _planned(self, task: asyncio.Task[Answer]) -> None:
+    def _planned(self, task: asyncio.Task[PlanResult]) -> None:
         self._planning = None
         if task.cancelled():
             return
@@ -409,5 +415,5 @@ def _jumped(before: Pose2, now: Pose2) -> bool:
     return math.hypot(moved.x, moved.y) > _JUMP[0] or abs(moved.theta) > _JUMP[1]
 
 
-def _speeds(answer: Answer, speed_mps: float) -> Any:
+def _speeds(answer: PlanResult, speed_mps: float) -> Any:
     return lambda points: speed_mps * answer.speed_share(points)

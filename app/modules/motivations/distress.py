@@ -26,7 +26,7 @@ SAME_M, SAME_RAD = 1e-6, 1e-6
 
 
 @dataclass(frozen=True, slots=True)
-class Patience:
+class DistressTimes:
     """Times in s. Without progress for ``insist_s`` the robot insists, for ``inhibit_s`` it inhibits others, for
     ``give_up_s`` it gives up; a goal called unreachable for ``unreachable_s`` is given up too. What was done about it
     stands for ``relief_s`` at least, so that it can help; but where it has led to nobody's going there for
@@ -51,7 +51,7 @@ class Level(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Errand:
+class GoalProgress:
     """What the robot was sent to do, and how it fares.
 
     ``goal`` on the map (a heading that nobody asked for is NaN), given at ``given`` (s, robot's clock). ``status`` is
@@ -66,7 +66,7 @@ class Errand:
 
 
 @dataclass(frozen=True, slots=True)
-class Distress:
+class DistressState:
     """What is remembered of the errand: what is done about it, since when; when people drove last; since when the goal
     has been called unreachable (None: it is not) and nobody has gone there; ``overreached``: that came of insisting,
     which is not tried again; ``furthest_m``: how long its way was at most since something is done about it (None:
@@ -129,8 +129,8 @@ def status_of(goal: Pose2, given: float, statuses: Iterable[NavigationStatus]) -
 
 
 def decide(
-    now: float, errand: Errand | None, before: Distress, patience: Patience, *, by_hand: bool = False
-) -> tuple[Distress, tuple[Act, ...]]:
+    now: float, errand: GoalProgress | None, before: DistressState, patience: DistressTimes, *, by_hand: bool = False
+) -> tuple[DistressState, tuple[Act, ...]]:
     """What is done at ``now`` (s) about the ``errand`` (None: nobody wants to go anywhere), and what is remembered.
 
     ``by_hand``: people drive just now, which is no distress, however long it takes.
@@ -138,13 +138,13 @@ def decide(
     if errand is None or before.goal is None or before.given != errand.given or not same_goal(errand.goal, before.goal):
         ended: tuple[Act, ...] = (Restore("the goal is another one"),) if before.level is not Level.CALM else ()
         if errand is None:
-            return Distress(), ended
-        after, acts = decide(now, errand, Distress(errand.goal, errand.given), patience, by_hand=by_hand)
+            return DistressState(), ended
+        after, acts = decide(now, errand, DistressState(errand.goal, errand.given), patience, by_hand=by_hand)
         return after, (*ended, *acts)
     state = replace(before, by_hand=now) if by_hand else before
     status = errand.status
     if status is not None and status.state == "arrived":
-        return Distress(), (*_restored(state, "it has arrived"), Arrived())
+        return DistressState(), (*_restored(state, "it has arrived"), Arrived())
     if status is None or status.state not in UNDER_WAY | {"unreachable"}:
         # Attention has given this errand to nobody.
         since = now if state.unserved is None else state.unserved
@@ -157,7 +157,10 @@ def decide(
         since = now if state.unreachable is None else state.unreachable
         state = replace(state, unreachable=since)
         if now - max(since, state.by_hand) >= patience.unreachable_s:
-            return Distress(), (*_restored(state, "it is given up"), GiveUp(status.reason or "it cannot be reached"))
+            return DistressState(), (
+                *_restored(state, "it is given up"),
+                GiveUp(status.reason or "it cannot be reached"),
+            )
         return state, ()
     state = replace(state, unreachable=None)
     progress = status.progress_stamp if status.progress_stamp is not None else errand.given
@@ -165,7 +168,7 @@ def decide(
     if stuck_s >= patience.give_up_s:
         why = f"no progress for {stuck_s:.0f} s"
         details = "; ".join(word for word in (status.reason, errand.blocked) if word)
-        return Distress(), (
+        return DistressState(), (
             *_restored(state, "it is given up"),
             GiveUp(f"{why} ({details})" if details else why),
         )
@@ -184,11 +187,11 @@ def decide(
     return state, ()
 
 
-def _level(stuck_s: float, patience: Patience) -> Level:
+def _level(stuck_s: float, patience: DistressTimes) -> Level:
     if stuck_s >= patience.inhibit_s:
         return Level.INHIBITING
     return Level.INSISTING if stuck_s >= patience.insist_s else Level.CALM
 
 
-def _restored(state: Distress, why: str) -> tuple[Act, ...]:
+def _restored(state: DistressState, why: str) -> tuple[Act, ...]:
     return (Restore(why),) if state.level is not Level.CALM else ()

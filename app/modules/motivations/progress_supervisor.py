@@ -31,11 +31,11 @@ from app.messages import Exploitation, NavigationStatus
 from app.modules.motivations.distress import (
     Act,
     Arrived,
-    Distress,
-    Errand,
+    DistressState,
+    DistressTimes,
     GiveUp,
+    GoalProgress,
     Level,
-    Patience,
     Raise,
     Restore,
     decide,
@@ -69,9 +69,9 @@ class ProgressSupervisorSettings(Settings):
             raise ValueError("insist_s, inhibit_s and give_up_s follow each other: none may be shorter than the former")
         return self
 
-    def patience(self) -> Patience:
+    def patience(self) -> DistressTimes:
         """The times alone."""
-        return Patience(self.insist_s, self.inhibit_s, self.give_up_s, self.unreachable_s, self.relief_s)
+        return DistressTimes(self.insist_s, self.inhibit_s, self.give_up_s, self.unreachable_s, self.relief_s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +103,7 @@ class ProgressSupervisor(Module):
         self.every(_BEAT_S, self._supervise)
         self._statuses: dict[str, NavigationStatus] = {}
         self._exploited: Exploitation | None = None
-        self._distress = Distress()
+        self._distress = DistressState()
         #: When each GoTo desire's parameters were given, by id: a status from before is not about them.
         self._given: dict[str, tuple[Pose2, float]] = {}
         self._insisted: _Insisted | None = None
@@ -139,7 +139,7 @@ class ProgressSupervisor(Module):
         for act in acts:
             self._do(act, desire)
 
-    def _errand(self, desire: Desire) -> Errand:
+    def _errand(self, desire: Desire) -> GoalProgress:
         goal = goal_of(desire)
         known = self._given.get(desire.id)
         if known is None or not same_goal(known[0], goal):
@@ -148,7 +148,7 @@ class ProgressSupervisor(Module):
             self._given = {d.id: self._given[d.id] for d in self._workspace.desires() if d.id in self._given}
             self._given[desire.id] = known = goal, given
         exploited = self._exploited
-        return Errand(
+        return GoalProgress(
             goal,
             known[1],
             status_of(goal, known[1], self._statuses.values()),

@@ -22,7 +22,7 @@ Limits = tuple[float, float, float, float, float, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Body:
+class BodyModel:
     """What a controller knows of the body.
 
     ``outline`` (P, 2) float64, m in ``base_link``: points of its edge, and as many of a line within it. ``radii``: of
@@ -39,7 +39,7 @@ class Body:
     @classmethod
     def of(
         cls, footprint: Sequence[tuple[float, float]], limits: BaseLimits, *, padding_m: float = 0.0, back: float = 0.0
-    ) -> Body:
+    ) -> BodyModel:
         """A body of this ``footprint`` (corners, convex, counter-clockwise, around the origin), widened by
         ``padding_m`` on all sides; ``back`` is the share of its greatest speed that it may drive backward.
 
@@ -75,7 +75,7 @@ class Body:
             front_m=float(corners[:, 0].max()),
         )
 
-    def limited(self, share: float) -> Body:
+    def limited(self, share: float) -> BodyModel:
         """The same body driven at ``share`` (in ]0, 1]) of its speeds."""
         low, high, turn, linear_mps2, angular_radps2, braking = self.limits
         limits = (low * share, high * share, turn * share, linear_mps2, angular_radps2, braking)
@@ -83,7 +83,7 @@ class Body:
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class MotionState:
     """Where the body is (in the costmap's frame) and how it moves (m/s, rad/s)."""
 
     pose: Pose2
@@ -95,7 +95,7 @@ class Motion:
         """As the kernels take it."""
         return (self.pose.x, self.pose.y, self.pose.theta, self.linear_mps, self.angular_radps)
 
-    def after(self, time_s: float) -> Motion:
+    def after(self, time_s: float) -> MotionState:
         """Where it is ``time_s`` later, if it goes on as it does."""
         middle = self.pose.theta + 0.5 * self.angular_radps * time_s
         step = self.linear_mps * time_s
@@ -108,7 +108,7 @@ class Motion:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Field:
+class DistanceField:
     """Distances (H, W) float32 (m) to the nearest obstacle at cells' middles, as ``rollouts`` reads them; ``origin``
     (m) is the lower left corner of cell [0, 0]. ``hidden`` (H, W) float32: distances (m) to where somebody may come
     from unseen (``corners``), if that is to count."""
@@ -125,7 +125,7 @@ class Field:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Way:
+class LocalPath:
     """The path from beside the body on: ``points`` (N, 5) float64, ``spacing`` m apart: x, y, heading (rad), length so
     far (m), greatest speed (m/s). At least two points."""
 
@@ -134,7 +134,7 @@ class Way:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Choice:
+class VelocityChoice:
     """What a controller commands. ``blocked``: it found no way on. ``clearance_m`` of the nearest pass on its way."""
 
     linear_mps: float
@@ -146,7 +146,9 @@ class Choice:
 class Controller(Protocol):
     """Follows a way without touching anything. One object drives one body; deterministic in what it is given."""
 
-    def choose(self, motion: Motion, field: Field, way: Way, body: Body, period_s: float) -> Choice:
+    def choose(
+        self, motion: MotionState, field: DistanceField, way: LocalPath, body: BodyModel, period_s: float
+    ) -> VelocityChoice:
         """The velocities to command for the next ``period_s`` seconds; within the body's limits and accelerations."""
         ...
 

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.modules.behaviors.navigation.controller import Field, Way
+from app.modules.behaviors.navigation.controller import DistanceField, LocalPath
 
 #: Specks of unseen cells up to this many across are gaps between rays, not corners.
 _SPECK = 5
@@ -28,7 +28,9 @@ def hidden_distance(cells: NDArray[np.int8], resolution_m: float) -> NDArray[np.
     )
 
 
-def careful(way: Way, field: Field, hidden: NDArray[np.float32], speed_mps: float, share: float, reach_m: float) -> Way:
+def careful(
+    way: LocalPath, field: DistanceField, hidden: NDArray[np.float32], speed_mps: float, share: float, reach_m: float
+) -> LocalPath:
     """``way`` with its speed lowered to ``share`` of ``speed_mps`` beside what is hidden, less and less to
     ``reach_m``."""
     points = way.points.copy()
@@ -38,4 +40,4 @@ def careful(way: Way, field: Field, hidden: NDArray[np.float32], speed_mps: floa
     away = np.full(len(points), np.inf)
     away[inside] = hidden[at[inside, 1], at[inside, 0]]
     points[:, 4] = np.minimum(points[:, 4], speed_mps * np.minimum(1.0, share + (1.0 - share) * away / reach_m))
-    return Way(points, way.spacing)
+    return LocalPath(points, way.spacing)

@@ -48,7 +48,7 @@ class CostmapSettings:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Surroundings:
+class CostmapWindow:
     """What stands around the robot at ``stamp``, in ``odom``.
 
     ``cells`` (N, N) int8: -1 never seen, 0 free, 100 occupied. ``distance`` (N, N) float32: m from each cell's middle
@@ -168,7 +168,7 @@ class LocalCostmap:
             depth, lens, X_BC, _row(X_OB), frame, self._height_m, now, _ms(s.clear_s), self._depth_last, self._bands
         )  # fmt: skip
 
-    def around(self, X_OB: Pose2, stamp: float, known: NDArray[np.float64] | None = None) -> Surroundings:
+    def around(self, X_OB: Pose2, stamp: float, known: NDArray[np.float64] | None = None) -> CostmapWindow:
         """What stands around the robot at ``stamp``, not before the newest message; the middle is within a cell
         of ``X_OB``. Something stands at ``known`` (N, 2), m in ``odom``, as well, seen or not, but never where the body
         itself stands: what it is in already would count for the nearest, and nothing else keep it from moving."""
@@ -196,7 +196,7 @@ class LocalCostmap:
             free[window] == 0, np.int8(100), np.where(self._seen[window] == _NEVER, np.int8(-1), np.int8(0))
         )
         rows, columns = np.nonzero(free == 0)
-        return Surroundings(
+        return CostmapWindow(
             stamp,
             (float(frame[0]) + column * resolution, float(frame[1]) + row * resolution),
             resolution,

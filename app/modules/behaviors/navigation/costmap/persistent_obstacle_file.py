@@ -19,7 +19,7 @@ _MOST_TILES = 10_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Things:
+class PersistentObstacles:
     """Rows and columns ``cells`` (N, 2) int64, on the map, of cells where something stands, and in which ``bands`` (N,)
     uint16 of height."""
 
@@ -27,12 +27,12 @@ class Things:
     bands: NDArray[np.uint16]
 
     @staticmethod
-    def none() -> Things:
+    def none() -> PersistentObstacles:
         """Nothing is known."""
-        return Things(np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.uint16))
+        return PersistentObstacles(np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.uint16))
 
 
-def write_things(file: Path, things: Things, resolution_m: float) -> None:
+def write_obstacles(file: Path, things: PersistentObstacles, resolution_m: float) -> None:
     """Write ``things``, in cells of ``resolution_m``, so that they are on the disk. Raises OSError."""
     with file.open("wb") as out:
         np.savez_compressed(
@@ -42,11 +42,11 @@ def write_things(file: Path, things: Things, resolution_m: float) -> None:
         os.fsync(out.fileno())
 
 
-def read_things(file: Path, resolution_m: float) -> Things:
+def read_obstacles(file: Path, resolution_m: float) -> PersistentObstacles:
     """What is in ``file``; nothing where there is none. Raises ConfigError for one that cannot be read, is damaged, or
     does not have cells of ``resolution_m``."""
     if not file.exists():
-        return Things.none()
+        return PersistentObstacles.none()
     kept = read_arrays(file, "the file of low things")
     try:
         version, resolution, cells, bands = (kept[name] for name in ("version", "resolution_m", "cells", "bands"))
@@ -59,4 +59,4 @@ def read_things(file: Path, resolution_m: float) -> Things:
         raise ConfigError("the file of low things is damaged: cells and bands do not go together", str(file))
     if len(np.unique(cells // TILE, axis=0)) > _MOST_TILES:
         raise ConfigError("the file of low things is damaged: they are too far apart", str(file))
-    return Things(cells.astype(np.int64), bands)
+    return PersistentObstacles(cells.astype(np.int64), bands)

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from app.base.geometry import CameraModel, Pose2
 from app.messages import Image
 from app.modules.behaviors.navigation.costmap.footprint import Footprint
-from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import Things
-from app.modules.behaviors.navigation.costmap.tiled_grid import NEVER, TILE, Box, Cells, Tiles
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import PersistentObstacles
+from app.modules.behaviors.navigation.costmap.tiled_grid import NEVER, TILE, Box, CellBlock, TiledGrid
 
 #: Times are kept in ms of 32 bits, counted anew after this long (s).
 _COUNTED_S = 1e6
@@ -32,7 +32,7 @@ _FELT_BANDS = 0b111
 
 
 @dataclass(frozen=True, slots=True)
-class MemorySettings:
+class PersistentObstacleSettings:
     """Depth counts as in ``CostmapSettings``, within ``reach_m`` of the camera; each cell of ``resolution_m`` is kept
     once it was hit for ``steady_s`` with no gap of ``again_s``. Pictures closer together than ``every_s`` are passed
     over."""
@@ -49,11 +49,13 @@ class MemorySettings:
     depth_step: int = 4
 
 
-class ThingsMemory:
+class PersistentObstacleLayer:
     """Keeps things on the map. Not for two threads at once; every method computes for a few ms at most."""
 
-    def __init__(self, footprint: Footprint, height_m: float, settings: MemorySettings | None = None) -> None:
-        self.settings = settings or MemorySettings()
+    def __init__(
+        self, footprint: Footprint, height_m: float, settings: PersistentObstacleSettings | None = None
+    ) -> None:
+        self.settings = settings or PersistentObstacleSettings()
         self._height_m = height_m
         sides = np.roll(footprint.corners, -1, axis=0) - footprint.corners
         normals = np.stack((sides[:, 1], -sides[:, 0]), axis=-1) / np.linalg.norm(sides, axis=1, keepdims=True)
@@ -66,7 +68,7 @@ class ThingsMemory:
 
     def forget(self) -> None:
         """Another map."""
-        self._tiles = Tiles()
+        self._tiles = TiledGrid()
         self._epoch: float | None = None
         self._looked_at = -math.inf
         self.version += 1
@@ -127,7 +129,7 @@ class ThingsMemory:
         stands &= last != NEVER
         if (stands != kept).any():
             self.version += 1
-        self._tiles.write(box, Cells(first, last, bands, stands))
+        self._tiles.write(box, CellBlock(first, last, bands, stands))
 
     def felt(self, points: NDArray[np.float64], stamp: float) -> None:
         """The base ran into something at ``points`` (N, 2) m on the map."""
@@ -138,11 +140,11 @@ class ThingsMemory:
         self._tiles.keep(cells, np.full(len(cells), _FELT_BANDS, dtype=np.uint16), now)
         self.version += 1
 
-    def snapshot(self) -> Things:
+    def snapshot(self) -> PersistentObstacles:
         """What is kept."""
-        return Things(self._tiles.kept(), self._tiles.bands())
+        return PersistentObstacles(self._tiles.kept(), self._tiles.bands())
 
-    def take(self, things: Things) -> None:
+    def take(self, things: PersistentObstacles) -> None:
         """Take what was kept with a map in place of what is known."""
         self.forget()
         if len(things.cells):

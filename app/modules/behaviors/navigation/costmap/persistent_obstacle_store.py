@@ -11,19 +11,23 @@ from typing import Any
 from app.base.errors import ConfigError
 from app.maps.control import Files
 from app.maps.library import MapLibrary
-from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import Things, read_things, write_things
-from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import ThingsMemory
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import (
+    PersistentObstacles,
+    read_obstacles,
+    write_obstacles,
+)
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import PersistentObstacleLayer
 
 THINGS = "things.npz"
 
 
-class ThingsKept:
+class PersistentObstacleStore:
     """Implements :class:`app.maps.control.MapLayer` for a memory that one thread uses: ``compute`` calls in it, and
     ``behind`` in another, where the disk may take its time."""
 
     def __init__(
         self,
-        things: ThingsMemory,
+        things: PersistentObstacleLayer,
         library: MapLibrary,
         compute: Callable[..., Awaitable[Any]],
         behind: Callable[..., Awaitable[Any]],
@@ -39,8 +43,8 @@ class ThingsKept:
     async def files(self) -> Files:
         """Its file beside the map's."""
         async with self._one:
-            things: Things = await self._compute(self._things.snapshot)
-        return {THINGS: partial(write_things, things=things, resolution_m=self._things.settings.resolution_m)}
+            things: PersistentObstacles = await self._compute(self._things.snapshot)
+        return {THINGS: partial(write_obstacles, things=things, resolution_m=self._things.settings.resolution_m)}
 
     async def load(self, name: str) -> None:
         """Take what was kept; what is damaged or gone is said, and the map is used without. Raises MapUnavailable where
@@ -60,5 +64,5 @@ class ThingsKept:
         async with self._one:
             await self._compute(self._things.forget)
 
-    def _read(self, name: str) -> Things:
-        return read_things(self._library.existing(name) / THINGS, self._things.settings.resolution_m)
+    def _read(self, name: str) -> PersistentObstacles:
+        return read_obstacles(self._library.existing(name) / THINGS, self._things.settings.resolution_m)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
 from app.messages import LaserScan, Zone
-from app.modules.behaviors.navigation.controller import Field
+from app.modules.behaviors.navigation.controller import DistanceField
 from app.modules.behaviors.navigation.costmap.grid import GridFrame
 from app.modules.behaviors.navigation.costmap.zone_layer import rasterize
 
@@ -30,7 +30,7 @@ def scan_field(
     *,
     size_m: float = 4.0,
     resolution_m: float = 0.05,
-) -> Field:
+) -> DistanceField:
     """Distances to ``points`` (N, 2) and to zones to keep out of, all on the map, in a window around ``middle``."""
     cells = round(size_m / resolution_m)
     frame = GridFrame(middle.x - size_m / 2, middle.y - size_m / 2, resolution_m, cells, cells)
@@ -44,4 +44,4 @@ def scan_field(
         distances = np.full((cells, cells), size_m, dtype=np.float32)
     else:
         distances = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * np.float32(resolution_m)
-    return Field(np.ascontiguousarray(distances, dtype=np.float32), (frame.x, frame.y), resolution_m)
+    return DistanceField(np.ascontiguousarray(distances, dtype=np.float32), (frame.x, frame.y), resolution_m)

@@ -18,7 +18,7 @@ Box = tuple[int, int, int, int]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Cells:
+class CellBlock:
     """Cells of a rectangle, (rows, columns) each: when each was hit ``first`` and ``last`` (int32, ms), in which
     ``bands`` of height (uint16, a bit each), and whether it is ``kept`` (bool)."""
 
@@ -28,36 +28,36 @@ class Cells:
     kept: NDArray[np.bool_]
 
     @staticmethod
-    def empty(rows: int, columns: int) -> Cells:
+    def empty(rows: int, columns: int) -> CellBlock:
         """Never hit."""
         shape = (rows, columns)
-        return Cells(
+        return CellBlock(
             np.full(shape, NEVER, dtype=np.int32), np.full(shape, NEVER, dtype=np.int32),
             np.zeros(shape, dtype=np.uint16), np.zeros(shape, dtype=np.bool_),
         )  # fmt: skip
 
 
-class Tiles:
+class TiledGrid:
     """Cells by row and column, which may be negative. Those that are kept stay; others, while they are looked at."""
 
     def __init__(self) -> None:
-        self._tiles: dict[tuple[int, int], Cells] = {}
+        self._tiles: dict[tuple[int, int], CellBlock] = {}
         #: Row and column (N, 2) int64 of the kept cells of those tiles that have any.
         self._kept: dict[tuple[int, int], NDArray[np.int64]] = {}
 
     def __len__(self) -> int:
         return len(self._tiles)
 
-    def read(self, box: Box) -> Cells:
+    def read(self, box: Box) -> CellBlock:
         """A copy of the cells in ``box``."""
-        out = Cells.empty(box[1] - box[0], box[3] - box[2])
+        out = CellBlock.empty(box[1] - box[0], box[3] - box[2])
         for key, inside, part in _parts(box):
             if (tile := self._tiles.get(key)) is not None:
                 out.first[part], out.last[part] = tile.first[inside], tile.last[inside]
                 out.bands[part], out.kept[part] = tile.bands[inside], tile.kept[inside]
         return out
 
-    def write(self, box: Box, cells: Cells) -> None:
+    def write(self, box: Box, cells: CellBlock) -> None:
         """``cells`` are in ``box`` now. What lies in other tiles and is not kept is gone: it was hit too long ago."""
         seen = set()
         for key, inside, part in _parts(box):
@@ -66,7 +66,7 @@ class Tiles:
             if tile is None:
                 if (cells.last[part] == NEVER).all():
                     continue
-                tile = self._tiles[key] = Cells.empty(TILE, TILE)
+                tile = self._tiles[key] = CellBlock.empty(TILE, TILE)
             changed = (tile.kept[inside] != cells.kept[part]).any()
             tile.first[inside], tile.last[inside] = cells.first[part], cells.last[part]
             tile.bands[inside], tile.kept[inside] = cells.bands[part], cells.kept[part]
@@ -79,7 +79,7 @@ class Tiles:
         """Keep ``cells`` (N, 2), row and column, as hit at ``stamp`` in ``bands`` (N,) too."""
         tiles = cells // TILE
         for i, j in np.unique(tiles, axis=0).tolist():
-            tile = self._tiles.setdefault((i, j), Cells.empty(TILE, TILE))
+            tile = self._tiles.setdefault((i, j), CellBlock.empty(TILE, TILE))
             here = (tiles == (i, j)).all(axis=1)
             rows, columns = (cells[here] - np.array([i, j]) * TILE).T
             tile.first[rows, columns] = tile.last[rows, columns] = stamp
@@ -108,7 +108,7 @@ class Tiles:
         parts = [self._tiles[key].bands[self._tiles[key].kept] for key in sorted(self._kept)]
         return np.concatenate(parts) if parts else np.empty(0, dtype=np.uint16)
 
-    def _note(self, key: tuple[int, int], tile: Cells) -> None:
+    def _note(self, key: tuple[int, int], tile: CellBlock) -> None:
         cells = np.argwhere(tile.kept) + np.array(key) * TILE
         if len(cells):
             self._kept[key] = cells

@@ -9,30 +9,30 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
 from app.modules.behaviors.navigation.costmap.inflation import CostField
-from app.modules.behaviors.navigation.costmap.local_costmap import Surroundings
+from app.modules.behaviors.navigation.costmap.local_costmap import CostmapWindow
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class TemporaryObstacles:
+class TransientObstacles:
     """``points`` (N, 2) float64 m on the map, each last seen at ``stamps`` (N,) float64 (robot's clock, s)."""
 
     points: NDArray[np.float64]
     stamps: NDArray[np.float64]
 
     @staticmethod
-    def none() -> TemporaryObstacles:
+    def none() -> TransientObstacles:
         """Nothing remembered."""
-        return TemporaryObstacles(np.empty((0, 2)), np.empty(0))
+        return TransientObstacles(np.empty((0, 2)), np.empty(0))
 
 
 def remember(
-    known: TemporaryObstacles,
-    around: Surroundings,
+    known: TransientObstacles,
+    around: CostmapWindow,
     X_MO: Pose2,
     field: CostField,
     keep_s: float = 15.0,
     on_map_m: float = 0.15,
-) -> TemporaryObstacles:
+) -> TransientObstacles:
     """``known`` with what stands around the robot now and is not on the map.
 
     Inside the surroundings only what stands there now counts; outside, what was seen within ``keep_s`` before. On the
@@ -45,7 +45,7 @@ def remember(
         keep = (stamps >= around.stamp - keep_s) & ~((places >= 0.0) & (places < around.known_m)).all(axis=1)
         old, stamps = old[keep], stamps[keep]
     new = off_map(X_MO.transform(around.obstacles), field, on_map_m)
-    return TemporaryObstacles(np.concatenate((old, new)), np.concatenate((stamps, np.full(len(new), around.stamp))))
+    return TransientObstacles(np.concatenate((old, new)), np.concatenate((stamps, np.full(len(new), around.stamp))))
 
 
 def off_map(points: NDArray[np.float64], field: CostField, on_map_m: float = 0.15) -> NDArray[np.float64]:

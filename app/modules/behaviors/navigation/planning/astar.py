@@ -13,7 +13,7 @@ _UNREACHED = np.iinfo(np.int32).max
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Reached:
+class ReachedCells:
     """What was found from ``start`` (row, column of a cell): ``blocks``, ``cost`` and ``came`` as in ``search``.
 
     Blocks stand on even cells of the frame's own origin, not of the array's, so that a map that grows keeps its ways.
@@ -50,7 +50,7 @@ def explore(
     goal: tuple[int, int] | None = None,
     passable: int = 0,
     fee: float = 50.0,
-) -> Reached:
+) -> ReachedCells:
     """A* from cell ``start`` (not lethal) to ``goal``; without one, or if it cannot be reached, all that can be is.
 
     Lethal cells that are so only for reasons in ``passable`` (bits AT_... of ``inflation``), or for being unknown, may
@@ -63,7 +63,7 @@ def explore(
     blocks = pool(field.cost, field.layers, passable, fee, *odd)
     width = blocks.shape[1]
     cost, came = search(blocks, _block(start, odd, width), -1 if goal is None else _block(goal, odd, width))
-    return Reached(field, start, blocks, cost, came, odd, fee)
+    return ReachedCells(field, start, blocks, cost, came, odd, fee)
 
 
 def _block(cell: tuple[int, int], odd: tuple[int, int], width: int) -> int:

@@ -15,10 +15,16 @@ from app.base.geometry import Pose2
 from app.messages import OccupancyGrid, Zone
 from app.modules.behaviors.navigation.costmap.footprint import Footprint
 from app.modules.behaviors.navigation.costmap.inflation import CostField, CostSettings, cost_field, with_obstacles
-from app.modules.behaviors.navigation.costmap.local_costmap import Surroundings
-from app.modules.behaviors.navigation.costmap.transient_obstacle_layer import TemporaryObstacles, off_map, remember
+from app.modules.behaviors.navigation.costmap.local_costmap import CostmapWindow
+from app.modules.behaviors.navigation.costmap.transient_obstacle_layer import TransientObstacles, off_map, remember
 from app.modules.behaviors.navigation.costmap.zone_layer import rasterize
-from app.modules.behaviors.navigation.planning.goal_planning import Plan, PlanSettings, check_path, plan, why_replan
+from app.modules.behaviors.navigation.planning.goal_planning import (
+    GlobalPlan,
+    PlanSettings,
+    check_path,
+    plan,
+    why_replan,
+)
 from app.modules.behaviors.navigation.planning.reference_path import SpeedAt
 
 #: A change of way is worth so much at least (metres in the open).
@@ -28,7 +34,7 @@ _LETHAL = 50.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Request:
+class PlanRequest:
     """What a way is wanted for. ``goal`` on the map, heading NaN for any; ``around`` what stands near the body now,
     None to go by the map alone; ``opened_up``: what is unknown costs nothing, and what was in the way is forgotten;
     ``kept`` is the plan in force to this goal, ``why`` another is needed anyhow ("": only if it is better). ``things``
@@ -39,25 +45,25 @@ class Request:
     X_MO: Pose2
     X_MB: Pose2
     goal: Pose2
-    around: Surroundings | None = None
+    around: CostmapWindow | None = None
     opened_up: bool = False
-    kept: Plan | None = None
+    kept: GlobalPlan | None = None
     why: str = ""
     things: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Answer:
+class PlanResult:
     """The ``plan`` to follow and whether it is another than was kept; ``speed_share`` looks up, at points (N, 2) of the
     map, the share of the greatest speed that zones allow, in ]0, 1]."""
 
-    plan: Plan
+    plan: GlobalPlan
     changed: bool
     why: str
     speed_share: SpeedAt
 
 
-class Wayfinder:
+class GlobalPlanner:
     """Plans for one body. A plan in force is replaced by one that costs less by the share ``better``."""
 
     def __init__(
@@ -76,13 +82,13 @@ class Wayfinder:
         self._grid: OccupancyGrid | None = None
         self._made_with: tuple[tuple[Zone, ...], CostSettings] | None = None
         self._shares: NDArray[np.float32] | None = None
-        self._temporary = TemporaryObstacles.none()
+        self._temporary = TransientObstacles.none()
 
-    def find(self, request: Request) -> Answer:
+    def find(self, request: PlanRequest) -> PlanResult:
         """A way for ``request``, or the plan that says why there is none."""
         field = self._field_for(request)
         if request.opened_up or request.around is None:
-            self._temporary = TemporaryObstacles.none()
+            self._temporary = TransientObstacles.none()
         if request.around is not None:
             self._temporary = remember(self._temporary, request.around, request.X_MO, field)
         points = self._temporary.points
@@ -101,12 +107,12 @@ class Wayfinder:
             why = "the goal itself can be reached now"
         worse = _cost_along(live, found.poses) > min((1.0 - self._better) * rest_cost, rest_cost - _WORTH_M)
         if kept is not None and len(kept.poses) and not why and (len(found.poses) == 0 or worse):
-            return Answer(kept, False, "", self._share_at(field))
+            return PlanResult(kept, False, "", self._share_at(field))
         if kept is not None and found.code == kept.code and len(found.poses) == len(kept.poses) == 0:
-            return Answer(found, found.reason != kept.reason, why, self._share_at(field))
-        return Answer(found, True, why or "a better way was found", self._share_at(field))
+            return PlanResult(found, found.reason != kept.reason, why, self._share_at(field))
+        return PlanResult(found, True, why or "a better way was found", self._share_at(field))
 
-    def _field_for(self, request: Request) -> CostField:
+    def _field_for(self, request: PlanRequest) -> CostField:
         costs = replace(self._costs, unknown="free") if request.opened_up else self._costs
         if self._field is None or request.grid is not self._grid or (request.zones, costs) != self._made_with:
             previous = self._field if (request.zones, costs) == self._made_with else None

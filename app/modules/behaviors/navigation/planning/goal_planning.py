@@ -20,7 +20,7 @@ from app.modules.behaviors.navigation.costmap.inflation import (
     CostField,
 )
 from app.modules.behaviors.navigation.costmap.zone_layer import keep_out
-from app.modules.behaviors.navigation.planning.astar import Reached, explore
+from app.modules.behaviors.navigation.planning.astar import ReachedCells, explore
 from app.modules.behaviors.navigation.planning.smoothing import length_of, smooth, with_headings
 
 
@@ -37,7 +37,7 @@ class PlanSettings:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Plan:
+class GlobalPlan:
     """A way on the map, or why there is none.
 
     ``code``: ``way`` (to the goal itself), ``near`` (to ``target``, the nearest place that can be reached), or without
@@ -56,7 +56,7 @@ class Plan:
     length_m: float
 
 
-def plan(field: CostField, start: Pose2, goal: Pose2, settings: PlanSettings | None = None) -> Plan:
+def plan(field: CostField, start: Pose2, goal: Pose2, settings: PlanSettings | None = None) -> GlobalPlan:
     """The cheapest way from ``start`` to ``goal`` (heading NaN: any), both on the map, over ``field``."""
     settings = settings or PlanSettings()
     frame = field.frame
@@ -91,7 +91,7 @@ def plan(field: CostField, start: Pose2, goal: Pose2, settings: PlanSettings | N
 
 
 def _way(
-    reached: Reached,
+    reached: ReachedCells,
     code: str,
     reason: str,
     out: NDArray[np.int64],
@@ -99,7 +99,7 @@ def _way(
     target: Pose2,
     cell: tuple[int, int],
     settings: PlanSettings,
-) -> Plan:
+) -> GlobalPlan:
     field, frame = reached.field, reached.field.frame
     points = _middles(field, reached.way(cell))
     # From the very place to the very place, but for a start that is not free: its way out is left as it is.
@@ -111,10 +111,10 @@ def _way(
         step = max(1, round(settings.spacing_m / frame.resolution_m))
         way = np.concatenate(([[start.x, start.y]], _middles(field, out[step:-1:step]), way))
     poses = with_headings(way, start.theta, target.theta)
-    return Plan(code, reason, poses, target, length_of(poses))
+    return GlobalPlan(code, reason, poses, target, length_of(poses))
 
 
-def _why_not(field: CostField, start: tuple[int, int], goal: tuple[int, int]) -> Plan:
+def _why_not(field: CostField, start: tuple[int, int], goal: tuple[int, int]) -> GlobalPlan:
     """The goal's place is free, but no way leads there: what would have to go for one?"""
     bits = AT_KEEP_OUT | AT_TEMPORARY
     if field.known is None and not field.zones and field.settings.unknown != "blocked":
@@ -158,7 +158,7 @@ def _body_fits(field: CostField, poses: NDArray[np.float64]) -> NDArray[np.bool_
 
 
 def _nearest(
-    reached: Reached, goal: Pose2, goal_cell: tuple[int, int], near_m: float
+    reached: ReachedCells, goal: Pose2, goal_cell: tuple[int, int], near_m: float
 ) -> tuple[tuple[int, int], Pose2] | None:
     """The cell near the goal that was reached and where the body fits; of several as near as a cell, the freer."""
     field, frame = reached.field, reached.field.frame
@@ -222,8 +222,8 @@ def _middles(field: CostField, cells: NDArray[np.int64]) -> NDArray[np.float64]:
     return np.asarray((cells[:, ::-1] + 0.5) * frame.resolution_m + np.array([frame.x, frame.y]))
 
 
-def _none(code: str, reason: str) -> Plan:
-    return Plan(code, reason, np.empty((0, 3)), None, 0.0)
+def _none(code: str, reason: str) -> GlobalPlan:
+    return GlobalPlan(code, reason, np.empty((0, 3)), None, 0.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
-from app.modules.behaviors.navigation.controller import Way
+from app.modules.behaviors.navigation.controller import LocalPath
 
 #: Between two points of a way, m.
 SPACING_M = 0.05
@@ -18,7 +18,7 @@ SPACING_M = 0.05
 SpeedAt = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
-class Track:
+class ReferencePath:
     """One planned path on the map, and how far along it the body is.
 
     ``path`` (N, 2 or 3) float64: x, y (m) of its corners. ``speed_mps`` is the greatest speed on it, ``speed_at`` a
@@ -60,7 +60,7 @@ class Track:
         self._at = low + int(off.argmin())
         return self.length_m - float(self.lengths[self._at]), float(off.min())
 
-    def ahead(self, X_FM: Pose2, length_m: float, *, stop: bool = True) -> Way:
+    def ahead(self, X_FM: Pose2, length_m: float, *, stop: bool = True) -> LocalPath:
         """The way of ``length_m`` from the body on, in frame F; slower toward the path's end, if it is to ``stop``."""
         count = max(2, int(length_m / SPACING_M) + 1)
         low = min(self._at, len(self.points) - 2)
@@ -75,7 +75,7 @@ class Track:
         if stop:
             remaining = np.maximum(self.length_m - self.lengths[low : low + count], 0.0)
             way[:, 4] = np.minimum(way[:, 4], np.sqrt(2.0 * 0.6 * self._braking_mps2 * remaining) + 0.02)
-        return Way(way, SPACING_M)
+        return LocalPath(way, SPACING_M)
 
     def rest(self) -> NDArray[np.float64]:
         """The path (N, 2) that is still ahead, on the map."""

@@ -14,7 +14,7 @@ _STEP_RAD = 0.15
 _BROKEN_M = 0.5
 
 
-class Trail:
+class DrivenArea:
     """The last ``length_m`` of the way the body came, as poses."""
 
     def __init__(self, length_m: float = 1.5) -> None:

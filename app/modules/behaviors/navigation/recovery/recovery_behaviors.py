@@ -6,7 +6,7 @@ from near), **open up** (what is unknown or was in the way once counts as free).
 what gets the body nearer to its goal than it ever was ends the round. After ``rounds`` of them it **asks** people for
 help, waits, and begins anew.
 
-Lost on its map, it has another measure: it turns on the spot (:class:`Search`), for what it sees round about tells
+Lost on its map, it has another measure: it turns on the spot (:class:`SpinSearch`), for what it sees round about tells
 where it is, and waits for people when that did not.
 """
 
@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 
-class Measure(Enum):
+class RecoveryAction(Enum):
     """What is done about not getting on; the values say it to people."""
 
     WAIT = "waiting for the way to clear"
@@ -29,7 +29,13 @@ class Measure(Enum):
 
 
 #: The order within a round.
-LADDER = (Measure.WAIT, Measure.BACK_OFF, Measure.TURN, Measure.CLEAR, Measure.OPEN_UP)
+LADDER = (
+    RecoveryAction.WAIT,
+    RecoveryAction.BACK_OFF,
+    RecoveryAction.TURN,
+    RecoveryAction.CLEAR,
+    RecoveryAction.OPEN_UP,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,22 +65,22 @@ class Recovery:
         self.count = 0
         self._rung = 0
         self._round = 0
-        self._current: Measure | None = None
+        self._current: RecoveryAction | None = None
         self._began = 0.0
 
     @property
-    def current(self) -> Measure | None:
+    def current(self) -> RecoveryAction | None:
         """What is being done; None while the way is followed."""
         return self._current
 
-    def begin(self, now: float) -> Measure:
+    def begin(self, now: float) -> RecoveryAction:
         """The body does not get on: the next measure, which becomes :attr:`current`."""
         if self._rung == len(LADDER):
             self._rung = 0
             self._round += 1
         if self._round >= self.settings.rounds:
             self._round = 0
-            self._current = Measure.ASK
+            self._current = RecoveryAction.ASK
         else:
             self._current = LADDER[self._rung]
             self._rung += 1
@@ -87,15 +93,15 @@ class Recovery:
         body may not move as the measure wants."""
         s, elapsed = self.settings, now - self._began
         match self._current:
-            case None | Measure.CLEAR | Measure.OPEN_UP:
+            case None | RecoveryAction.CLEAR | RecoveryAction.OPEN_UP:
                 return True
-            case Measure.WAIT:
+            case RecoveryAction.WAIT:
                 return elapsed >= s.wait_s
-            case Measure.ASK:
+            case RecoveryAction.ASK:
                 return elapsed >= s.ask_s
-            case Measure.BACK_OFF:
+            case RecoveryAction.BACK_OFF:
                 return barred or driven_m >= s.back_m or elapsed >= s.back_s
-            case Measure.TURN:
+            case RecoveryAction.TURN:
                 return barred or turned_rad >= s.turn_rad or elapsed >= s.turn_s
 
     def end(self) -> None:
@@ -113,7 +119,7 @@ class Recovery:
         self.count = 0
 
 
-class Search:
+class SpinSearch:
     """How a body that is lost turns to find itself: after a moment, since it may be found as it stands; then so far,
     or each way until it is barred; where that did not help, again when people have had time to."""
 

@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from app.modules.behaviors.navigation.controller import Body, Motion
-from app.modules.behaviors.navigation.costmap.local_costmap import Surroundings
+from app.modules.behaviors.navigation.controller import BodyModel, MotionState
+from app.modules.behaviors.navigation.costmap.local_costmap import CostmapWindow
 
 
 @dataclass(frozen=True, slots=True)
-class TouchSettings:
+class StallSettings:
     """Going at most ``standing_mps`` for ``stalled_s`` and falling behind by ``behind_m`` what is commanded forward is
     running into something ``ahead_m`` before the body's edge; it is believed for ``keep_s``."""
 
@@ -27,11 +27,11 @@ class TouchSettings:
     keep_s: float = 40.0
 
 
-class Touch:
+class StallDetector:
     """Remembers, in ``odom``, where the body ran into something."""
 
-    def __init__(self, body: Body, settings: TouchSettings | None = None) -> None:
-        self._settings = settings or TouchSettings()
+    def __init__(self, body: BodyModel, settings: StallSettings | None = None) -> None:
+        self._settings = settings or StallSettings()
         edge = body.outline[: len(body.outline) // 2]
         front = edge[edge[:, 0] > 0.5 * body.front_m]
         lengths = np.linalg.norm(front, axis=1, keepdims=True)
@@ -41,7 +41,7 @@ class Touch:
         self._before = 0.0
         self._behind_m = 0.0
 
-    def feel(self, now: float, commanded_mps: float, motion: Motion) -> bool:
+    def feel(self, now: float, commanded_mps: float, motion: MotionState) -> bool:
         """Take what the base was given last and how the body moves; whether it just ran into something."""
         s = self._settings
         if commanded_mps <= 0.0 or abs(motion.linear_mps) > s.standing_mps:
@@ -70,7 +70,7 @@ class Touch:
         """Nothing was there."""
         self._felt.clear()
 
-    def laid_over(self, around: Surroundings, now: float) -> Surroundings:
+    def laid_over(self, around: CostmapWindow, now: float) -> CostmapWindow:
         """``around`` with what was run into."""
         self._felt = [(stamp, points) for stamp, points in self._felt if now - stamp < self._settings.keep_s]
         if not self._felt:

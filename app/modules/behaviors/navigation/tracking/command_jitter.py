@@ -8,7 +8,7 @@ from collections import deque
 _KEPT = 100
 
 
-class Periods:
+class CommandJitter:
     """The times (s) between commands of late, while they are given one after another."""
 
     def __init__(self) -> None:

@@ -10,21 +10,21 @@ from numpy.typing import NDArray
 from app.base.geometry import Pose2
 from app.link import RobotDescription
 from app.messages import Image, LaserScan, OccupancyGrid
-from app.modules.behaviors.navigation.controller import Body, Controller, Field, Motion
+from app.modules.behaviors.navigation.controller import BodyModel, Controller, DistanceField, MotionState
 from app.modules.behaviors.navigation.costmap.blind_corners import hidden_distance
 from app.modules.behaviors.navigation.costmap.footprint import Footprint
 from app.modules.behaviors.navigation.costmap.leg_inflation import beside
-from app.modules.behaviors.navigation.costmap.local_costmap import CostmapSettings, LocalCostmap, Surroundings
-from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import ThingsMemory
+from app.modules.behaviors.navigation.costmap.local_costmap import CostmapSettings, CostmapWindow, LocalCostmap
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import PersistentObstacleLayer
 from app.modules.behaviors.navigation.costmap.scan_costmap import points_of
-from app.modules.behaviors.navigation.planning.goal_planning import Plan
+from app.modules.behaviors.navigation.planning.goal_planning import GlobalPlan
 from app.modules.behaviors.navigation.planning.reference_path import SpeedAt
 from app.modules.behaviors.navigation.recovery.recovery_behaviors import RecoverySettings
-from app.modules.behaviors.navigation.recovery.stall_detector import Touch
+from app.modules.behaviors.navigation.recovery.stall_detector import StallDetector
 from app.modules.behaviors.navigation.tracking.dynamic_window import PUBLISHED, DynamicWindow
 from app.modules.behaviors.navigation.tracking.mppi import Mppi, MppiSettings
-from app.modules.behaviors.navigation.tracking.path_tracker import Follower, FollowerSettings, Goal, Step
-from app.modules.behaviors.navigation.tracking.sensor_health import DepthWatch, unfit, watch_depth
+from app.modules.behaviors.navigation.tracking.path_tracker import Goal, PathTracker, PathTrackerSettings, TrackingStep
+from app.modules.behaviors.navigation.tracking.sensor_health import DepthHealth, unfit, update_depth_health
 
 #: What strategies may choose from.
 CONTROLLERS = ("mppi", "pursuit", "dwa", "dwa_published")
@@ -48,19 +48,19 @@ def controller_named(name: str, mppi: MppiSettings | None = None) -> Controller:
 
 
 @dataclass(frozen=True, slots=True)
-class PilotSettings:
+class ControlCycleSettings:
     """What the pilot's parts are set to, and for how long a scan or a picture counts (s); ``people_m`` is taken for
     occupied around what may be a leg (0: none is looked for)."""
 
     costmap: CostmapSettings = field(default_factory=CostmapSettings)
-    follower: FollowerSettings = field(default_factory=FollowerSettings)
+    follower: PathTrackerSettings = field(default_factory=PathTrackerSettings)
     recovery: RecoverySettings = field(default_factory=RecoverySettings)
     fresh_s: float = 0.3
     people_m: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Senses:
+class CycleInput:
     """What one cycle is given. ``scan`` and ``image`` are new ones, each with the body's pose at its stamp (of a scan,
     also at its last ray), or None. ``motion`` is the body now; ``X_MO`` where localization says ``odom`` is, None
     before it says so. ``problem`` says why neither must be believed; ``astray``: ``X_MO`` alone. ``plan`` is a new one
@@ -69,13 +69,13 @@ class Senses:
     """
 
     now: float
-    motion: Motion
+    motion: MotionState
     X_MO: Pose2 | None
     problem: str
     goal: Goal | None
     scan: tuple[LaserScan, Pose2, Pose2] | None = None
     image: tuple[Image, Pose2] | None = None
-    plan: Plan | None = None
+    plan: GlobalPlan | None = None
     speed_at: SpeedAt | None = None
     grid: OccupancyGrid | None = None
     astray: bool = False
@@ -83,32 +83,37 @@ class Senses:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Told:
+class CycleOutput:
     """What one cycle decided, and what there is to tell of it. ``things`` (N, 2): all that is remembered, m on the
     map."""
 
-    step: Step
+    step: TrackingStep
     target: Pose2 | None
     remaining_m: float | None
     progress_stamp: float | None
     recoveries: int
     opened_up: bool
-    around: Surroundings | None
+    around: CostmapWindow | None
     things: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
 
 
-class Pilot:
+class ControlCycle:
     """Drives one body by one controller; ``depth``: it has a depth camera that must see."""
 
     def __init__(
-        self, description: RobotDescription, controller: str, settings: PilotSettings | None = None, *, depth: bool
+        self,
+        description: RobotDescription,
+        controller: str,
+        settings: ControlCycleSettings | None = None,
+        *,
+        depth: bool,
     ) -> None:
         """Raises ValueError for a body that does not move, or an unknown controller."""
-        self._settings = settings or PilotSettings()
+        self._settings = settings or ControlCycleSettings()
         self.footprint = Footprint.of(description)
         padding = _PUBLISHED_PADDING_M if controller == "dwa_published" else 0.0
-        self.body = Body.of(description.footprint, description.limits, padding_m=padding)
-        self._follower = Follower(
+        self.body = BodyModel.of(description.footprint, description.limits, padding_m=padding)
+        self._follower = PathTracker(
             self.body, controller_named(controller), self._settings.follower, self._settings.recovery
         )
         self._costmap = LocalCostmap(self.footprint, description.height_m, self._settings.costmap)
@@ -116,11 +121,11 @@ class Pilot:
         self._scan: LaserScan | None = None
         self._scan_from = Pose2()
         self._laser_O: tuple[float, NDArray[np.float64]] | None = None
-        self._depth = DepthWatch() if depth else None
+        self._depth = DepthHealth() if depth else None
         self._sent = (0.0, 0.0)
-        self._touch = Touch(self.body)
+        self._touch = StallDetector(self.body)
         #: What the camera saw stand; None without one.
-        self.things = ThingsMemory(self.footprint, description.height_m) if depth else None
+        self.things = PersistentObstacleLayer(self.footprint, description.height_m) if depth else None
         self._things = np.empty((0, 2))
         self._things_version = 0
 
@@ -128,7 +133,7 @@ class Pilot:
         """Go on with another controller. Raises ValueError for an unknown one."""
         self._follower.steer_with(controller_named(controller))
 
-    def cycle(self, senses: Senses, period_s: float) -> Told:
+    def cycle(self, senses: CycleInput, period_s: float) -> CycleOutput:
         """Look, decide, and tell; a few milliseconds."""
         self._see(senses)
         if senses.scan is not None:
@@ -147,7 +152,7 @@ class Pilot:
         around = self._touch.laid_over(around, senses.now)
         careful = self._settings.follower.corner_share < 1.0 and senses.goal is not None
         hidden = hidden_distance(around.cells, around.resolution_m) if careful else None
-        seen = Field(around.distance, around.origin, around.resolution_m, hidden)
+        seen = DistanceField(around.distance, around.origin, around.resolution_m, hidden)
         if senses.astray and not blind:
             step = follower.find_itself(senses.now, senses.motion, seen, period_s, senses.problem)
         else:
@@ -157,12 +162,12 @@ class Pilot:
             self._costmap.clear()
             self._touch.forget()
         step = self._within_reach(step, senses.motion, period_s)
-        return Told(
+        return CycleOutput(
             step, follower.target, follower.remaining_m, follower.progress_stamp, follower.recovery.count,
             follower.opened_up, around, self._all_things(),
         )  # fmt: skip
 
-    def remember(self, senses: Senses) -> None:
+    def remember(self, senses: CycleInput) -> None:
         """Keep what the camera sees in ``senses`` and the laser does not; not before :meth:`cycle` took them, or in
         place of it while there is no goal."""
         if senses.goal is None:
@@ -176,22 +181,22 @@ class Pilot:
         if abs(image.stamp - stamp) <= self._settings.fresh_s:
             self.things.look(image, senses.X_MO @ X_OB, senses.X_MO.transform(points))
 
-    def _see(self, senses: Senses) -> None:
+    def _see(self, senses: CycleInput) -> None:
         if senses.scan is not None:
             scan, begin, _ = senses.scan
             self._scan, self._scan_stamp, self._scan_from = scan, scan.stamp, begin
             if self.things is not None:
                 self._laser_O = scan.stamp, points_of(scan, begin)
         if senses.image is not None and self._depth is not None:
-            self._depth = watch_depth(self._depth, senses.image[0], self._scan)
+            self._depth = update_depth_health(self._depth, senses.image[0], self._scan)
 
-    def _feel(self, senses: Senses) -> None:
+    def _feel(self, senses: CycleInput) -> None:
         given_mps = self._sent[0] if senses.given_mps is None else senses.given_mps
         felt = self._touch.feel(senses.now, given_mps, senses.motion)
         if felt and self.things is not None and senses.X_MO is not None:
             self.things.felt(senses.X_MO.transform(self._touch.newest), senses.now)
 
-    def _known(self, senses: Senses) -> NDArray[np.float64] | None:
+    def _known(self, senses: CycleInput) -> NDArray[np.float64] | None:
         """What is remembered around the body, and room beside people; m in ``odom``. The body keeps clear of it even
         where a way through is tried as a last resort: what is low there is touched before it is seen again."""
         if senses.X_MO is None or senses.problem:
@@ -209,7 +214,7 @@ class Pilot:
             self._things, self._things_version = self.things.points, self.things.version
         return self._things
 
-    def _within_reach(self, step: Step, motion: Motion, period_s: float) -> Step:
+    def _within_reach(self, step: TrackingStep, motion: MotionState, period_s: float) -> TrackingStep:
         """``step`` with velocities that the body can have a period from now; a stop is a stop at once."""
         sent, self._sent = self._sent, (0.0, 0.0)
         if step.linear_mps == 0.0 and step.angular_radps == 0.0:
@@ -221,7 +226,7 @@ class Pilot:
         linear = _between(step.linear_mps, v - braking * period_s, v + linear_mps2 * period_s)
         angular = _between(step.angular_radps, w - angular_radps2 * period_s, w + angular_radps2 * period_s)
         self._sent = (_between(linear, -high, high), _between(angular, -turn, turn))
-        return Step(*self._sent, step.state, step.reason, step.clear, step.replan)
+        return TrackingStep(*self._sent, step.state, step.reason, step.clear, step.replan)
 
 
 def _from(sent: float, measured: float, apart: float) -> float:

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.modules.behaviors.navigation.controller import Body, Choice, Field, Motion, Way
+from app.modules.behaviors.navigation.controller import BodyModel, DistanceField, LocalPath, MotionState, VelocityChoice
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +62,9 @@ class DynamicWindow:
     def forget(self) -> None:
         """There is nothing to forget: each choice is made anew."""
 
-    def choose(self, motion: Motion, field: Field, way: Way, body: Body, period_s: float) -> Choice:
+    def choose(
+        self, motion: MotionState, field: DistanceField, way: LocalPath, body: BodyModel, period_s: float
+    ) -> VelocityChoice:
         """See :class:`Controller`."""
         from app.modules.behaviors.navigation.tracking.rollout_kernels import dynamic_window
 
@@ -77,7 +79,7 @@ class DynamicWindow:
             s.sight_m, s.strict,
         )  # fmt: skip
         if not math.isfinite(cost):
-            return Choice(0.0, 0.0, True, 0.0)
+            return VelocityChoice(0.0, 0.0, True, 0.0)
         # Standing still, or nearly so, with way left: everything that moves costs more than not moving.
         still = linear < 0.02 and abs(angular) < 0.05 and float(way.points[-1, 3]) > 0.1
-        return Choice(linear, angular, still, clearance)
+        return VelocityChoice(linear, angular, still, clearance)

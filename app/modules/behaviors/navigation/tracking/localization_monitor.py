@@ -7,7 +7,7 @@ import math
 from app.base.geometry import Pose2
 from app.base.pose_buffer import PoseBuffer
 from app.messages import Localization, Odometry
-from app.modules.behaviors.navigation.controller import Motion
+from app.modules.behaviors.navigation.controller import MotionState
 
 #: Odometry older than that is none, s.
 _ODOMETRY_S = 0.3
@@ -18,7 +18,7 @@ _LONGEST_S = 5.0
 _NO_ODOMETRY = "there is no odometry: the wheels' encoders give nothing"
 
 
-class PoseWatch:
+class LocalizationMonitor:
     """Keeps the newest poses; see :meth:`problem` for what they are worth."""
 
     def __init__(self) -> None:
@@ -50,12 +50,12 @@ class PoseWatch:
         """Where ``odom`` is on the map, as of the newest localization."""
         return None if self.localization is None else self.localization.X_MO
 
-    def motion(self, now: float) -> Motion | None:
+    def motion(self, now: float) -> MotionState | None:
         """The body now, carried on from the newest odometry by its twist; None before the first."""
         newest = self._odometry
         if newest is None:
             return None
-        motion = Motion(newest.X_OB, newest.linear_mps, newest.angular_radps)
+        motion = MotionState(newest.X_OB, newest.linear_mps, newest.angular_radps)
         age_s = now - newest.stamp
         return motion.after(min(max(age_s, 0.0), 0.1) if math.isfinite(age_s) else 0.0)
 

@@ -19,7 +19,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from app.modules.behaviors.navigation.controller import Body, Choice, Field, Motion, Way
+from app.modules.behaviors.navigation.controller import BodyModel, DistanceField, LocalPath, MotionState, VelocityChoice
 
 #: Different noise for so many cycles in a row.
 _BANKS = 16
@@ -70,7 +70,9 @@ class Mppi:
         """Forget what was planned last time."""
         self._plan = None
 
-    def choose(self, motion: Motion, field: Field, way: Way, body: Body, period_s: float) -> Choice:
+    def choose(
+        self, motion: MotionState, field: DistanceField, way: LocalPath, body: BodyModel, period_s: float
+    ) -> VelocityChoice:
         """See :class:`Controller`."""
         from app.modules.behaviors.navigation.tracking import rollout_kernels
 
@@ -105,8 +107,8 @@ class Mppi:
         for share in _SLOWER:
             if rollout_kernels.can_stop(*scene, share * linear, share * angular, period_s + _REACTION_S, s.margin_m):
                 still = abs(share * linear) < 0.02 and abs(share * angular) < 0.05 and float(way.points[-1, 3]) > 0.1
-                return Choice(share * linear, share * angular, still, clearance)
-        return Choice(0.0, 0.0, True, clearance)
+                return VelocityChoice(share * linear, share * angular, still, clearance)
+        return VelocityChoice(0.0, 0.0, True, clearance)
 
 
 def proposals(settings: MppiSettings) -> list[tuple[float, float, float, float]]:

@@ -16,12 +16,17 @@ import math
 from dataclasses import dataclass
 
 from app.base.geometry import Pose2, wrap_angle
-from app.modules.behaviors.navigation.controller import Body, Controller, Field, Motion
+from app.modules.behaviors.navigation.controller import BodyModel, Controller, DistanceField, MotionState
 from app.modules.behaviors.navigation.costmap.blind_corners import careful
-from app.modules.behaviors.navigation.planning.goal_planning import Plan
-from app.modules.behaviors.navigation.planning.reference_path import SpeedAt, Track
-from app.modules.behaviors.navigation.recovery.driven_area import Trail, back_toward
-from app.modules.behaviors.navigation.recovery.recovery_behaviors import Measure, Recovery, RecoverySettings, Search
+from app.modules.behaviors.navigation.planning.goal_planning import GlobalPlan
+from app.modules.behaviors.navigation.planning.reference_path import ReferencePath, SpeedAt
+from app.modules.behaviors.navigation.recovery.driven_area import DrivenArea, back_toward
+from app.modules.behaviors.navigation.recovery.recovery_behaviors import (
+    Recovery,
+    RecoveryAction,
+    RecoverySettings,
+    SpinSearch,
+)
 
 #: Slower than that a body stands (m/s, rad/s).
 STANDING = (0.03, 0.06)
@@ -48,7 +53,7 @@ class Goal:
 
 
 @dataclass(frozen=True, slots=True)
-class FollowerSettings:
+class PathTrackerSettings:
     """``look_ahead_s`` of driving at full speed is the way given to the controller. ``aim`` is the share of a tolerance
     that is driven to before the body stops. ``spare_m`` is kept between body and obstacles when a turn or a measure is
     checked. Beside what it cannot see, as behind a corner, it drives at ``corner_share`` of its speed (1: it does not
@@ -65,7 +70,7 @@ class FollowerSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class TrackingStep:
     """What one cycle decided: the velocities to command, what is said about it, and what else is wanted.
 
     ``clear``: the costmap is to forget. ``replan``: why a way should be planned now, "" if it need not.
@@ -79,29 +84,29 @@ class Step:
     replan: str = ""
 
 
-class Follower:
+class PathTracker:
     """Brings one body to one goal after another."""
 
     def __init__(
         self,
-        body: Body,
+        body: BodyModel,
         controller: Controller,
-        settings: FollowerSettings | None = None,
+        settings: PathTrackerSettings | None = None,
         recovery: RecoverySettings | None = None,
     ) -> None:
-        self.settings = settings or FollowerSettings()
+        self.settings = settings or PathTrackerSettings()
         self.recovery = Recovery(recovery)
-        self._search = Search(self.recovery.settings)
+        self._search = SpinSearch(self.recovery.settings)
         self._body = body
         self._controller = controller
-        self._trail = Trail()
+        self._trail = DrivenArea()
         self.goal: Goal | None = None
-        self.plan: Plan | None = None
+        self.plan: GlobalPlan | None = None
         self.remaining_m: float | None = None
         self.progress_stamp: float | None = None
         #: Plans should take what is unknown, and what was in the way once, for free.
         self.opened_up = False
-        self._track: Track | None = None
+        self._track: ReferencePath | None = None
         self._least = math.inf
         self._troubled_at = math.inf
         self._detours = 0
@@ -109,7 +114,7 @@ class Follower:
         self._held_at = math.inf
         self._at_place = False
         self._arrived = False
-        self._begin = Motion(Pose2(), 0.0, 0.0)
+        self._begin = MotionState(Pose2(), 0.0, 0.0)
         self._X_OM = Pose2()
         self._turned = 0.0
         self._turn_sign = 1.0
@@ -134,14 +139,16 @@ class Follower:
         self._search.end()
         self._controller.forget()
 
-    def take(self, plan: Plan, now: float, speed_at: SpeedAt | None = None) -> None:
+    def take(self, plan: GlobalPlan, now: float, speed_at: SpeedAt | None = None) -> None:
         """A plan to the goal, from about where the body is. ``speed_at``: the greatest speed (m/s) on the map."""
         self.plan = plan
         if len(plan.poses) == 0:
             self._track, self.remaining_m = None, None
             return
         body = self._driven_body()
-        self._track = Track(plan.poses, speed_mps=body.limits[1], braking_mps2=body.limits[5], speed_at=speed_at)
+        self._track = ReferencePath(
+            plan.poses, speed_mps=body.limits[1], braking_mps2=body.limits[5], speed_at=speed_at
+        )
         if self._track.length_m > self._least + _NEARER_M and self._detours < _DETOURS:
             self._detours += 1
             self._least = self._track.length_m
@@ -153,40 +160,44 @@ class Follower:
 
     # --- what it decides ---
 
-    def step(self, now: float, motion: Motion, X_MO: Pose2, field: Field, period_s: float, *, unfit: str = "") -> Step:
+    def step(
+        self, now: float, motion: MotionState, X_MO: Pose2, field: DistanceField, period_s: float, *, unfit: str = ""
+    ) -> TrackingStep:
         """One cycle. ``unfit``: why the robot must not be driven; then the pose and the field may mean nothing."""
         if self.goal is None:
-            return Step(0.0, 0.0, "idle", "no goal")
+            return TrackingStep(0.0, 0.0, "idle", "no goal")
         if unfit:
             self._controller.forget()
             self._held_since = None
-            return Step(0.0, 0.0, "waiting", unfit)
+            return TrackingStep(0.0, 0.0, "waiting", unfit)
         self._search.end()
         self._X_OM = X_MO.inverse()
         if motion.linear_mps > 0.01:
             self._trail.add(motion.pose)
         if self._arrived:
-            return Step(0.0, 0.0, "arrived", self._arrival())
+            return TrackingStep(0.0, 0.0, "arrived", self._arrival())
         if self.plan is None:
-            return Step(0.0, 0.0, "planning", "looking for a way", replan="there is no way yet")
+            return TrackingStep(0.0, 0.0, "planning", "looking for a way", replan="there is no way yet")
         if self.recovery.current is not None:
             return self._recover(now, motion, field, period_s)
         if self._track is None:
             return self._without_way(now, motion, field, period_s)
         return self._follow(now, motion, X_MO, field, period_s)
 
-    def _driven_body(self) -> Body:
+    def _driven_body(self) -> BodyModel:
         return self._body if self.goal is None or self.goal.speed >= 1.0 else self._body.limited(self.goal.speed)
 
-    def _without_way(self, now: float, motion: Motion, field: Field, period_s: float) -> Step:
+    def _without_way(self, now: float, motion: MotionState, field: DistanceField, period_s: float) -> TrackingStep:
         assert self.plan is not None
         if self.plan.code not in _MAY_PASS:
-            return Step(0.0, 0.0, "unreachable", self.plan.reason, replan=self.plan.reason)
+            return TrackingStep(0.0, 0.0, "unreachable", self.plan.reason, replan=self.plan.reason)
         if self._held(now, still=True):
             return self._begin_measure(now, motion, field, period_s)
-        return Step(0.0, 0.0, "waiting", self.plan.reason, replan=self.plan.reason)
+        return TrackingStep(0.0, 0.0, "waiting", self.plan.reason, replan=self.plan.reason)
 
-    def _follow(self, now: float, motion: Motion, X_MO: Pose2, field: Field, period_s: float) -> Step:
+    def _follow(
+        self, now: float, motion: MotionState, X_MO: Pose2, field: DistanceField, period_s: float
+    ) -> TrackingStep:
         assert self._track is not None
         assert self.goal is not None
         X_MB = X_MO @ motion.pose
@@ -222,7 +233,7 @@ class Follower:
         words = "something is in the way" if choice.blocked else ""
         if not words and self.plan is not None:
             words = self.plan.reason
-        return Step(
+        return TrackingStep(
             choice.linear_mps, choice.angular_radps, "following", words,
             replan="something is in the way" if choice.blocked else "",
         )  # fmt: skip
@@ -235,7 +246,9 @@ class Follower:
         patience = self.recovery.settings.stuck_s * (1.0 if still else 4.0)
         return now - self._held_since >= patience
 
-    def _turn_to_heading(self, now: float, motion: Motion, X_MB: Pose2, field: Field, period_s: float) -> Step:
+    def _turn_to_heading(
+        self, now: float, motion: MotionState, X_MB: Pose2, field: DistanceField, period_s: float
+    ) -> TrackingStep:
         assert self.goal is not None
         target = self.target
         heading = math.nan if target is None else target.theta
@@ -245,8 +258,8 @@ class Follower:
             if standing:
                 self._arrived = True
                 self.remaining_m, self.progress_stamp = 0.0, now
-                return Step(0.0, 0.0, "arrived", self._arrival())
-            return Step(0.0, 0.0, "following", "stopping at the goal")
+                return TrackingStep(0.0, 0.0, "arrived", self._arrival())
+            return TrackingStep(0.0, 0.0, "following", "stopping at the goal")
         turn = self._turn(error, motion, field, period_s)
         if abs(error) < self._left_to_turn - 0.02:
             self._held_since, self.progress_stamp = None, now
@@ -254,13 +267,13 @@ class Follower:
         if turn is None:
             if self._held(now, still=True):
                 return self._begin_measure(now, motion, field, period_s)
-            return Step(0.0, 0.0, "following", "there is no room to turn to the heading asked for")
-        return Step(0.0, turn, "following", "turning to the heading asked for")
+            return TrackingStep(0.0, 0.0, "following", "there is no room to turn to the heading asked for")
+        return TrackingStep(0.0, turn, "following", "turning to the heading asked for")
 
     def _arrival(self) -> str:
         return self.plan.reason if self.plan is not None and self.plan.code == "near" else ""
 
-    def _turn(self, error: float, motion: Motion, field: Field, period_s: float) -> float | None:
+    def _turn(self, error: float, motion: MotionState, field: DistanceField, period_s: float) -> float | None:
         """The turn (rad/s) on the spot towards an ``error`` (rad) less; None if something is in the body's way."""
         _, _, turn, _, angular_mps2, _ = self._driven_body().limits
         rate = min(
@@ -272,7 +285,7 @@ class Follower:
                 return share * rate
         return None
 
-    def _free(self, motion: Motion, field: Field, linear: float, angular: float, period_s: float) -> bool:
+    def _free(self, motion: MotionState, field: DistanceField, linear: float, angular: float, period_s: float) -> bool:
         from app.modules.behaviors.navigation.tracking.rollout_kernels import can_stop
 
         return bool(
@@ -284,7 +297,9 @@ class Follower:
 
     # --- recovery ---
 
-    def find_itself(self, now: float, motion: Motion, field: Field, period_s: float, lost: str) -> Step:
+    def find_itself(
+        self, now: float, motion: MotionState, field: DistanceField, period_s: float, lost: str
+    ) -> TrackingStep:
         """One cycle in place of :meth:`step` while the body does not know where it is on the map; ``lost`` says so to
         people. ``field`` is what its sensors see."""
         self._controller.forget()
@@ -296,43 +311,45 @@ class Follower:
                 turn = self._turn(self._turn_sign, motion, field, period_s)
             if turn is not None:
                 self._search.turned(abs(turn) * period_s, now)
-                return Step(0.0, turn, "recovering", "it is lost on the map: turning to find itself")
-        return Step(0.0, 0.0, "waiting", lost)
+                return TrackingStep(0.0, turn, "recovering", "it is lost on the map: turning to find itself")
+        return TrackingStep(0.0, 0.0, "waiting", lost)
 
-    def _begin_measure(self, now: float, motion: Motion, field: Field, period_s: float) -> Step:
+    def _begin_measure(self, now: float, motion: MotionState, field: DistanceField, period_s: float) -> TrackingStep:
         self._troubled_at = min(self._troubled_at, self._least)
         measure = self.recovery.begin(now)
         self._begin, self._turned = motion, 0.0
         self._turn_sign = 1.0
-        if self._track is not None and measure is Measure.TURN:
+        if self._track is not None and measure is RecoveryAction.TURN:
             # Towards the way; if that is where it looks already, to the left.
             way = self._track.ahead(self._X_OM, 0.5)
             bearing = wrap_angle(float(way.points[-1, 2]) - motion.pose.theta)
             self._turn_sign = math.copysign(1.0, bearing)
-        if measure is Measure.OPEN_UP:
+        if measure is RecoveryAction.OPEN_UP:
             self.opened_up = True
         return self._recover(now, motion, field, period_s)
 
-    def _recover(self, now: float, motion: Motion, field: Field, period_s: float) -> Step:
+    def _recover(self, now: float, motion: MotionState, field: DistanceField, period_s: float) -> TrackingStep:
         measure = self.recovery.current
         assert measure is not None
         linear, angular, barred = 0.0, 0.0, False
-        if measure is Measure.BACK_OFF:
+        if measure is RecoveryAction.BACK_OFF:
             linear, angular, barred = self._back_off(motion, field, period_s)
-        elif measure is Measure.TURN:
+        elif measure is RecoveryAction.TURN:
             turn = self._turn(self._turn_sign, motion, field, period_s)
             barred, angular = turn is None, turn or 0.0
             self._turned += abs(motion.angular_radps) * period_s
         driven = math.dist((motion.pose.x, motion.pose.y), (self._begin.pose.x, self._begin.pose.y))
-        state = "waiting" if measure in (Measure.WAIT, Measure.ASK) else "recovering"
+        state = "waiting" if measure in (RecoveryAction.WAIT, RecoveryAction.ASK) else "recovering"
         if self.recovery.over(now, driven_m=driven, turned_rad=self._turned, barred=barred):
             self.recovery.end()
             self._controller.forget()
             self._held_since = None
-            return Step(0.0, 0.0, state, measure.value, clear=measure is Measure.CLEAR, replan=f"after {measure.value}")
-        return Step(linear, angular, state, measure.value)
+            return TrackingStep(
+                0.0, 0.0, state, measure.value, clear=measure is RecoveryAction.CLEAR, replan=f"after {measure.value}"
+            )
+        return TrackingStep(linear, angular, state, measure.value)
 
-    def _back_off(self, motion: Motion, field: Field, period_s: float) -> tuple[float, float, bool]:
+    def _back_off(self, motion: MotionState, field: DistanceField, period_s: float) -> tuple[float, float, bool]:
         past = self._trail.back_from(motion.pose)
         if past is None:
             return 0.0, 0.0, True

@@ -18,7 +18,7 @@ _BLIND_M = 0.7
 
 
 @dataclass(frozen=True, slots=True)
-class DepthWatch:
+class DepthHealth:
     """What became of the depth pictures: ``good`` is the stamp of the newest that was alive, None before the first;
     ``problem`` says what is wrong with the newest, "" if nothing; ``digest`` of its pixels."""
 
@@ -27,13 +27,13 @@ class DepthWatch:
     digest: int = 0
 
 
-def watch_depth(watch: DepthWatch, image: Image, scan: LaserScan | None = None) -> DepthWatch:
+def update_depth_health(watch: DepthHealth, image: Image, scan: LaserScan | None = None) -> DepthHealth:
     """Look at one more picture: all zero, all the same, or the one before over again is not alive.
 
     A wall so near that a depth camera is blind to it leaves zeros too: ``scan``, if it shows one there, excuses them.
     """
     if image.depth is None:
-        return DepthWatch(watch.good, "pictures come without depth", watch.digest)
+        return DepthHealth(watch.good, "pictures come without depth", watch.digest)
     pixels = np.ascontiguousarray(image.depth[::_STEP, ::_STEP])
     digest = zlib.crc32(pixels.tobytes())
     problem = ""
@@ -44,13 +44,13 @@ def watch_depth(watch: DepthWatch, image: Image, scan: LaserScan | None = None) 
         problem = "depth pictures show one and the same distance everywhere"
     elif watch.good is not None and digest == watch.digest:
         problem = "the same depth picture comes over and over"
-    return DepthWatch(watch.good if problem else image.stamp, problem, digest)
+    return DepthHealth(watch.good if problem else image.stamp, problem, digest)
 
 
 def unfit(
     now: float,
     scan_stamp: float | None,
-    depth: DepthWatch | None,
+    depth: DepthHealth | None,
     limit_s: float = 0.3,
 ) -> str:
     """Why the robot must not be driven, in words that stay while it is so; "" if it may. ``depth`` None: a body without

@@ -11,7 +11,7 @@ from app.messages import NavigationStatus
 _AGAIN_S = 0.5
 
 
-class Teller:
+class StatusPublisher:
     """Publishes statuses, at most as often as there is something to tell; logs a state on entering it, and then each
     new reason once."""
 

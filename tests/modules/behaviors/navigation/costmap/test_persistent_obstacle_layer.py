@@ -9,8 +9,11 @@ import pytest
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
-from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import Things
-from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import MemorySettings, ThingsMemory
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import PersistentObstacles
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import (
+    PersistentObstacleLayer,
+    PersistentObstacleSettings,
+)
 from app.modules.behaviors.navigation.kernels import load_kernels
 from tests.modules.behaviors.navigation.boxes import World, looking
 from tests.modules.behaviors.navigation.maps import ROUND
@@ -26,8 +29,8 @@ def _kernels() -> None:
     load_kernels()
 
 
-def memory() -> ThingsMemory:
-    return ThingsMemory(ROUND, 1.4, MemorySettings(depth_step=1))
+def memory() -> PersistentObstacleLayer:
+    return PersistentObstacleLayer(ROUND, 1.4, PersistentObstacleSettings(depth_step=1))
 
 
 def seen_by_laser(world: World, stamp: float, pose: Pose2) -> NDArray[np.float64]:
@@ -39,7 +42,7 @@ def seen_by_laser(world: World, stamp: float, pose: Pose2) -> NDArray[np.float64
     return np.asarray(np.array([at.x, at.y]) + scan.ranges[met, None] * directions, dtype=np.float64)
 
 
-def look(things: ThingsMemory, world: World, poses: list[Pose2], stamp: float = 0.0) -> float:
+def look(things: PersistentObstacleLayer, world: World, poses: list[Pose2], stamp: float = 0.0) -> float:
     for pose in poses:
         things.look(world.depth(stamp, pose, EYE), pose, seen_by_laser(world, stamp, pose))
         stamp += 0.2
@@ -50,7 +53,7 @@ def approach(begin: float, end: float) -> list[Pose2]:
     return [Pose2(float(x), 0.0, 0.0) for x in np.arange(begin, end, 0.12)]
 
 
-def about(things: ThingsMemory, x: float, y: float, within_m: float = 0.3) -> int:
+def about(things: PersistentObstacleLayer, x: float, y: float, within_m: float = 0.3) -> int:
     return int((np.hypot(*(things.points - np.array([x, y])).T) < within_m).sum())
 
 
@@ -114,7 +117,7 @@ def test_what_was_kept_counts_until_seen_to_be_gone() -> None:
     assert (other.points == things.points).all()
     look(other, World(()), approach(-1.0, -0.6), stamp)
     assert not len(other.points), "what was loaded is seen to be gone as well"
-    things.take(Things.none())
+    things.take(PersistentObstacles.none())
     assert not len(things.points)
 
 

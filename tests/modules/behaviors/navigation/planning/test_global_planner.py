@@ -8,8 +8,8 @@ import numpy as np
 from app.base.geometry import Pose2
 from app.messages import Zone
 from app.modules.behaviors.navigation.costmap.footprint import Footprint
-from app.modules.behaviors.navigation.costmap.local_costmap import Surroundings
-from app.modules.behaviors.navigation.planning.global_planner import Request, Wayfinder
+from app.modules.behaviors.navigation.costmap.local_costmap import CostmapWindow
+from app.modules.behaviors.navigation.planning.global_planner import GlobalPlanner, PlanRequest
 from tests.modules.behaviors.driven_world import box, mapped
 from tests.modules.behaviors.navigation.scenes import SQUARE
 
@@ -20,23 +20,23 @@ NEAR_DOOR, FAR_DOOR = 1.3, 4.1
 GRID = mapped(WALLS, SIZE)
 
 
-def wayfinder() -> Wayfinder:
-    return Wayfinder(Footprint.polygon(np.array(SQUARE)))
+def wayfinder() -> GlobalPlanner:
+    return GlobalPlanner(Footprint.polygon(np.array(SQUARE)))
 
 
-def request(**more: object) -> Request:
-    asked = Request(GRID, (), Pose2(), Pose2(1.0, 1.3, 0.0), Pose2(6.5, 1.3, math.nan))
+def request(**more: object) -> PlanRequest:
+    asked = PlanRequest(GRID, (), Pose2(), Pose2(1.0, 1.3, 0.0), Pose2(6.5, 1.3, math.nan))
     return replace(asked, **more)
 
 
-def seen(obstacles: np.ndarray, X_OB: Pose2, stamp: float = 1.0) -> Surroundings:
+def seen(obstacles: np.ndarray, X_OB: Pose2, stamp: float = 1.0) -> CostmapWindow:
     """Surroundings of 4 m in which ``obstacles`` (N, 2) stand."""
     cells = np.zeros((160, 160), dtype=np.int8)
     origin = (X_OB.x - 2.0, X_OB.y - 2.0)
     at = np.floor((obstacles - np.array(origin)) / 0.025).astype(int)
     inside = ((at >= 0) & (at < 160)).all(axis=1)
     cells[at[inside, 1], at[inside, 0]] = 100
-    return Surroundings(
+    return CostmapWindow(
         stamp, origin, 0.025, cells, np.zeros((160, 160), dtype=np.float32), obstacles[inside], origin, 4.0
     )
 

@@ -9,12 +9,12 @@ import pytest
 
 from app.base.geometry import CameraModel, Pose2
 from app.messages import Image
-from app.modules.behaviors.navigation.controller import Motion
+from app.modules.behaviors.navigation.controller import MotionState
 from app.modules.behaviors.navigation.costmap.footprint import Footprint
-from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import ThingsMemory
+from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import PersistentObstacleLayer
 from app.modules.behaviors.navigation.kernels import load_kernels
-from app.modules.behaviors.navigation.planning.goal_planning import Plan
-from app.modules.behaviors.navigation.tracking.control_cycle import Pilot, PilotSettings, Senses
+from app.modules.behaviors.navigation.planning.goal_planning import GlobalPlan
+from app.modules.behaviors.navigation.tracking.control_cycle import ControlCycle, ControlCycleSettings, CycleInput
 from app.modules.behaviors.navigation.tracking.path_tracker import Goal
 from tests.modules.behaviors.driven_world import DrivenLink, box, mapped
 from tests.modules.behaviors.navigation.boxes import CAMERA, Box, World, looking
@@ -32,7 +32,7 @@ def _kernels() -> None:
     load_kernels()
 
 
-def senses(stamp: float, pose: Pose2, *, look: bool, problem: str = "") -> Senses:
+def senses(stamp: float, pose: Pose2, *, look: bool, problem: str = "") -> CycleInput:
     scan, image = WORLD.scan(stamp, pose), WORLD.depth(stamp, pose, EYE)
     assert image.depth is not None
     # As fine as a Kinect's, from fewer rays
@@ -40,18 +40,18 @@ def senses(stamp: float, pose: Pose2, *, look: bool, problem: str = "") -> Sense
     lens = CameraModel(640, 480, 4 * CAMERA.fx, 4 * CAMERA.fy, 4 * CAMERA.cx + 1.5, 4 * CAMERA.cy + 1.5)
     image = Image(stamp, "kinect", image.color, depth, lens, image.X_BC)
     seen = (image, pose) if look else None
-    return Senses(stamp, Motion(pose, 0.0, 0.0), X_MO, problem, None, (scan, pose, pose), seen)
+    return CycleInput(stamp, MotionState(pose, 0.0, 0.0), X_MO, problem, None, (scan, pose, pose), seen)
 
 
-def pilot() -> Pilot:
-    return Pilot(DrivenLink().description, "pursuit", depth=True)
+def pilot() -> ControlCycle:
+    return ControlCycle(DrivenLink().description, "pursuit", depth=True)
 
 
 def box_cells(told_obstacles: np.ndarray) -> int:
     return int((np.abs(told_obstacles - np.array([3.1, 0.0])) < 0.3).all(axis=1).sum())
 
 
-def drive_up(pilot: Pilot, problem: str = "") -> None:
+def drive_up(pilot: ControlCycle, problem: str = "") -> None:
     for k, x in enumerate(np.arange(-1.0, 0.2, 0.1)):
         pilot.remember(senses(0.2 * k, Pose2(float(x), 0.0, 0.0), look=True, problem=problem))
 
@@ -94,18 +94,18 @@ def clearance_m(pose: Pose2, boxes: tuple[Box, ...]) -> float:
     return least
 
 
-def drive(pilot: Pilot, world: World, to: tuple[float, float], cycles: int) -> list[Pose2]:
+def drive(pilot: ControlCycle, world: World, to: tuple[float, float], cycles: int) -> list[Pose2]:
     """Where the body goes that follows a straight way exactly as commanded, ``odom`` being the map."""
     goal = Goal(Pose2(*to, math.nan))
     x, y = (np.linspace(0.0, end, 60) for end in to)
     poses = np.stack((x, y, np.full(60, math.atan2(to[1], to[0]))), axis=1)
-    plan: Plan | None = Plan("way", "", poses, goal.pose, math.hypot(*to))
+    plan: GlobalPlan | None = GlobalPlan("way", "", poses, goal.pose, math.hypot(*to))
     here, linear, angular = [Pose2()], 0.0, 0.0
     for k in range(cycles):
         at, now = here[-1], 0.1 * k
         scan = (world.scan(now, at), at, at)
         told = pilot.cycle(
-            Senses(now, Motion(at, linear, angular), Pose2(), "", goal, scan, None, plan, None, EMPTY), 0.1
+            CycleInput(now, MotionState(at, linear, angular), Pose2(), "", goal, scan, None, plan, None, EMPTY), 0.1
         )
         plan, linear, angular = None, told.step.linear_mps, told.step.angular_radps
         middle = at.theta + 0.05 * angular
@@ -118,7 +118,7 @@ def drive(pilot: Pilot, world: World, to: tuple[float, float], cycles: int) -> l
 def test_room_beside_people_that_the_body_stands_in_does_not_let_it_turn_into_their_legs(
     gap_m: float, people_m: float
 ) -> None:
-    here = Pilot(DrivenLink().description, "pursuit", PilotSettings(people_m=people_m), depth=False)
+    here = ControlCycle(DrivenLink().description, "pursuit", ControlCycleSettings(people_m=people_m), depth=False)
     way = drive(here, World(shins(gap_m)), (0.0, 3.0), 20)
     assert min(clearance_m(pose, shins(gap_m)) for pose in way) > 0.03
 
@@ -149,9 +149,9 @@ def test_not_even_as_a_last_resort_does_it_drive_into_what_it_remembers() -> Non
     assert max(pose.x for pose in way) < 0.35
 
 
-def seeing_no_depth() -> Pilot:
+def seeing_no_depth() -> ControlCycle:
     """It remembers, and drives by its laser."""
-    here = Pilot(DrivenLink().description, "pursuit", depth=True)
+    here = ControlCycle(DrivenLink().description, "pursuit", depth=True)
     here._depth = None
     return here
 
@@ -160,13 +160,13 @@ def test_whoever_plans_is_told_what_is_kept_with_another_map_though_it_changed_a
     here = seeing_no_depth()
     assert here.things is not None
     for x in (1.0, 2.0):
-        things = ThingsMemory(Footprint.of(DrivenLink().description), 1.4)
+        things = PersistentObstacleLayer(Footprint.of(DrivenLink().description), 1.4)
         things.felt(np.array([[x, 2.0]]), 1.0)
         here.things.take(things.snapshot())
-        told = here.cycle(Senses(0.0, Motion(Pose2(), 0.0, 0.0), Pose2(), "", None), 0.1)
+        told = here.cycle(CycleInput(0.0, MotionState(Pose2(), 0.0, 0.0), Pose2(), "", None), 0.1)
         assert told.things == pytest.approx(np.array([[x, 2.0]]), abs=0.05)
     here.things.forget()
-    assert not len(here.cycle(Senses(0.1, Motion(Pose2(), 0.0, 0.0), Pose2(), "", None), 0.1).things)
+    assert not len(here.cycle(CycleInput(0.1, MotionState(Pose2(), 0.0, 0.0), Pose2(), "", None), 0.1).things)
 
 
 @pytest.mark.parametrize(("given_mps", "felt"), [(None, True), (0.2, True), (0.0, False)])
@@ -176,12 +176,12 @@ def test_a_body_that_others_keep_standing_feels_nothing(given_mps: float | None,
     assert here.things is not None
     goal = Goal(Pose2(3.0, 0.0, math.nan))
     poses = np.stack((np.linspace(0.0, 3.0, 60), np.zeros(60), np.zeros(60)), axis=1)
-    plan: Plan | None = Plan("way", "", poses, goal.pose, 3.0)
-    standing = Motion(Pose2(), 0.0, 0.0)
+    plan: GlobalPlan | None = GlobalPlan("way", "", poses, goal.pose, 3.0)
+    standing = MotionState(Pose2(), 0.0, 0.0)
     for k in range(15):
         scan = (World(()).scan(0.1 * k, Pose2()), Pose2(), Pose2())
         here.cycle(
-            Senses(0.1 * k, standing, Pose2(), "", goal, scan, None, plan, None, EMPTY, given_mps=given_mps), 0.1
+            CycleInput(0.1 * k, standing, Pose2(), "", goal, scan, None, plan, None, EMPTY, given_mps=given_mps), 0.1
         )
         plan = None
     assert (len(here.things.points) > 0) is felt

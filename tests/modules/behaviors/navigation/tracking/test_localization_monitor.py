@@ -10,7 +10,7 @@ import pytest
 
 from app.base.geometry import Pose2
 from app.messages import Localization, Odometry
-from app.modules.behaviors.navigation.tracking.localization_monitor import PoseWatch
+from app.modules.behaviors.navigation.tracking.localization_monitor import LocalizationMonitor
 
 NOW = 10.0
 
@@ -23,8 +23,8 @@ def localization(stamp: float) -> Localization:
     return Localization(stamp, Pose2(), Pose2(), np.zeros((3, 3)), "tracking", 1.0, "lab")
 
 
-def watch(moved: float = NOW, placed: float = NOW) -> PoseWatch:
-    poses = PoseWatch()
+def watch(moved: float = NOW, placed: float = NOW) -> LocalizationMonitor:
+    poses = LocalizationMonitor()
     poses.feel(odometry(moved))
     poses.localize(localization(placed))
     return poses

@@ -7,12 +7,12 @@ import logging
 import pytest
 
 from app.messages import NavigationStatus
-from app.modules.behaviors.navigation.tracking.status_publisher import Teller
+from app.modules.behaviors.navigation.tracking.status_publisher import StatusPublisher
 
 
 def test_a_state_is_logged_on_entering_and_each_reason_once(caplog: pytest.LogCaptureFixture) -> None:
     told: list[NavigationStatus] = []
-    teller = Teller(told.append, logging.getLogger("hbba.Going"))
+    teller = StatusPublisher(told.append, logging.getLogger("hbba.Going"))
     said = [
         ("idle", ""),
         *[("waiting", why) for why in ("no scan", "no pose", "no scan", "no pose")],
