@@ -25,7 +25,7 @@ from app.modules.perception.voices.microphone_array import MicrophoneArray, load
 from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
 from app.modules.perception.voices.resampling import Resampler
 from app.modules.perception.voices.separation import Separator
-from app.modules.perception.voices.voice_activity import CHUNK, SPEECH_RATE, SpeechJudge
+from app.modules.perception.voices.voice_activity import CHUNK, SPEECH_RATE, VoiceActivityDetector
 from benchmarks.bss_eval import Scores, bss_eval
 from benchmarks.report import Row, benchmark_main, row
 from benchmarks.voice_rooms import BOX, HELD_OUT, RATE, Scene, cached, recipes
@@ -201,7 +201,7 @@ def _judged(path: Path, seconds: float) -> tuple[NDArray[np.float64], NDArray[np
     sound, rate = soundfile.read(path, dtype="float32", always_2d=True)
     sound = Resampler(rate, SPEECH_RATE).process(np.ascontiguousarray(sound.mean(1)))[: int(seconds * SPEECH_RATE)]
     chunks = sound[: len(sound) // CHUNK * CHUNK].reshape(-1, CHUNK)
-    judge = SpeechJudge(window=1)
+    judge = VoiceActivityDetector(window=1)
     found = []
     began = time.thread_time()
     for chunk in chunks:

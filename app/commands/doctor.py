@@ -219,10 +219,10 @@ def face_model() -> Finding:
     """YuNet's network, and that this computer's OpenCV reads it."""
     import cv2
 
-    from app.modules.perception.faces.yunet import MODEL, FaceFinder
+    from app.modules.perception.faces.yunet import MODEL, YuNetDetector
 
     try:
-        FaceFinder()
+        YuNetDetector()
     except cv2.error as failure:
         return Finding("face model", False, False, f"{MODEL} cannot be read: {failure.err}", REINSTALL)
     return Finding("face model", True, False, f"YuNet ({MODEL.name})")

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from app.commands.slam.sweeps import SweepSource
     from app.commands.slam.truth import Reference, Relations
     from app.modules.perception.slam.offline_mapping import MappedLog
-    from app.modules.perception.slam.self_check import Checked
+    from app.modules.perception.slam.self_check import CheckResult
 
 #: A time of a relation or reference names a scan not farther away than this (s).
 _SAME_S = 0.05
@@ -27,7 +27,7 @@ def figures(
     source: SweepSource,
     log: MappedLog,
     phi: int,
-    check: Checked,
+    check: CheckResult,
     relations: Relations | None,
     reference: Reference | None,
 ) -> dict[str, Any]:

@@ -26,10 +26,10 @@ from pydantic import Field
 
 from app.base.geometry import Pose2
 from app.messages import Face, Faces, Image, Odometry, read_only
-from app.modules.perception.faces.face_position import FaceLooker, Sighting
-from app.modules.perception.faces.face_tracks import FaceTracks, Placed, TrackModel, prepare
+from app.modules.perception.faces.face_position import FaceLocator, FaceSighting
+from app.modules.perception.faces.face_tracks import FaceTracks, PlacedFace, TrackModel, prepare
 from app.modules.perception.faces.yunet import THRESHOLD
-from app.modules.perception.height_prior import People
+from app.modules.perception.height_prior import HeightPrior
 from app.modules.perception.opencv import use_calling_thread
 from app.modules.perception.pose_at import PoseAt
 from app.runtime.module import Module, ModuleContext, Settings
@@ -63,7 +63,7 @@ class FaceDetector(Module):
         super().__init__(context)
         self._min_score = self.settings.min_score
         self._fine = self.settings.fine
-        self._looker: FaceLooker | None = None
+        self._looker: FaceLocator | None = None
         self._tracks = FaceTracks()
         self._poses = PoseAt(self.clock)
         self._poseless = False
@@ -78,8 +78,8 @@ class FaceDetector(Module):
     async def start(self) -> None:
         """Load the model; after a restart, go on with numbers no face has had. Raises ModuleFailed."""
         use_calling_thread()
-        people = People(self.settings.height_mean_m, self.settings.height_sigma_m)
-        self._looker = await self.compute(FaceLooker, self._min_score, people)
+        people = HeightPrior(self.settings.height_mean_m, self.settings.height_sigma_m)
+        self._looker = await self.compute(FaceLocator, self._min_score, people)
         await self.compute(prepare)
         self._tracks = FaceTracks(TrackModel(forget_s=self.settings.forget_s), self.kept.get(_NEXT_TRACK, 1))
 
@@ -102,7 +102,7 @@ class FaceDetector(Module):
         height, width = image.color.shape[:2]
         self.faces.publish(Faces(image.stamp, image.frame, width, height, image.X_BC, faces))
 
-    def _find(self, image: Image, min_score: float, fine: bool) -> list[Sighting]:
+    def _find(self, image: Image, min_score: float, fine: bool) -> list[FaceSighting]:
         assert self._looker is not None
         settings = self.settings
         self._looker.finder.threshold = min_score
@@ -120,7 +120,7 @@ class FaceDetector(Module):
                 self.log.info("odometry reaches the stamps of the images again")
 
 
-def _face(sighting: Sighting, placed: Placed) -> Face:
+def _face(sighting: FaceSighting, placed: PlacedFace) -> Face:
     x, y, z = placed.p_BF.tolist()
     towards = placed.p_BF - sighting.origin
     range_m = float(np.linalg.norm(towards))

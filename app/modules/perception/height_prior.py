@@ -26,7 +26,7 @@ SHARES: dict[Part, float] = {"eyes": 0.936, "face": 0.916, "mouth": 0.896}
 
 
 @dataclass(frozen=True, slots=True)
-class People:
+class HeightPrior:
     """The people expected: their height, and how far they may be. Lengths in metres.
 
     ``others`` is the share of people whose height says nothing: they sit, bend, or are children. Their faces may be
@@ -46,7 +46,7 @@ class People:
         return SHARES[part] * self.mean_m, SHARES[part] * self.sigma_m
 
 
-STANDING = People()
+STANDING = HeightPrior()
 
 #: Evidence (1/m, integrated over ranges) below which a ray is taken to meet no face at all.
 IMPOSSIBLE = 1e-6
@@ -58,7 +58,7 @@ def range_from_height(
     part: Part = "face",
     *,
     elevation_sigma: float = 0.0,
-    people: People = STANDING,
+    people: HeightPrior = STANDING,
 ) -> tuple[float, float]:
     """Mean and standard deviation (m) of the distance along a ray to a person's ``part``.
 
@@ -89,7 +89,7 @@ def range_from_height(
     return range_m, range_sigma_m
 
 
-def _posterior(above: float, sigma: float, rise: float, origin: float, people: People) -> tuple[float, float]:
+def _posterior(above: float, sigma: float, rise: float, origin: float, people: HeightPrior) -> tuple[float, float]:
     parts = (
         (1 - people.others, _of_gaussian(above, sigma, rise, people.nearest_m, people.farthest_m)),
         (people.others, _of_uniform(people.lowest_m - origin, people.highest_m - origin, rise, people)),
@@ -118,7 +118,7 @@ def _of_gaussian(above: float, sigma: float, rise: float, low: float, high: floa
     return mass / abs(rise), mean, deviation
 
 
-def _of_uniform(lowest: float, highest: float, rise: float, people: People) -> tuple[float, float, float]:
+def _of_uniform(lowest: float, highest: float, rise: float, people: HeightPrior) -> tuple[float, float, float]:
     """The same for a height that is uniform between ``lowest`` and ``highest`` above the origin."""
     low, high = people.nearest_m, people.farthest_m
     if abs(rise) > 1e-9:

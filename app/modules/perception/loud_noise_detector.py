@@ -21,7 +21,7 @@ import numpy as np
 from pydantic import Field
 
 from app.messages import Audio, LoudNoise
-from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudNoiseJudge, Rule, onset_of
+from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudnessRule, OnsetDetector, onset_of
 from app.modules.perception.overruns import Overruns
 from app.runtime.errors import InboxOverflow, ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
@@ -63,7 +63,7 @@ class LoudNoiseDetector(Module):
         self._overruns = Overruns(self.log, self.clock)
         self._rest = np.zeros(0, np.int16)
         self._band = BandEnergy(48_000)
-        self._judge = LoudNoiseJudge()
+        self._judge = OnsetDetector()
         self.audio = self.input("audio", Audio, capacity=_CAPACITY, lossless=True)
         self.noises = self.output("noises", LoudNoise)
         self.on(self.audio, self._listen)
@@ -110,10 +110,10 @@ class LoudNoiseDetector(Module):
         self._band = BandEnergy(audio.rate)
         if self._awaited < 0 or audio.rate != self._rate or not 0 <= lost <= audio.rate:
             self._rate = audio.rate
-            self._judge = LoudNoiseJudge(self._rule())
+            self._judge = OnsetDetector(self._rule())
 
-    def _rule(self) -> Rule:
+    def _rule(self) -> LoudnessRule:
         settings = self.settings
-        return Rule.lasting(
+        return LoudnessRule.lasting(
             self._rate, self._ratio, settings.floor_db, settings.window_s, settings.history_s, self._hold_off_s
         )

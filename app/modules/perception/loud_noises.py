@@ -131,7 +131,7 @@ def whole_energy(samples: NDArray[np.int16]) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class Rule:
+class LoudnessRule:
     """When a frame is loud. ``floor_db`` is in dB of full scale, lengths are in frames."""
 
     ratio: float = 20.0
@@ -148,7 +148,7 @@ class Rule:
     @classmethod
     def lasting(
         cls, rate: int, ratio: float, floor_db: float, window_s: float, history_s: float, hold_off_s: float
-    ) -> Rule:
+    ) -> LoudnessRule:
         """The rule for sound of ``rate`` samples a second, with its lengths in seconds."""
         frames_per_s = rate / FRAME
         window = max(2, round(window_s * frames_per_s))
@@ -169,17 +169,17 @@ class Onset:
     level_db: float
 
 
-def onset_of(frame: NDArray[np.int16], energy: float, judge: LoudNoiseJudge) -> Onset | None:
+def onset_of(frame: NDArray[np.int16], energy: float, judge: OnsetDetector) -> Onset | None:
     """Let ``judge`` hear the next ``frame`` (512,) int16, of which ``energy`` is what :class:`BandEnergy` said."""
     ratio = judge.judge(energy, partial(whole_energy, frame))
     return None if ratio is None else Onset(ratio, decibels(whole_energy(frame)))
 
 
-class LoudNoiseJudge:
+class OnsetDetector:
     """Judges frame after frame: ``judge(energy)`` gives the ratio to the background where a loud noise begins."""
 
-    def __init__(self, rule: Rule | None = None) -> None:
-        self._rule = rule or Rule()
+    def __init__(self, rule: LoudnessRule | None = None) -> None:
+        self._rule = rule or LoudnessRule()
         self._floor = self._rule.floor
         self._energies = [0.0] * self._rule.window
         self._known = 0
@@ -194,7 +194,7 @@ class LoudNoiseJudge:
         #: Frames on end above the usual peaks.
         self._above = 0
 
-    def follow(self, rule: Rule) -> None:
+    def follow(self, rule: LoudnessRule) -> None:
         """Judge by ``rule`` from now on; begins afresh if its window is another."""
         if rule.window != self._rule.window:
             self._energies = [0.0] * rule.window

@@ -39,7 +39,7 @@ def directions(width: int, height: int) -> NDArray[np.float64]:
     return np.stack((level * np.cos(azimuth), level * np.sin(azimuth), up), axis=-1)
 
 
-class Unroller:
+class PanoramaProjection:
     """Makes panoramas of ``width`` x ``height`` (px) out of one camera's images; remembers where each pixel is."""
 
     def __init__(self, width: int, height: int) -> None:
@@ -78,7 +78,7 @@ class PanoramaStream(CameraStream):
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        self._unroller = Unroller(self.settings.width, self.settings.height)
+        self._unroller = PanoramaProjection(self.settings.width, self.settings.height)
 
     def picture(self, image: Image, quality: int) -> tuple[bytes, int, int]:
         """The panorama of ``image``, as a JPEG."""

@@ -38,17 +38,17 @@ from app.maps.control import MapControl
 from app.maps.library import MapLibrary
 from app.messages import LaserScan, Localization, Message, OccupancyGrid, Odometry, Zone, Zones, read_only
 from app.modules.perception.pose_at import PoseAt
-from app.modules.perception.slam.initial_map import Legacy, Shown, first_map
-from app.modules.perception.slam.localization_quality import FITS_NOT, FitWatch, empty_grid, spread_of
-from app.modules.perception.slam.map_server import Keeper
+from app.modules.perception.slam.initial_map import LastPublished, RestartState, choose_initial_map
+from app.modules.perception.slam.localization_quality import FITS_NOT, FitMonitor, empty_grid, spread_of
+from app.modules.perception.slam.map_server import MapServer
 from app.modules.perception.slam.optimizer import OptimizerProcess
 from app.runtime.module import Module, ModuleContext, Settings
 from app.runtime.ports import Output
 
 if TYPE_CHECKING:  # compiled, or loaded, when they are imported: that is left to the module's thread
-    from app.modules.perception.slam.map_rendering import Glance
-    from app.modules.perception.slam.relocalization import Place, PlaceSearch
-    from app.modules.perception.slam.session import Followed, KeptMap, MapSession
+    from app.modules.perception.slam.map_rendering import ExtraView
+    from app.modules.perception.slam.relocalization import PoseHypothesis, PoseSearch
+    from app.modules.perception.slam.session import MapSession, ScanResult, StoredMap
     from app.modules.perception.slam.types import Match
 
 M = TypeVar("M", bound=Message)
@@ -96,16 +96,16 @@ class SLAM2D(Module):
         self._name = ""
         self._zones: tuple[Zone, ...] = ()
         self._told: Localization | None = None
-        self._legacy = Legacy(self.kept)
-        self._fits = FitWatch(self.settings.lost_after_s, self.settings.sure_after_s)
+        self._legacy = RestartState(self.kept)
+        self._fits = FitMonitor(self.settings.lost_after_s, self.settings.sure_after_s)
         #: Looking for the robot: asked for, under way, and where it may be by now.
         self._search_due = False
-        self._search: PlaceSearch | None = None
-        self._places: tuple[Place, ...] = ()
+        self._search: PoseSearch | None = None
+        self._places: tuple[PoseHypothesis, ...] = ()
         self._sighting: tuple[LaserScan, Pose2] | None = None
         #: For the second thread: loops to close, looks to draw, the version that is drawn.
-        self._followed: Followed | None = None
-        self._glances: list[Glance] = []
+        self._followed: ScanResult | None = None
+        self._glances: list[ExtraView] = []
         self._drawn = -1
         self._draw_due = False
         self._version = 0
@@ -127,7 +127,7 @@ class SLAM2D(Module):
     async def start(self) -> None:
         """Load the kernels, and the map to begin with: the one in use before a restart, or as configured."""
         await self.compute(self._load_kernels)
-        keeper = Keeper(self, self.service(MapLibrary))
+        keeper = MapServer(self, self.service(MapLibrary))
         control = self.service(MapControl)
         same = await self._take_first()
         await control.resume(self._name, same=same)
@@ -182,7 +182,7 @@ class SLAM2D(Module):
             match, state = followed.match, self._state(session, followed.match)
             self._tell(Localization(scan.stamp, match.X_MO, match.X_MB, match.covariance, state, match.overlap, ""))
 
-    def _take(self, session: MapSession, followed: Followed) -> None:
+    def _take(self, session: MapSession, followed: ScanResult) -> None:
         """Note what is to be done for a scan that was matched, and whether it fitted."""
         if followed.job is not None:
             self._followed = followed
@@ -323,7 +323,7 @@ class SLAM2D(Module):
         """The zones of the map in use."""
         return self._zones
 
-    def new_session(self, kept: KeptMap | None, X_MO: Pose2 | None, grows: bool) -> MapSession:
+    def new_session(self, kept: StoredMap | None, X_MO: Pose2 | None, grows: bool) -> MapSession:
         """*Behind.* A session on a map that was kept, or an empty one."""
         from app.modules.perception.slam.session import MapSession
 
@@ -387,10 +387,10 @@ class SLAM2D(Module):
         """The map to begin with; whether the instance before had it in use."""
         shown, self._told, zones = _last(self.map), _last(self.localization), _last(self.zones)
         self._version = 0 if shown is None else shown.version
-        last = Shown(shown, self._told, () if zones is None else zones.zones)
+        last = LastPublished(shown, self._told, () if zones is None else zones.zones)
         library, settings = self.service(MapLibrary), self.settings
         first = await self.compute_behind(
-            first_map, self._legacy, last, library, self.new_session, settings.map, settings.extend
+            choose_initial_map, self._legacy, last, library, self.new_session, settings.map, settings.extend
         )
         if first.refused:
             self.log.error("the map cannot be taken into use, an empty one is begun: %s", first.refused)
@@ -404,7 +404,7 @@ def _last(output: Output[M]) -> M | None:
     return None if output.channel is None else output.channel.latest
 
 
-def _looked(search: PlaceSearch, scan: LaserScan, X_OB: Pose2) -> tuple[Pose2 | None, tuple[Place, ...]]:
+def _looked(search: PoseSearch, scan: LaserScan, X_OB: Pose2) -> tuple[Pose2 | None, tuple[PoseHypothesis, ...]]:
     from app.modules.perception.slam.session import look
 
     return look(search, scan, X_OB)

@@ -33,7 +33,7 @@ from app.modules.perception.overruns import Overruns
 from app.modules.perception.pose_at import PoseAt
 from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
-from app.modules.perception.voices.voice_activity import SpeechJudge
+from app.modules.perception.voices.voice_activity import VoiceActivityDetector
 from app.runtime.errors import InboxOverflow, ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
 
@@ -98,7 +98,7 @@ class VoiceLocalizer(Module):
     async def start(self) -> None:
         """Read the network that judges."""
         if self.settings.speech:
-            await self.compute(SpeechJudge)
+            await self.compute(VoiceActivityDetector)
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take ``microphones``, ``separation`` and ``voices`` from the intention; another pipeline if they changed."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
 from app.messages import Image
-from app.modules.perception.faces.face_position import FaceLooker, Sighting
+from app.modules.perception.faces.face_position import FaceLocator, FaceSighting
 from app.modules.perception.faces.face_tracks import FaceTracks
 from app.modules.perception.faces.yunet import THRESHOLD
 from app.robots.config import RobotConfig
@@ -89,8 +89,8 @@ def make() -> Iterator[Make]:
 
 
 @pytest.fixture(scope="module")
-def looker() -> FaceLooker:
-    return FaceLooker(THRESHOLD)
+def looker() -> FaceLocator:
+    return FaceLocator(THRESHOLD)
 
 
 def standing(face: str, azimuth: float, distance: float, **more: Any) -> dict[str, Any]:
@@ -100,19 +100,19 @@ def standing(face: str, azimuth: float, distance: float, **more: Any) -> dict[st
     return {"face": face, "at": at, "heading_deg": heading, "script": [{"wait": 99, "look": "robot"}], **more}
 
 
-def beside(sighting: Sighting, truth: NDArray[np.float64]) -> float:
+def beside(sighting: FaceSighting, truth: NDArray[np.float64]) -> float:
     """Angle (rad) between the sighting's ray and the one to ``truth``."""
     towards = truth - sighting.origin
     return math.acos(min(1.0, float(sighting.ray @ towards) / float(np.linalg.norm(towards))))
 
 
 def paired(
-    sightings: Sequence[Sighting], truths: Sequence[NDArray[np.float64]]
-) -> list[tuple[Sighting, NDArray[np.float64]]]:
+    sightings: Sequence[FaceSighting], truths: Sequence[NDArray[np.float64]]
+) -> list[tuple[FaceSighting, NDArray[np.float64]]]:
     return [(s, min(truths, key=lambda truth: beside(s, truth))) for s in sightings]
 
 
-def test_the_kinect_finds_everybody_within_centimetres(make: Make, looker: FaceLooker) -> None:
+def test_the_kinect_finds_everybody_within_centimetres(make: Make, looker: FaceLocator) -> None:
     crowd = [("pilot", -0.35, 1.2), ("lecturer", -0.12, 2.0), ("programmer", 0.12, 3.0), ("visitor", 0.35, 4.0)]
     world = make(*(standing(*person) for person in crowd))
     pairs = paired(looker.look(world.look("kinect", HERE), 640, 400), world.faces(HERE))
@@ -123,7 +123,7 @@ def test_the_kinect_finds_everybody_within_centimetres(make: Make, looker: FaceL
 
 
 def test_the_panorama_finds_everybody_around_and_knows_how_far_within_its_deviation(
-    make: Make, looker: FaceLooker
+    make: Make, looker: FaceLocator
 ) -> None:
     crowd = [("pilot", -1.4, 2.5), ("lecturer", -0.6, 1.2), ("programmer", 0.3, 3.0), ("visitor", 1.35, 2.0)]
     world = make(*(standing(*person) for person in crowd))
@@ -135,7 +135,7 @@ def test_the_panorama_finds_everybody_around_and_knows_how_far_within_its_deviat
         assert deviation @ np.linalg.solve(sighting.covariance, deviation) < 16
 
 
-def test_people_taller_and_smaller_than_supposed_are_as_far_off_as_said(make: Make, looker: FaceLooker) -> None:
+def test_people_taller_and_smaller_than_supposed_are_as_far_off_as_said(make: Make, looker: FaceLocator) -> None:
     """1.50 m and 1.95 m are 2.1 and 2.4 deviations from the mean."""
     world = make(standing("pilot", -0.5, 2.0, height_m=1.50), standing("visitor", 0.5, 2.0, height_m=1.95))
     for sighting, truth in paired(looker.look(world.look("imv", HERE), None, 400), world.faces(HERE)):
@@ -144,7 +144,7 @@ def test_people_taller_and_smaller_than_supposed_are_as_far_off_as_said(make: Ma
 
 
 def test_a_walker_keeps_his_number_past_a_bystander_over_both_cameras_while_the_robot_turns(
-    make: Make, looker: FaceLooker
+    make: Make, looker: FaceLocator
 ) -> None:
     across = [{"wait": 2, "look": "robot"}, {"walk": (HERE.x + 2.2, HERE.y - 1.6), "speed": 1.4, "look": "robot"}]
     walker = {"face": "lecturer", "at": (HERE.x + 2.2, HERE.y + 1.2), "heading_deg": -90, "script": across}

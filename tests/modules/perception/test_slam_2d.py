@@ -16,7 +16,7 @@ from app.base.geometry import Pose2, Pose3
 from app.maps.control import MapControl, MapUnavailable
 from app.maps.library import GRAPH, MapLibrary
 from app.messages import LaserScan, Localization, OccupancyGrid, Odometry, Zone, Zones, read_only
-from app.modules.perception.slam.session import kept_map
+from app.modules.perception.slam.session import stored_map
 from app.modules.perception.slam_2d import SLAM2D
 from app.runtime.clock import run_virtual
 from app.runtime.filter import CLOSED
@@ -494,7 +494,7 @@ def test_after_a_restart_it_goes_on_with_the_map_it_had(kept: MapLibrary) -> Non
         await body.control.keeper.save("grown")
 
     assert live(script, kept, fails="AttributeError").is_within(0.1, 0.03)
-    grown = kept_map(kept, "grown").state
+    grown = stored_map(kept, "grown").state
     assert grown is not None
     assert len({round(keyframe.stamp) for keyframe in grown.keyframes}) > 6
     kept.delete("grown")

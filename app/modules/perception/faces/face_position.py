@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from app.base.geometry import FisheyeModel, Pose3
 from app.messages import Image
 from app.modules.perception.faces.panorama import Strip, StripView
-from app.modules.perception.faces.yunet import Detection, FaceFinder
-from app.modules.perception.height_prior import STANDING, People, range_from_height
+from app.modules.perception.faces.yunet import Detection, YuNetDetector
+from app.modules.perception.height_prior import STANDING, HeightPrior, range_from_height
 
 Vector = NDArray[np.float64]
 
@@ -38,7 +38,7 @@ _FLOOR_M, _SLOPE = 0.0012, 0.0019
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sighting:
+class FaceSighting:
     """One face in one image, placed in ``base_link`` at its stamp.
 
     ``origin`` (3,) m is the camera there, ``ray`` (3,) the unit vector from it through the middle of the face;
@@ -76,18 +76,18 @@ def middle(landmarks: NDArray[np.float32]) -> Vector:
     return np.asarray(landmarks[[0, 1, 3, 4]].mean(axis=0), np.float64)
 
 
-class FaceLooker:
+class FaceLocator:
     """Finds and places the faces of one camera after another; keeps what is costly to make anew.
 
     To be used by one thread at a time.
     """
 
-    def __init__(self, threshold: float, people: People = STANDING) -> None:
-        self.finder = FaceFinder(threshold)
+    def __init__(self, threshold: float, people: HeightPrior = STANDING) -> None:
+        self.finder = YuNetDetector(threshold)
         self._people = people
         self._strips: dict[str, Strip] = {}
 
-    def look(self, image: Image, longest: int | None, px_per_rad: float) -> list[Sighting]:
+    def look(self, image: Image, longest: int | None, px_per_rad: float) -> list[FaceSighting]:
         """Every face of ``image``, placed.
 
         Images of a pinhole camera are looked at with their longer side reduced to ``longest`` (None: as they are),
@@ -104,7 +104,7 @@ class FaceLooker:
             sightings.append(self._placed(face, np.asarray(camera.rays(at), np.float64), sigma, depth, image.X_BC))
         return sightings
 
-    def _look_around(self, image: Image, camera: FisheyeModel, px_per_rad: float) -> list[Sighting]:
+    def _look_around(self, image: Image, camera: FisheyeModel, px_per_rad: float) -> list[FaceSighting]:
         up_C = np.asarray(image.X_BC.rotation[2], np.float64)
         # To the nearest decimetre: a torso that breathes makes no new strip.
         view = StripView.of_people(round(float(image.X_BC.translation[2]), 1), px_per_rad)
@@ -120,7 +120,7 @@ class FaceLooker:
                 sightings.append(self._placed(seen, ray_C, sigma, None, image.X_BC))
         return sightings
 
-    def _placed(self, face: Detection, ray_C: Vector, sigma: float, depth: float | None, X_BC: Pose3) -> Sighting:
+    def _placed(self, face: Detection, ray_C: Vector, sigma: float, depth: float | None, X_BC: Pose3) -> FaceSighting:
         ray = X_BC.rotation @ ray_C
         origin = X_BC.translation
         if depth is None:
@@ -133,7 +133,7 @@ class FaceLooker:
             stretch = 1 / float(ray_C[2])
             range_m = depth * stretch
             range_sigma_m = stretch * math.hypot(_SHAPE_M, _FLOOR_M + _SLOPE * (depth - 0.4) ** 2)
-        return Sighting(face, origin, ray, sigma, range_m, range_sigma_m, depth is not None)
+        return FaceSighting(face, origin, ray, sigma, range_m, range_sigma_m, depth is not None)
 
 
 def face_depth(box: tuple[float, float, float, float], depth: NDArray[np.uint16]) -> float | None:

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose3
-from app.modules.perception.faces.face_position import Sighting, ray_covariance
+from app.modules.perception.faces.face_position import FaceSighting, ray_covariance
 from app.modules.perception.faces.yunet import Detection, overlap
 
 Vector = NDArray[np.float64]
@@ -56,7 +56,7 @@ class TrackModel:
 
 
 @dataclass(frozen=True, slots=True)
-class Placed:
+class PlacedFace:
     """A sighting's track, and the face's middle by all that the track knows, in ``base_link`` at the image's stamp."""
 
     track: int
@@ -92,7 +92,9 @@ class FaceTracks:
         """The tracks waited for, in the order of their birth."""
         return tuple(track.number for track in self._tracks)
 
-    def see(self, stamp: float, camera: str, sightings: Sequence[Sighting], X_OB: Pose3 | None) -> tuple[Placed, ...]:
+    def see(
+        self, stamp: float, camera: str, sightings: Sequence[FaceSighting], X_OB: Pose3 | None
+    ) -> tuple[PlacedFace, ...]:
         """Give each of one image's ``sightings`` its track; ``X_OB`` is the robot's pose at ``stamp``, if known."""
         self._note_image(stamp, camera)
         self._forget(stamp)
@@ -150,7 +152,7 @@ class FaceTracks:
 
     # --- assignment ----------------------------------------------------------------------------------------------
 
-    def _by_place(self, stamp: float, sightings: Sequence[Sighting], X_OB: Pose3) -> dict[int, _Track]:
+    def _by_place(self, stamp: float, sightings: Sequence[FaceSighting], X_OB: Pose3) -> dict[int, _Track]:
         tracks = [track for track in self._tracks if track.x is not None]
         if not tracks or not sightings:
             return {}
@@ -185,14 +187,14 @@ class FaceTracks:
 
     # --- filter --------------------------------------------------------------------------------------------------
 
-    def _told(self, track: _Track, stamp: float, camera: str, sighting: Sighting, X_OB: Pose3 | None) -> Placed:
-        told = Placed(track.number, sighting.p_BF, sighting.covariance)
+    def _told(self, track: _Track, stamp: float, camera: str, sighting: FaceSighting, X_OB: Pose3 | None) -> PlacedFace:
+        told = PlacedFace(track.number, sighting.p_BF, sighting.covariance)
         if X_OB is not None:
             self._update(track, stamp, sighting, X_OB)
             if not sighting.measured and track.x is not None and track.P is not None:
                 R_BO = X_OB.rotation.T
                 p_BF = np.asarray(X_OB.inverse().transform(track.x[:3]), np.float64)
-                told = Placed(track.number, p_BF, R_BO @ track.P[:3, :3] @ R_BO.T)
+                told = PlacedFace(track.number, p_BF, R_BO @ track.P[:3, :3] @ R_BO.T)
         self._note_seen(track, stamp, camera, sighting.face)
         return told
 
@@ -212,7 +214,7 @@ class FaceTracks:
         Q[2, 2] = self._model.bobbing_mps**2 * dt
         return F @ track.x, F @ track.P @ F.T + Q
 
-    def _measurement(self, sighting: Sighting, x: Vector, X_OB: Pose3) -> tuple[Vector, Vector, Vector]:
+    def _measurement(self, sighting: FaceSighting, x: Vector, X_OB: Pose3) -> tuple[Vector, Vector, Vector]:
         """Residual, its derivative by the state and its noise, of what the sighting measures."""
         ray = X_OB.rotation @ sighting.ray
         origin = X_OB.transform(sighting.origin)
@@ -226,7 +228,7 @@ class FaceTracks:
         sigma = range_m * math.hypot(sighting.angle_sigma, self._model.angle_floor)
         return across @ (origin - x[:3]), H, sigma**2 * np.eye(2)
 
-    def _update(self, track: _Track, stamp: float, sighting: Sighting, X_OB: Pose3) -> None:
+    def _update(self, track: _Track, stamp: float, sighting: FaceSighting, X_OB: Pose3) -> None:
         if track.x is None:
             track.x, track.P = self._born(sighting, X_OB)
             return
@@ -243,13 +245,13 @@ class FaceTracks:
             x, P = self._born(sighting, X_OB)
         track.x, track.P = x, P
 
-    def _likely(self, sighting: Sighting, x: Vector, P: Vector, X_OB: Pose3) -> bool:
+    def _likely(self, sighting: FaceSighting, x: Vector, P: Vector, X_OB: Pose3) -> bool:
         ray = X_OB.rotation @ sighting.ray
         range_m = float(ray @ (x[:3] - X_OB.transform(sighting.origin)))
         along_m = math.sqrt(max(0.0, float(ray @ P[:3, :3] @ ray)))
         return sighting.measured or (0.3 < range_m < 10 and along_m <= max(sighting.range_sigma_m, 0.5) * 1.5)
 
-    def _born(self, sighting: Sighting, X_OB: Pose3) -> tuple[Vector, Vector]:
+    def _born(self, sighting: FaceSighting, X_OB: Pose3) -> tuple[Vector, Vector]:
         ray = X_OB.rotation @ sighting.ray
         x = np.zeros(5)
         x[:3] = X_OB.transform(sighting.origin) + sighting.range_m * ray

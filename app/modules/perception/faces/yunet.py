@@ -38,7 +38,7 @@ class Detection:
     landmarks: NDArray[np.float32]
 
 
-class FaceFinder:
+class YuNetDetector:
     """YuNet, ready to look. Not to be used by two threads at once."""
 
     def __init__(self, threshold: float = THRESHOLD) -> None:

@@ -8,17 +8,17 @@ import numpy as np
 
 from app.base.geometry import Pose2, Pose3
 from app.messages import LaserScan
-from app.modules.perception.slam.scans import Beams
+from app.modules.perception.slam.scans import BeamGeometry
 
 
-class BeamsOf:
+class BeamCache:
     """The geometry of scans, made once for those alike."""
 
     def __init__(self) -> None:
         self._key: tuple[float, ...] = ()
-        self._beams: Beams | None = None
+        self._beams: BeamGeometry | None = None
 
-    def __call__(self, scan: LaserScan) -> Beams:
+    def __call__(self, scan: LaserScan) -> BeamGeometry:
         """The beams of ``scan``, in the order of its ranges."""
         X_BL, sign = planar(scan.X_BL)
         key = (
@@ -27,7 +27,7 @@ class BeamsOf:
         )  # fmt: skip
         if self._beams is None or key != self._key:
             angles = sign * (scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges), dtype=np.float64))
-            self._key, self._beams = key, Beams(angles, scan.range_min, scan.range_max, X_BL)
+            self._key, self._beams = key, BeamGeometry(angles, scan.range_min, scan.range_max, X_BL)
         return self._beams
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.modules.perception.slam.information import Information, diagonal
-from app.modules.perception.slam.scan_matching import Fit
+from app.modules.perception.slam.scan_matching import ScanFit
 
 #: An edge of so small a share of the scan says little, and one of no share next to nothing.
 _SURE_SHARE = 0.6
@@ -18,7 +18,7 @@ _LEAST = diagonal(1e-4, 1e-4, 0.1)
 
 
 def edge_information(
-    fit: Fit | None, step_sigmas: tuple[float, float], covariance: NDArray[np.float64], lost_below: float
+    fit: ScanFit | None, step_sigmas: tuple[float, float], covariance: NDArray[np.float64], lost_below: float
 ) -> Information:
     """Of a keyframe that ``fit`` says to be there; below ``lost_below`` (share of the scan), odometry alone does.
 

@@ -12,7 +12,7 @@ from app.base.compiled import kernel
 from app.base.geometry import Pose2
 from app.messages import OccupancyGrid
 from app.modules.perception.slam.likelihood_field import FREE, OCCUPIED
-from app.modules.perception.slam.scans import Beams, prepared
+from app.modules.perception.slam.scans import BeamGeometry, prepared
 from app.modules.perception.slam.types import Keyframe, SlamState
 
 #: Places are about so far (m) apart, and what stands further than this (m) is not seen from them.
@@ -31,7 +31,7 @@ def state_of(grid: OccupancyGrid) -> SlamState:
     occupied = (grid.cells >= OCCUPIED).astype(np.uint8)
     unknown = (grid.cells < 0).astype(np.uint8)
     angles = np.arange(RAYS, dtype=np.float64) * (math.tau / RAYS) - math.pi
-    beams = Beams(angles, 0.02, REACH_M)
+    beams = BeamGeometry(angles, 0.02, REACH_M)
     keyframes: list[Keyframe] = []
     poses: list[Pose2] = []
     for x, y in _places(grid).tolist():

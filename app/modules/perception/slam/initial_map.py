@@ -12,16 +12,16 @@ from app.maps.library import MapLibrary
 from app.messages import Localization, OccupancyGrid, Zone
 
 if TYPE_CHECKING:  # it is compiled, or loaded, when it is imported
-    from app.modules.perception.slam.session import KeptMap, MapSession
+    from app.modules.perception.slam.session import MapSession, StoredMap
     from app.modules.perception.slam.types import SlamState
 
 _MAP, _GROWS, _GROWN = "map", "grows", "grown"
 
 #: Makes a session on a map that was kept (None: an empty one), the robot being where this ``X_MO`` has it, which grows.
-NewSession = Callable[["KeptMap | None", Pose2 | None, bool], "MapSession"]
+NewSession = Callable[["StoredMap | None", Pose2 | None, bool], "MapSession"]
 
 
-class Legacy:
+class RestartState:
     """What an instance of the module leaves to the next, in ``kept`` (``Module.kept``)."""
 
     def __init__(self, kept: dict[str, Any]) -> None:
@@ -60,7 +60,7 @@ class Legacy:
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class LastPublished:
     """What was told last, before a restart or at some place of a recording."""
 
     grid: OccupancyGrid | None
@@ -74,7 +74,7 @@ class Shown:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class First:
+class InitialMap:
     """The map to begin with. ``refused``: why a kept one cannot be used; ``stopped``: it grew, and does no more;
     ``same``: the instance before had it in use."""
 
@@ -86,27 +86,27 @@ class First:
     same: bool = False
 
 
-def first_map(
-    legacy: Legacy, shown: Shown, library: MapLibrary, new: NewSession, configured: str, extend: bool
-) -> First:
+def choose_initial_map(
+    legacy: RestartState, shown: LastPublished, library: MapLibrary, new: NewSession, configured: str, extend: bool
+) -> InitialMap:
     """*Behind.* Choose the map; ``configured`` by name if nothing else is known, and to ``extend``."""
-    from app.modules.perception.slam.session import KeptMap, MapSession, kept_map
+    from app.modules.perception.slam.session import MapSession, StoredMap, stored_map
 
     name, grows, grown = legacy.name(configured), legacy.grows(extend), legacy.grown()
     if grown is not None and shown.grid is not None:
         # Left once: who fails again before the map grew goes on without what may be the cause.
-        return First(new(KeptMap("", shown.grid, (), grown), shown.X_MO, True), name, shown.zones, same=True)
+        return InitialMap(new(StoredMap("", shown.grid, (), grown), shown.X_MO, True), name, shown.zones, same=True)
     refused = ""
     if name:
         try:
-            kept = kept_map(library, name)
+            kept = stored_map(library, name)
             session = new(kept, shown.X_MO, grows and kept.state is not None)
-            return First(session, name, kept.zones, same=legacy.known())
+            return InitialMap(session, name, kept.zones, same=legacy.known())
         except MapUnavailable as refusal:
             refused = str(refusal)
     if shown.grid is not None and shown.place is not None and (shown.grid.cells >= 0).any():
         session = MapSession(shown.grid, grows=False, X_MO=shown.X_MO)
-        return First(
+        return InitialMap(
             session, shown.place.map, shown.zones, refused, stopped=grows and legacy.known(), same=legacy.known()
         )
-    return First(new(None, None, True), refused=refused)
+    return InitialMap(new(None, None, True), refused=refused)

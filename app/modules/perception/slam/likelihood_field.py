@@ -31,7 +31,7 @@ LEVELS = 6
 MOST_LEAVES = 20_000
 
 
-class PlaceField:
+class LikelihoodField:
     """A grid made ready for laying scans on it: takes about 50 ms for 50 x 50 m; nothing of it changes afterwards."""
 
     def __init__(self, grid: OccupancyGrid) -> None:
@@ -318,7 +318,7 @@ def explain(
     x0: float,
     y0: float,
 ) -> NDArray[np.int8]:
-    """See :meth:`PlaceField.explained`: rays are followed in half cells up to 0.4 m before their ends."""
+    """See :meth:`LikelihoodField.explained`: rays are followed in half cells up to 0.4 m before their ends."""
     height, width = far.shape
     c, s = math.cos(pose[2]), math.sin(pose[2])
     ex = pose[0] + c * eye[0] - s * eye[1] - x0

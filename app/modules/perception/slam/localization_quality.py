@@ -17,7 +17,7 @@ FITS, FITS_NOT = 0.6, 0.45
 _SIGMAS = (0.3, 0.15)
 
 
-class FitWatch:
+class FitMonitor:
     """Whether the robot is lost: it is once scans have not fitted for ``lost_after_s``, and stays so until the share
     ``sure`` of each has lain on the map for ``sure_after_s``, for a scan or two fit everywhere. Stamps and times in s.
     """

@@ -15,7 +15,7 @@ from app.modules.perception.slam.correlative_matching import Pyramid, sought
 from app.modules.perception.slam.drift_bound import DriftGraph
 from app.modules.perception.slam.pose_graph import Optimize, graph_arrays
 from app.modules.perception.slam.pruning import Pruned, pruned, redundant
-from app.modules.perception.slam.scan_matching import NOISE_M, Fit, fitted
+from app.modules.perception.slam.scan_matching import NOISE_M, ScanFit, fitted
 from app.modules.perception.slam.settings import SlamSettings
 from app.modules.perception.slam.surfels import SurfelGrid, surfel_grid
 from app.modules.perception.slam.types import Edge, Keyframe, Submap
@@ -186,7 +186,7 @@ class LoopJob:
             edges += believed
         return edges
 
-    def _found(self, submap: Submap, keyframe: Keyframe, guess: Pose2, window_m: float) -> Fit | None:
+    def _found(self, submap: Submap, keyframe: Keyframe, guess: Pose2, window_m: float) -> ScanFit | None:
         """Where ``submap`` shows what the keyframe shows: near ``guess`` before farther, where much looks alike."""
         grid, pyramid = self._grid(submap)
         base = self.settings.loop_window_m
@@ -222,7 +222,7 @@ class LoopJob:
         self.memory.wrong_m = max(self.memory.wrong_m, wrong)
         return [*(other.edge for other in alike), edge]
 
-    def _convincing(self, fit: Fit, start: Pose2) -> bool:
+    def _convincing(self, fit: ScanFit, start: Pose2) -> bool:
         refined = math.hypot(fit.X_SB.x - start.x, fit.X_SB.y - start.y)
         if fit.inliers < self.settings.loop_inliers or fit.rms_m > _RMS_M or refined > _REFINED_M:
             return False

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from app.base.geometry import Pose2
-from app.modules.perception.slam.occupancy import OccupancyCounts, View
+from app.modules.perception.slam.occupancy import OccupancyCounts, ScanView
 from app.modules.perception.slam.types import Keyframe
 
 #: Glances kept of one keyframe: what was seen from there meanwhile, so that people who stood by fade, too.
@@ -18,33 +18,33 @@ GLANCES = 8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Glance:
+class ExtraView:
     """One more look from near a keyframe: ``X_KV`` is where the body was, in the keyframe's frame."""
 
     keyframe: int
     X_KV: Pose2
-    view: View
+    view: ScanView
 
 
 @dataclass(slots=True, eq=False)
 class _Drawn:
     """A keyframe as it stands in the grid."""
 
-    view: View
+    view: ScanView
     pose: Pose2
     #: How far most of what it saw is from it (m): by that a turn moves it.
     size: float
-    glances: deque[Glance] = field(default_factory=deque)
+    glances: deque[ExtraView] = field(default_factory=deque)
 
 
-class MapDrawing:
+class MapRenderer:
     """Draws keyframes and glances into ``counts``. Used by one thread at a time."""
 
     def __init__(self, counts: OccupancyCounts | None = None) -> None:
         self.counts = counts or OccupancyCounts()
         self._drawn: dict[int, _Drawn] = {}
 
-    def glance(self, glance: Glance) -> None:
+    def glance(self, glance: ExtraView) -> None:
         """Add one look; of those from one keyframe the oldest goes. Nothing, where the keyframe is not drawn."""
         drawn = self._drawn.get(glance.keyframe)
         if drawn is None:
@@ -75,7 +75,7 @@ class MapDrawing:
                 return True
             left -= 1
             if drawn is None:
-                view = View.of(keyframes[id])
+                view = ScanView.of(keyframes[id])
                 drawn = self._drawn[id] = _Drawn(view, pose, _size(view))
             else:
                 self._erase(drawn)
@@ -97,6 +97,6 @@ def _moved(before: Pose2, now: Pose2, size_m: float) -> float:
     return math.hypot(now.x - before.x, now.y - before.y) + abs(turn) * size_m
 
 
-def _size(view: View) -> float:
+def _size(view: ScanView) -> float:
     far = np.hypot(*view.ends[view.met].T) if view.met.any() else np.zeros(1)
     return float(np.percentile(far, 70))

@@ -14,7 +14,7 @@ from app.maps.zones import checked
 from app.messages import Zone
 
 if TYPE_CHECKING:  # it is compiled, or loaded, when it is imported
-    from app.modules.perception.slam.session import KeptMap, MapSession
+    from app.modules.perception.slam.session import MapSession, StoredMap
 
 T = TypeVar("T")
 
@@ -62,7 +62,7 @@ class MapHost(Protocol):
         """Look for the robot on the map in use."""
         ...
 
-    def new_session(self, kept: KeptMap | None, X_MO: Pose2 | None, grows: bool) -> MapSession:
+    def new_session(self, kept: StoredMap | None, X_MO: Pose2 | None, grows: bool) -> MapSession:
         """*Behind.* A session on a map that was kept, or an empty one."""
         ...
 
@@ -79,7 +79,7 @@ class MapHost(Protocol):
         ...
 
 
-class Keeper:
+class MapServer:
     """Implements :class:`app.maps.control.MapKeeper`: one thing at a time, in the order asked."""
 
     def __init__(self, host: MapHost, library: MapLibrary) -> None:
@@ -112,12 +112,12 @@ class Keeper:
 
     async def load(self, name: str, X_MB: Pose2 | None = None, extend: bool = False) -> None:
         """Take the map ``name`` into use."""
-        from app.modules.perception.slam.session import kept_map
+        from app.modules.perception.slam.session import stored_map
 
         host = self._host
         self._checked(name)
         async with self._one:
-            kept = await host.compute_behind(kept_map, self._library, name)
+            kept = await host.compute_behind(stored_map, self._library, name)
             if extend and kept.state is None:
                 raise MapUnavailable(
                     f"the map {name!r} was kept without its graph: the robot can find itself on it, but it cannot grow"

@@ -18,8 +18,8 @@ from app.modules.perception.slam.loop_closure import LoopJob, LoopMemory, LoopOu
 from app.modules.perception.slam.odometry_calibration import OdometryRatios
 from app.modules.perception.slam.pose_graph import Optimize, optimized
 from app.modules.perception.slam.pruning import Pruned
-from app.modules.perception.slam.scan_matching import NOISE_M, Fit, fitted
-from app.modules.perception.slam.scans import Beams, Scan, prepared
+from app.modules.perception.slam.scan_matching import NOISE_M, ScanFit, fitted
+from app.modules.perception.slam.scans import BeamGeometry, Scan, prepared
 from app.modules.perception.slam.settings import SlamSettings
 from app.modules.perception.slam.surfels import SurfelGrid
 from app.modules.perception.slam.types import Edge, Keyframe, Match, SlamState, Submap
@@ -96,7 +96,7 @@ class Slam:
         self._keyframe = -1
         self._X_KB = Pose2()
         self._rested = 0
-        self._last_fit: Fit | None = None
+        self._last_fit: ScanFit | None = None
         self._off = (0.0, 0.0)
         self._step_sigmas = (0.0, 0.0)
         self._ratios = OdometryRatios()
@@ -125,7 +125,7 @@ class Slam:
         self,
         stamp: float,
         ranges: NDArray[np.floating],
-        beams: Beams,
+        beams: BeamGeometry,
         X_OB: Pose2,
         twist: tuple[float, float] = (0.0, 0.0),
         sweep_s: float = 0.0,
@@ -243,7 +243,7 @@ class Slam:
 
     # --- Following -------------------------------------------------------------------------------------------------
 
-    def _follow(self, scan: Scan, step: Pose2) -> Fit:
+    def _follow(self, scan: Scan, step: Pose2) -> ScanFit:
         """Move on by odometry's ``step``, then to where the scan lies on the submap."""
         settings = self.settings
         step = self._ratios.corrected(step)
@@ -278,10 +278,10 @@ class Slam:
         submap: _ActiveSubmap,
         scan: Scan,
         prior: Pose2,
-        fit: Fit,
+        fit: ScanFit,
         sigmas: tuple[float, float],
         step: Pose2,
-    ) -> Fit:
+    ) -> ScanFit:
         """A better pose than ``fit``, from farther around ``prior``, if there is one."""
         if submap.pyramid is None or submap.pyramid_of != len(submap.keyframes):
             submap.pyramid = Pyramid(submap.grid, _RESCUE_LEVELS)
@@ -319,7 +319,7 @@ class Slam:
         swing[1, 2] = self._X_MB.x - before.x
         self._covariance = swing @ self._covariance @ swing.T + np.diag([sigma_m**2, sigma_m**2, sigma_rad**2])
 
-    def _update(self, X_MS: Pose2, fit: Fit) -> None:
+    def _update(self, X_MS: Pose2, fit: ScanFit) -> None:
         c, s = math.cos(X_MS.theta), math.sin(X_MS.theta)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         information = turn @ fit.information @ turn.T / max(1.0, (fit.rms_m / NOISE_M) ** 2)
@@ -327,7 +327,7 @@ class Slam:
 
     # --- Mapping ---------------------------------------------------------------------------------------------------
 
-    def _add_keyframe(self, stamp: float, scan: Scan, fit: Fit | None) -> None:
+    def _add_keyframe(self, stamp: float, scan: Scan, fit: ScanFit | None) -> None:
         id = self._made
         self._made += 1
         self._keyframes[id] = Keyframe(id, stamp, scan.points, scan.ends, scan.hits, scan.origin, self._travelled_m)

@@ -32,7 +32,7 @@ REACH_M = 12.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class View:
+class ScanView:
     """What one scan saw, in ``base_link``: rays begin at ``eye`` (m) and end at ``ends`` (N, 2) float32 m; ``met`` (N,)
     bool says whether on something.
     """
@@ -42,13 +42,13 @@ class View:
     eye: tuple[float, float]
 
     @staticmethod
-    def of(keyframe: Keyframe) -> View:
+    def of(keyframe: Keyframe) -> ScanView:
         """What was seen at ``keyframe``."""
         eye = float(keyframe.origin[0]), float(keyframe.origin[1])
-        return View(keyframe.ends, np.require(keyframe.hits, requirements=("C", "W")), eye)
+        return ScanView(keyframe.ends, np.require(keyframe.hits, requirements=("C", "W")), eye)
 
 
-def view_of(scan: LaserScan) -> View:
+def view_of(scan: LaserScan) -> ScanView:
     """The view of ``scan`` as if all its rays were cast at once: of a robot that stands."""
     angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
     ranges = scan.ranges.astype(np.float64)
@@ -59,7 +59,7 @@ def view_of(scan: LaserScan) -> View:
     x, y = ranges * np.cos(angles), ranges * np.sin(angles)
     turn, eye = scan.X_BL.rotation, scan.X_BL.translation
     ends = np.stack((turn[0, 0] * x + turn[0, 1] * y + eye[0], turn[1, 0] * x + turn[1, 1] * y + eye[1]), axis=1)
-    return View(ends.astype(np.float32), met, (float(eye[0]), float(eye[1])))
+    return ScanView(ends.astype(np.float32), met, (float(eye[0]), float(eye[1])))
 
 
 class OccupancyCounts:
@@ -86,11 +86,11 @@ class OccupancyCounts:
         """Where the lower left corner of cell [0, 0] is (m)."""
         return self.lowest[0] * self.resolution_m, self.lowest[1] * self.resolution_m
 
-    def add(self, view: View, pose: Pose2) -> None:
+    def add(self, view: ScanView, pose: Pose2) -> None:
         """Count ``view``, taken at ``pose`` on the map."""
         self._draw(view, pose, 1)
 
-    def remove(self, view: View, pose: Pose2) -> None:
+    def remove(self, view: ScanView, pose: Pose2) -> None:
         """Take out ``view``, which was added at the very same ``pose``."""
         self._draw(view, pose, -1)
 
@@ -103,7 +103,7 @@ class OccupancyCounts:
         counts = self.hits, self.misses, self.cells
         return evaluate(*counts, left, low, right, high, HIT_WEIGHT, SURELY_FREE, SURELY_OCCUPIED) > 0
 
-    def _draw(self, view: View, pose: Pose2, sign: int) -> None:
+    def _draw(self, view: ScanView, pose: Pose2, sign: int) -> None:
         if not len(view.ends):
             return
         # The lattice's columns and rows of the ends, and of the eye.
@@ -113,7 +113,7 @@ class OccupancyCounts:
         places -= np.array(self.lowest)
         cast_rays(self.hits, self.misses, self._marks, self._mark, self._dirty, places, view.met, sign)
 
-    def _places(self, view: View, pose: Pose2) -> NDArray[np.int64]:
+    def _places(self, view: ScanView, pose: Pose2) -> NDArray[np.int64]:
         """(N + 1, 2): columns and rows on the lattice of what :func:`cast_rays` goes to, and of the eye last."""
         x, y = view.ends[:, 0].astype(np.float64), view.ends[:, 1].astype(np.float64)
         far = np.hypot(x - view.eye[0], y - view.eye[1])

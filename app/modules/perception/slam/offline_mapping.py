@@ -13,7 +13,7 @@ from app.base.geometry import Pose2
 from app.modules.perception.slam.loop_closure import LoopJob
 from app.modules.perception.slam.mapper import Slam
 from app.modules.perception.slam.relations import Poses
-from app.modules.perception.slam.scans import Beams
+from app.modules.perception.slam.scans import BeamGeometry
 from app.modules.perception.slam.settings import SlamSettings
 
 
@@ -23,7 +23,7 @@ class Sweep:
 
     stamp: float
     ranges: NDArray[np.floating]
-    beams: Beams
+    beams: BeamGeometry
     X_OB: Pose2
     twist: tuple[float, float] = (0.0, 0.0)
     sweep_s: float = 0.0

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
-from app.modules.perception.slam.likelihood_field import PlaceField
+from app.modules.perception.slam.likelihood_field import LikelihoodField
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,7 @@ class SearchSettings:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sighting:
+class SearchScan:
     """One scan: ``points`` (N, 2) float64, m in ``base_link``, seen from ``eye`` (m) with the body at ``X_OB``."""
 
     points: NDArray[np.float64]
@@ -66,7 +66,7 @@ class Sighting:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Place:
+class PoseHypothesis:
     """Where the robot may be: ``X_MO`` places ``odom`` on the map.
 
     ``score`` is the share of all that was seen lately that the map explains, ``worst`` that of the scan it explains
@@ -81,25 +81,25 @@ class Place:
     so_far: tuple[float, int]
 
 
-class PlaceSearch:
+class PoseSearch:
     """Looks for the robot on ``field``: give it scans, and ask where it is. Used by one thread at a time."""
 
-    def __init__(self, field: PlaceField, settings: SearchSettings | None = None) -> None:
+    def __init__(self, field: LikelihoodField, settings: SearchSettings | None = None) -> None:
         self._field = field
         self._settings = settings or SearchSettings()
-        self._seen: deque[Sighting] = deque(maxlen=self._settings.most_scans)
+        self._seen: deque[SearchScan] = deque(maxlen=self._settings.most_scans)
         self._searched: list[Pose2] = []
         self._travelled = self._turned = 0.0
         self._scans = 0
         #: Every place that is possible by now, the likeliest first.
-        self.places: tuple[Place, ...] = ()
+        self.places: tuple[PoseHypothesis, ...] = ()
 
     @property
     def overlap(self) -> float:
         """How well all that was seen fits the likeliest place, in [0, 1]; 0 while there is none."""
         return self.places[0].score if self.places else 0.0
 
-    def see(self, sighting: Sighting) -> Pose2 | None:
+    def see(self, sighting: SearchScan) -> Pose2 | None:
         """Take a scan; returns X_MO once the place is believed.
 
         A search over the whole map takes some 0.1 to 1 s of CPU, following the places a few ms.
@@ -116,7 +116,7 @@ class PlaceSearch:
         self._scans += 1
         X_OB = sighting.X_OB
         together = self._together(X_OB)
-        places: list[tuple[Pose2, Place | None]] = [(place.X_MO @ X_OB, place) for place in self.places]
+        places: list[tuple[Pose2, PoseHypothesis | None]] = [(place.X_MO @ X_OB, place) for place in self.places]
         if self._search_due(X_OB):
             places += [(X_MB, None) for X_MB in self._searched_for(together)]
             self._searched.append(X_OB)
@@ -143,13 +143,13 @@ class PlaceSearch:
         return distinct([Pose2(x, y, t) for x, y, t, _ in leaves.tolist()], 0.3, 0.2, 3 * settings.most_places)
 
     def _judged(
-        self, places: Sequence[tuple[Pose2, Place | None]], points: NDArray[np.float64], X_OB: Pose2
-    ) -> tuple[Place, ...]:
+        self, places: Sequence[tuple[Pose2, PoseHypothesis | None]], points: NDArray[np.float64], X_OB: Pose2
+    ) -> tuple[PoseHypothesis, ...]:
         """``places`` of the body now, each put where all points fit best, the impossible and the doubled left out; with
         each, what was thought of it before.
         """
         settings = self._settings
-        judged: list[tuple[Place, Pose2]] = []
+        judged: list[tuple[PoseHypothesis, Pose2]] = []
         few = spread(points, 4 * settings.search_points)
         for X_MB, before in places:
             pose = self._field.refine(few, np.array([X_MB.x, X_MB.y, X_MB.theta]))
@@ -158,7 +158,7 @@ class PlaceSearch:
             place = self._place(Pose2(*pose.tolist()) @ X_OB.inverse(), before)
             judged.append((place, place.X_MO @ X_OB))
         judged.sort(key=lambda one: -one[0].score)
-        kept: list[tuple[Place, Pose2]] = []
+        kept: list[tuple[PoseHypothesis, Pose2]] = []
         for place, X_MB in judged:
             if place.score < max(settings.floor, judged[0][0].score - 2 * settings.margin):
                 break
@@ -170,7 +170,7 @@ class PlaceSearch:
                 kept[same[0]] = replace(kept[same[0]][0], so_far=place.so_far), kept[same[0]][1]
         return tuple(place for place, _ in kept[: settings.most_places])
 
-    def _place(self, X_MO: Pose2, before: Place | None) -> Place:
+    def _place(self, X_MO: Pose2, before: PoseHypothesis | None) -> PoseHypothesis:
         told: list[NDArray[np.int8]] = []
         for seen in self._seen:
             at = X_MO @ seen.X_OB
@@ -178,7 +178,7 @@ class PlaceSearch:
         each = [_share(one) for one in told]
         so_far = (each[-1], 1) if before is None else (before.so_far[0] + each[-1], before.so_far[1] + 1)
         worst = sorted(each)[1 if len(each) > 3 else 0]
-        return Place(X_MO, sum(each) / len(each), worst, np.concatenate(told), so_far)
+        return PoseHypothesis(X_MO, sum(each) / len(each), worst, np.concatenate(told), so_far)
 
     def _believed(self) -> Pose2 | None:
         settings = self._settings
@@ -194,7 +194,7 @@ class PlaceSearch:
             return None
         return best.X_MO if all(self._ahead(best, other) for other in others) else None
 
-    def _ahead(self, one: Place, other: Place) -> bool:
+    def _ahead(self, one: PoseHypothesis, other: PoseHypothesis) -> bool:
         """Whether what tells both apart speaks for ``one`` (McNemar's test)."""
         ours = int(np.count_nonzero((one.explained == 1) & (other.explained == 0)))
         theirs = int(np.count_nonzero((one.explained == 0) & (other.explained == 1)))

@@ -36,7 +36,7 @@ NEAR_M = 0.12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Fit:
+class ScanFit:
     """How a scan lies on a grid: ``X_SB`` in the grid's frame; shares of its points as in :class:`values.Match`.
 
     ``rms_m`` of the inliers' distances from their surfaces. ``information`` (3, 3) float64, of the readings alone, of
@@ -69,7 +69,7 @@ def fitted(
     *,
     iterations: int = 14,
     near_m: float = NEAR_M,
-) -> Fit:
+) -> ScanFit:
     """The best pose near ``guess`` of ``points`` (N, 4) on ``grid``; ``prior``'s ``sigmas`` (m, rad) hold it back."""
     found = _fit(
         grid.surfels,
@@ -93,7 +93,7 @@ def fitted(
     information = np.array([[a, b, c], [b, d, e], [c, e, f]])
     if not (a > 0.0 and a * d - b * b > 0.0 and np.linalg.det(information) > 0.0):
         information = _nowhere_less_than_none(information)
-    return Fit(Pose2(x, y, math.remainder(theta, math.tau)), inliers, overlap, rms, information)
+    return ScanFit(Pose2(x, y, math.remainder(theta, math.tau)), inliers, overlap, rms, information)
 
 
 def _nowhere_less_than_none(information: NDArray[np.float64]) -> NDArray[np.float64]:

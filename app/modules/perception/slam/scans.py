@@ -27,7 +27,7 @@ _FLAT = 0.02
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Beams:
+class BeamGeometry:
     """How a laser looks: ``angles`` (N,) float64 rad of its rays, about z of its frame, in order of measuring.
 
     Readings below ``range_min`` or not a number are none; from ``range_max`` (m) on, nothing was hit. ``X_BL`` is the
@@ -52,7 +52,7 @@ class Scan:
 
 def prepared(
     ranges: NDArray[np.floating],
-    beams: Beams,
+    beams: BeamGeometry,
     twist: tuple[float, float],
     sweep_s: float,
     range_max_m: float,

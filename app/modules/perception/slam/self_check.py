@@ -49,7 +49,7 @@ class CheckSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class Doubt:
+class Inconsistency:
     """What speaks against a map, before ``keyframe`` by number in their order; −1: in no one place."""
 
     intact: Intact
@@ -90,12 +90,12 @@ def _across(pairs: Pairs, chosen: NDArray[np.bool_], keyframes: int) -> NDArray[
     return found
 
 
-def doubts_of_views(
+def view_inconsistencies(
     keyframes: Sequence[Keyframe],
     poses: NDArray[np.float64],
     surprises: Sequence[tuple[int, float, float]] = (),
     settings: CheckSettings | None = None,
-) -> list[Doubt]:
+) -> list[Inconsistency]:
     """What views say against ``keyframes`` at ``poses`` (N, 3), of the whole the worst place.
 
     ``surprises``: keyframe before which a scan was matched so far (m, rad) from where odometry led.
@@ -103,7 +103,7 @@ def doubts_of_views(
     settings = settings or CheckSettings()
     cuts = cuts_of(compared(keyframes, poses), len(keyframes))
     inner = slice(settings.least_keyframes, max(len(keyframes) - settings.least_keyframes + 1, 0))
-    doubts: list[Doubt] = []
+    doubts: list[Inconsistency] = []
     agreeing, contradicting = cuts.agreeing[inner], cuts.contradicting[inner]
     if not len(agreeing):
         return doubts
@@ -113,7 +113,7 @@ def doubts_of_views(
     if share[worst] > settings.contradicting:
         both = int(agreeing[worst] + contradicting[worst])
         doubts.append(
-            Doubt(
+            Inconsistency(
                 "no",
                 inner.start + worst,
                 f"what was seen before and after contradicts: {contradicting[worst]} of {both} pairs of views see "
@@ -124,13 +124,15 @@ def doubts_of_views(
     if loose.size and not doubts:
         at = inner.start + int(loose[np.argmin(agreeing[loose])])
         doubts.append(
-            Doubt("unknown", at, "odometry alone holds what was seen before and after together: no view shows both")
+            Inconsistency(
+                "unknown", at, "odometry alone holds what was seen before and after together: no view shows both"
+            )
         )
     for keyframe, off_m, off_rad in surprises:
         far = off_m > settings.surprising_m or off_rad > settings.surprising_rad
         if far and 0 < keyframe < len(keyframes) and cuts.confirming[keyframe] < settings.least_confirming:
             doubts.append(
-                Doubt(
+                Inconsistency(
                     "unknown",
                     keyframe,
                     f"a scan was matched {off_m:.1f} m and {np.degrees(off_rad):.0f}° from where odometry led, and no "
@@ -142,7 +144,7 @@ def doubts_of_views(
 
 
 @dataclass(frozen=True, slots=True)
-class Checked:
+class CheckResult:
     """Whether a map is ``intact``, why not in words, and how surely each keyframe is known by the whole graph (m)."""
 
     intact: Intact
@@ -150,7 +152,7 @@ class Checked:
     sigmas_m: Mapping[int, float]
 
 
-def checked(log: MappedLog, settings: CheckSettings | None = None) -> Checked:
+def checked(log: MappedLog, settings: CheckSettings | None = None) -> CheckResult:
     """Check the map of a whole log, of which at least one scan was taken."""
     settings = settings or CheckSettings()
     state = log.slam.state()
@@ -163,21 +165,21 @@ def checked(log: MappedLog, settings: CheckSettings | None = None) -> Checked:
         for row in log.rows
         if row.off[0] > settings.surprising_m or row.off[1] > settings.surprising_rad
     ]
-    doubts = doubts_of_views(state.keyframes, poses, surprises, settings)
+    doubts = view_inconsistencies(state.keyframes, poses, surprises, settings)
     sigmas = uncertainties(graph_arrays(dict(zip(ids, state.poses, strict=True)), state.edges))
     unsure = int(np.argmax(sigmas))
     if sigmas[unsure] > settings.unsure_m:
         count = int((sigmas > settings.unsure_m).sum())
         text = f"where {count} of {len(ids)} keyframes are is known to no better than ±{sigmas[unsure]:.1f} m"
-        doubts.append(Doubt("unknown", unsure, text))
+        doubts.append(Inconsistency("unknown", unsure, text))
     unmatched = log.unmatched()
     if unmatched > settings.unmatched_share * len(log.rows):
         share = 100 * unmatched / len(log.rows)
-        doubts.append(Doubt("unknown", -1, f"{unmatched} scans ({share:.1f} %) did not fit the map"))
+        doubts.append(Inconsistency("unknown", -1, f"{unmatched} scans ({share:.1f} %) did not fit the map"))
     scans = {order[row.keyframe]: row for row in reversed(log.rows) if row.keyframe in order}
     said = []
     for doubt in doubts:
         row = scans.get(doubt.keyframe)
         said.append(doubt.text if row is None else f"at scan {row.number} ({row.stamp:.1f} s): {doubt.text}")
     intact: Intact = "no" if any(d.intact == "no" for d in doubts) else "unknown" if doubts else "yes"
-    return Checked(intact, tuple(said), dict(zip(ids, sigmas.tolist(), strict=True)))
+    return CheckResult(intact, tuple(said), dict(zip(ids, sigmas.tolist(), strict=True)))

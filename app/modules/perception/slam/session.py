@@ -20,16 +20,16 @@ from app.base.geometry import Pose2
 from app.maps.control import MapUnavailable
 from app.maps.library import GRAPH, MapLibrary
 from app.messages import LaserScan, OccupancyGrid, Zone, read_only
-from app.modules.perception.slam.beam_cache import BeamsOf
+from app.modules.perception.slam.beam_cache import BeamCache
 from app.modules.perception.slam.grid_views import state_of
-from app.modules.perception.slam.likelihood_field import PlaceField
+from app.modules.perception.slam.likelihood_field import LikelihoodField
 from app.modules.perception.slam.localization_quality import FITS
 from app.modules.perception.slam.loop_closure import LoopJob, LoopOutcome
-from app.modules.perception.slam.map_rendering import GLANCES, Glance, MapDrawing
+from app.modules.perception.slam.map_rendering import GLANCES, ExtraView, MapRenderer
 from app.modules.perception.slam.mapper import Slam
 from app.modules.perception.slam.occupancy import OccupancyCounts, cropped, view_of
 from app.modules.perception.slam.pose_graph import Optimize, optimized
-from app.modules.perception.slam.relocalization import Place, PlaceSearch, Sighting
+from app.modules.perception.slam.relocalization import PoseHypothesis, PoseSearch, SearchScan
 from app.modules.perception.slam.storage import read_state, write_state
 from app.modules.perception.slam.types import Keyframe, Match, SlamState
 
@@ -44,7 +44,7 @@ _DRAWN_AT_ONCE = 50
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class KeptMap:
+class StoredMap:
     """A map as it was kept; ``state`` is None for one that another program made."""
 
     name: str
@@ -53,7 +53,7 @@ class KeptMap:
     state: SlamState | None
 
 
-def kept_map(library: MapLibrary, name: str) -> KeptMap:
+def stored_map(library: MapLibrary, name: str) -> StoredMap:
     """The map ``name``. Raises MapUnavailable, in words, where there is none or its files are damaged."""
     try:
         folder = library.existing(name)
@@ -63,11 +63,11 @@ def kept_map(library: MapLibrary, name: str) -> KeptMap:
         raise MapUnavailable(str(mistake)) from None
     except OSError as failure:
         raise MapUnavailable(f"the map {name!r} cannot be read: {failure.strerror or failure}") from None
-    return KeptMap(name, grid, zones, state)
+    return StoredMap(name, grid, zones, state)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Snapshot:
+class GraphSnapshot:
     """The keyframes and where they are, as of one moment."""
 
     keyframes: Mapping[int, Keyframe]
@@ -75,7 +75,7 @@ class Snapshot:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Followed:
+class ScanResult:
     """What came of one scan: the match, work that is due behind, one more look to draw, and the map's version after.
 
     ``slam`` is who matched it: the job's outcome is for that one.
@@ -83,7 +83,7 @@ class Followed:
 
     match: Match
     job: LoopJob | None
-    glance: Glance | None
+    glance: ExtraView | None
     slam: Slam
     version: int
 
@@ -121,18 +121,18 @@ class MapSession:
         self._last: tuple[float, Pose2, NDArray[np.float64]] | None = None
         #: Nobody knows where the robot is.
         self.lost = X_MO is None and grid is not None
-        self._drawing = MapDrawing(OccupancyCounts(cell_m, side_m)) if grows else None
+        self._drawing = MapRenderer(OccupancyCounts(cell_m, side_m)) if grows else None
         #: When a look was taken last, at what, and how many since something moved.
         self._glanced = -math.inf
         self._looked_at: tuple[int, NDArray[np.float32]] | None = None
         self._quiet = 0
-        self._beams = BeamsOf()
+        self._beams = BeamCache()
 
     # --- Ahead -----------------------------------------------------------------------------------------------------
 
     def follow(
         self, scan: LaserScan, X_OB: Pose2, twist: tuple[float, float], maps: bool = True, rays: int = 1
-    ) -> Followed | None:
+    ) -> ScanResult | None:
         """*Ahead.* Take one in ``rays`` of a scan's rays, the body being at ``X_OB`` and moving with ``twist``.
 
         ``maps`` says whether the map may grow now. None while the robot's place is unknown.
@@ -160,7 +160,7 @@ class MapSession:
         self._last = scan.stamp, X_OB, match.covariance
         job = None if self._frozen else slam.pending()
         glance = None if self._frozen else self._glance(scan, match)
-        return Followed(match, job, glance, slam, slam.version)
+        return ScanResult(match, job, glance, slam, slam.version)
 
     def place(self, X_MO: Pose2) -> None:
         """*Ahead.* The robot is about where this ``X_MO`` has it."""
@@ -180,13 +180,13 @@ class MapSession:
         job = None if self._slam is None or self._frozen else self._slam.settling()
         return None if job is None or self._slam is None else (self._slam, job)
 
-    def snapshot(self) -> Snapshot:
+    def snapshot(self) -> GraphSnapshot:
         """*Ahead.* What there is to draw."""
         if self._slam is None:
-            return Snapshot({}, {})
+            return GraphSnapshot({}, {})
         ids, poses = self._slam.poses()
         placed = {int(id): Pose2(*pose) for id, pose in zip(ids, poses.tolist(), strict=True)}
-        return Snapshot(dict(self._slam.keyframes), placed)
+        return GraphSnapshot(dict(self._slam.keyframes), placed)
 
     def state(self) -> SlamState | None:
         """*Ahead.* What must be kept so that mapping can go on; None for a map that cannot grow."""
@@ -200,7 +200,7 @@ class MapSession:
         self._slam, self._frozen, self._X_MO = slam, frozen, None
         return slam
 
-    def _glance(self, scan: LaserScan, match: Match) -> Glance | None:
+    def _glance(self, scan: LaserScan, match: Match) -> ExtraView | None:
         """One more look, if none was taken for a while and something moved not long ago."""
         if match.added:
             self._glanced = scan.stamp
@@ -211,15 +211,15 @@ class MapSession:
         if before is None or before[0] != match.keyframe or differ(before[1], scan.ranges):
             self._quiet = 0
         self._quiet += 1
-        return Glance(match.keyframe, match.X_KB, view_of(scan)) if self._quiet <= GLANCES else None
+        return ExtraView(match.keyframe, match.X_KB, view_of(scan)) if self._quiet <= GLANCES else None
 
     # --- Behind ----------------------------------------------------------------------------------------------------
 
-    def draw(self, snapshot: Snapshot) -> bool:
+    def draw(self, snapshot: GraphSnapshot) -> bool:
         """*Behind.* Draw some of what is new, gone or elsewhere; returns whether more is left."""
         return self._drawing is not None and self._drawing.update(snapshot.keyframes, snapshot.poses, _DRAWN_AT_ONCE)
 
-    def drawn(self, glances: Sequence[Glance], stamp: float, version: int) -> OccupancyGrid | None:
+    def drawn(self, glances: Sequence[ExtraView], stamp: float, version: int) -> OccupancyGrid | None:
         """*Behind.* The grid as drawn, ``glances`` too, if any of its cells changed since the last time."""
         if self._drawing is None:
             return None
@@ -232,11 +232,11 @@ class MapSession:
         self.grid = OccupancyGrid(stamp, "map", cells, counts.resolution_m, counts.origin, version)
         return self.grid
 
-    def begin_search(self) -> PlaceSearch | None:
+    def begin_search(self) -> PoseSearch | None:
         """*Behind.* A search on the map as it was drawn last; None where there is nothing yet."""
         if self.grid is None or not (self.grid.cells >= 0).any():
             return None
-        return PlaceSearch(PlaceField(self.grid))
+        return PoseSearch(LikelihoodField(self.grid))
 
 
 def _leapt(step: Pose2, seconds: float) -> bool:
@@ -253,11 +253,11 @@ def differ(before: NDArray[np.float32], now: NDArray[np.float32]) -> bool:
     return bool(np.count_nonzero(off) > MOVED_SHARE * len(now))
 
 
-def look(search: PlaceSearch, scan: LaserScan, X_OB: Pose2) -> tuple[Pose2 | None, tuple[Place, ...]]:
+def look(search: PoseSearch, scan: LaserScan, X_OB: Pose2) -> tuple[Pose2 | None, tuple[PoseHypothesis, ...]]:
     """*Behind.* Give ``search`` a scan: X_MO if the place is believed now, and all that are possible."""
     view = view_of(scan)
     points = view.ends[view.met].astype(np.float64)
-    return search.see(Sighting(points, np.array(view.eye), X_OB)), search.places
+    return search.see(SearchScan(points, np.array(view.eye), X_OB)), search.places
 
 
 def keep(

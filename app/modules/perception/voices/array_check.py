@@ -48,7 +48,7 @@ _LEAST_SHARES, _SIZES_M = (0.9, 0.7), (0.1, 0.2)
 
 
 @dataclass(frozen=True, slots=True)
-class Moment:
+class ArrayAgreement:
     """Of one moment: how much the microphones ``agreed`` on any arrival times, and on those of the best direction,
     which is what the positions ``explained``; 0 <= explained <= agreed <= 1."""
 
@@ -109,14 +109,14 @@ class ArrayCheck:
             self._agreed_in_all += moment.agreed
             self._explained_in_all += moment.explained
 
-    def look(self, cross: NDArray[np.complex64]) -> Moment:
+    def look(self, cross: NDArray[np.complex64]) -> ArrayAgreement:
         """One moment, by its cross spectra (P, B): of the first of each pair times the conjugate of the second's, each
         frequency's absolute value at most 1."""
         correlation = np.asarray(np.hstack([cross.real, cross.imag]) @ self._to_lags)
         delays, explained = self._best_direction(correlation)
         agreed = max(explained, *(self._agreed(correlation, start) for start in self._starts(correlation, delays)))
         pairs = len(cross)
-        return Moment(max(0.0, agreed) / pairs, max(0.0, explained) / pairs)
+        return ArrayAgreement(max(0.0, agreed) / pairs, max(0.0, explained) / pairs)
 
     # --- by the positions ---
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from app.modules.perception.voices.kalman import Motion, angle_deg
+from app.modules.perception.voices.kalman import DirectionState, angle_deg
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +22,7 @@ class TrackerSettings:
     """When tracks are born, how they move, when they are confirmed and reported, and when they die.
 
     Powers and shares are those of :class:`Peaks`; *held* is what fades with ``hold_s``, over pauses. Times are in s,
-    angles in degrees. A tuple of several shares belongs to the tuple of values of ``Source.echo`` named with it.
+    angles in degrees. A tuple of several shares belongs to the tuple of values of ``TrackCandidate.echo`` named with it.
     """
 
     # --- birth ---
@@ -95,7 +95,7 @@ class TrackerSettings:
     # --- confirmation: again and again, within ``trial_s`` of birth and then within ``trust_s`` of its sound ---
     trial_s: float = 0.7
     trust_s: float = 2.5
-    #: The mean of ``Source.echo`` is over so long.
+    #: The mean of ``TrackCandidate.echo`` is over so long.
     echo_s: float = 0.5
     #: It must be this share of the strongest (by ``confirm_echo``) ...
     confirm_share: tuple[float, ...] = (0.25, 0.38, 0.6)
@@ -134,7 +134,7 @@ class TrackerSettings:
 
 
 @dataclass(slots=True, eq=False)
-class Source:
+class TrackCandidate:
     """A track, or what may become one (``id`` 0); ``evidence`` 1 and more makes it one.
 
     ``recent`` and ``share``: power of the last moments, and of the last half second in those of the strongest, which is
@@ -149,7 +149,7 @@ class Source:
     than with all that sounds: an echo about 1, a talker in a room about 1.4.
     """
 
-    motion: Motion
+    motion: DirectionState
     power: float
     evidence: float
     born: float
@@ -188,7 +188,9 @@ class Source:
         self.since_loud_s = math.inf
 
 
-def reported(source: Source, sources: Sequence[Source], time_s: float, settings: TrackerSettings) -> bool:
+def reported(
+    source: TrackCandidate, sources: Sequence[TrackCandidate], time_s: float, settings: TrackerSettings
+) -> bool:
     """Whether ``source``, one of ``sources``, is to be reported at ``time_s`` (s)."""
     on_trial = time_s - source.tried < settings.trial_s
     least, plain = _leads(source, sources, on_trial, settings)
@@ -208,7 +210,9 @@ def reported(source: Source, sources: Sequence[Source], time_s: float, settings:
     return bool(source.id) and trusted and silent <= longest and not _hidden(source, silent, sources, time_s, settings)
 
 
-def _hidden(source: Source, silent: float, sources: Sequence[Source], time_s: float, settings: TrackerSettings) -> bool:
+def _hidden(
+    source: TrackCandidate, silent: float, sources: Sequence[TrackCandidate], time_s: float, settings: TrackerSettings
+) -> bool:
     """Whether it is silent beside another that sounds: what is left where two passed one another."""
     return silent > settings.hidden_s and any(
         other.id
@@ -220,7 +224,9 @@ def _hidden(source: Source, silent: float, sources: Sequence[Source], time_s: fl
     )
 
 
-def _leads(source: Source, sources: Sequence[Source], on_trial: bool, settings: TrackerSettings) -> tuple[bool, bool]:
+def _leads(
+    source: TrackCandidate, sources: Sequence[TrackCandidate], on_trial: bool, settings: TrackerSettings
+) -> tuple[bool, bool]:
     """Whether it begins of itself as far as it must (nobody louder, nothing it could be an echo of); and plainly."""
     other = max(
         other.leads if other.id and other.level >= source.level and other.heard_s > settings.replaced_s else 1.0
@@ -234,7 +240,7 @@ def _leads(source: Source, sources: Sequence[Source], on_trial: bool, settings: 
     return least, lead >= settings.lead_plain and source.echo < settings.plain_echo
 
 
-def confirm(sources: Sequence[Source], loudest: float, time_s: float, settings: TrackerSettings) -> None:
+def confirm(sources: Sequence[TrackCandidate], loudest: float, time_s: float, settings: TrackerSettings) -> None:
     """Note which of ``sources`` sound of themselves at ``time_s`` (s); ``loudest``: the most any did of late."""
     tracks = [source for source in sources if source.id]
     for source in tracks:

@@ -12,7 +12,7 @@ Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Motion:
+class DirectionState:
     """Constant velocity on the sphere: both tangents have the one covariance (rad^2, rad^2/s, rad^2/s^2)."""
 
     direction: Vector
@@ -25,14 +25,14 @@ class Motion:
         """Direction and velocity in ``seconds``, along the great circle."""
         return along(self.direction, self.velocity, seconds)
 
-    def predicted(self, seconds: float, jerk: float, rest_s: float = math.inf) -> Motion:
+    def predicted(self, seconds: float, jerk: float, rest_s: float = math.inf) -> DirectionState:
         """After ``seconds`` in which its velocity may have changed by ``jerk`` (rad/s in one second, standard
         deviation, random walk), and in which it is supposed to come to rest with the time constant ``rest_s``."""
         direction, velocity = self.ahead(seconds)
         noise = jerk**2
         keep = math.exp(-seconds / rest_s)
         a, b, c = self.position_variance, self.covariance, self.velocity_variance
-        return Motion(
+        return DirectionState(
             direction,
             velocity * keep,
             a + 2 * seconds * b + seconds**2 * c + noise * seconds**3 / 3,
@@ -40,7 +40,7 @@ class Motion:
             c + noise * seconds,
         )
 
-    def corrected(self, seen: Vector, variance: float) -> Motion:
+    def corrected(self, seen: Vector, variance: float) -> DirectionState:
         """After a sighting of ``variance`` (rad^2) on each tangent."""
         offset = seen - (seen @ self.direction) * self.direction
         gain = self.position_variance / (self.position_variance + variance)
@@ -49,7 +49,7 @@ class Motion:
         velocity = carried(self.velocity, self.direction, direction) + gain_velocity * carried(
             offset, self.direction, direction
         )
-        return Motion(
+        return DirectionState(
             direction,
             velocity,
             (1 - gain) * self.position_variance,
@@ -57,10 +57,10 @@ class Motion:
             self.velocity_variance - gain_velocity * self.covariance,
         )
 
-    def going_on_as(self, old: Motion) -> Motion:
+    def going_on_as(self, old: DirectionState) -> DirectionState:
         """Here, as ``old`` (near by) went: what was lost for a while is seen again, too briefly to say how it moves."""
         velocity = carried(old.velocity, old.direction, self.direction)
-        return Motion(self.direction, velocity, self.position_variance, 0.0, old.velocity_variance)
+        return DirectionState(self.direction, velocity, self.position_variance, 0.0, old.velocity_variance)
 
 
 def along(direction: Vector, velocity: Vector, seconds: float) -> tuple[Vector, Vector]:

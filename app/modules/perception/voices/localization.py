@@ -25,7 +25,7 @@ from scipy import fft
 
 from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.onsets import Onsets
-from app.modules.perception.voices.spectral_mask import Clarity
+from app.modules.perception.voices.spectral_mask import SpectralMask
 from app.modules.perception.voices.steering_vectors import SPEED_OF_SOUND, arrivals, search_grid, tangents
 
 _SMALL = 1e-12
@@ -61,7 +61,7 @@ class LocalizerSettings:
     most ``sources``; at all other steps what was found, and what the caller expects, is followed in the mean over
     ``follow_memory_s``. Frequencies in Hz. ``points``: directions on the whole sphere, of which those above
     ``lowest_deg`` are looked at. ``range_m``: how far sounds are supposed to be. ``doubt``: how much weight a frequency
-    needs before it counts. ``tail``, ``tail_s`` and ``floor``: see :class:`Clarity`. ``still_s``: how long what the
+    needs before it counts. ``tail``, ``tail_s`` and ``floor``: see :class:`SpectralMask`. ``still_s``: how long what the
     background is like is remembered. ``least_power``: what is weaker is no peak, nor what is below ``least_share`` of
     the strongest.
     """
@@ -129,7 +129,7 @@ class Localizer:
         chosen = np.flatnonzero((self.frequencies >= settings.lowest_hz) & (self.frequencies <= settings.highest_hz))
         self._band = slice(int(chosen[0]), int(chosen[-1]) + 1)
         self._prepare(self.band)
-        self._clarity = Clarity(len(chosen), self.hop / rate, settings.tail, settings.tail_s, settings.floor)
+        self._clarity = SpectralMask(len(chosen), self.hop / rate, settings.tail, settings.tail_s, settings.floor)
         self._onsets = Onsets()
         pairs, bins = len(array.first), len(chosen)
         # What the robot's own noise is like does not change when sound is lost: never forgotten.

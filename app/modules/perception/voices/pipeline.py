@@ -20,8 +20,8 @@ from app.modules.perception.voices.localization import Localizer
 from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.resampling import Resampler
 from app.modules.perception.voices.separation import Separated, Separator
-from app.modules.perception.voices.tracking import Track, Tracker
-from app.modules.perception.voices.voice_activity import SPEECH_RATE, SpeechJudge
+from app.modules.perception.voices.tracking import SoundTrack, Tracker
+from app.modules.perception.voices.voice_activity import SPEECH_RATE, VoiceActivityDetector
 
 _FULL_SCALE = 32768.0
 _QUIETEST = 1e-12
@@ -72,7 +72,7 @@ class VoicePipeline:
         self._tracker = Tracker()
         self._offset = first_track - 1
         self._beams = DelayAndSum(array, rate)
-        self._judge = SpeechJudge() if settings.speech else None
+        self._judge = VoiceActivityDetector() if settings.speech else None
         self._separator = Separator(array, rate) if settings.separation else None
         self._elevation_sigma = _ELEVATION_SIGMA[array.dimensions]
         self._ranges: dict[int, tuple[float, float]] = {}
@@ -144,7 +144,7 @@ class VoicePipeline:
         self.reset()
         self._began = began
 
-    def _follow(self, sound: NDArray[np.float32], instant: float, heading: float) -> tuple[Track, ...]:
+    def _follow(self, sound: NDArray[np.float32], instant: float, heading: float) -> tuple[SoundTrack, ...]:
         """Tracks in ``base_link``'s axes of that instant."""
         turned = 0.0 if self._heading is None else wrap_angle(heading - self._heading)
         self._heading = heading
@@ -172,7 +172,7 @@ class VoicePipeline:
         ):
             self.array_check.hear(self._localizer.cross_spectra())
 
-    def _listen(self, sound: NDArray[np.float32], tracks: tuple[Track, ...]) -> None:
+    def _listen(self, sound: NDArray[np.float32], tracks: tuple[SoundTrack, ...]) -> None:
         """How loud each source is; and let the judge hear those that sound and are not separated."""
         self._beams.hear(sound)
         powers = {}
@@ -189,7 +189,9 @@ class VoicePipeline:
         if self._judge is not None:
             self._judge.hear(voices)
 
-    def _separate(self, sound: NDArray[np.float32], tracks: tuple[Track, ...], time_s: float) -> SeparatedSound | None:
+    def _separate(
+        self, sound: NDArray[np.float32], tracks: tuple[SoundTrack, ...], time_s: float
+    ) -> SeparatedSound | None:
         if self._separator is None:
             return None
         self._waiting = np.concatenate([self._waiting, sound])
@@ -214,11 +216,11 @@ class VoicePipeline:
             )
         return self._message(out, time_s)
 
-    def _chosen(self, tracks: tuple[Track, ...]) -> list[Track]:
+    def _chosen(self, tracks: tuple[SoundTrack, ...]) -> list[SoundTrack]:
         """Who is separated: who was, while he sounds or was silent but a moment; then voices, and what is strong."""
         patience = self.settings.patience_s
 
-        def worth(track: Track) -> tuple[bool, bool, float]:
+        def worth(track: SoundTrack) -> tuple[bool, bool, float]:
             stays = track.id in self._separated and self._time - track.last_seen < patience
             speech = self._judge is not None and self._judge.speech(track.id) > 0.5
             return (stays or (track.active and speech), track.active, track.power)
@@ -245,7 +247,7 @@ class VoicePipeline:
             known = self._resamplers[track] = Resampler(rate, SPEECH_RATE)
         return known.process(np.ascontiguousarray(sound))
 
-    def _source(self, track: Track) -> SoundSource:
+    def _source(self, track: SoundTrack) -> SoundSource:
         x, y, z = track.direction.tolist()
         range_m, range_sigma_m = self._range(z)
         return SoundSource(

@@ -14,7 +14,7 @@ _WINDOW_S = 1.0
 _TINY = 1e-14
 
 
-class Clarity:
+class SpectralMask:
     """Weighs frequencies by how far they stand above the background and the room's answer to what came before.
 
     The background is the lowest smoothed power of the last one to two seconds (minimum statistics, Martin 2001). The

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from app.modules.perception.voices.confirmation import Source, TrackerSettings, confirm, reported
-from app.modules.perception.voices.kalman import Motion, Vector, along, angle_deg, angular_speed
+from app.modules.perception.voices.confirmation import TrackCandidate, TrackerSettings, confirm, reported
+from app.modules.perception.voices.kalman import DirectionState, Vector, along, angle_deg, angular_speed
 from app.modules.perception.voices.localization import Peaks
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Track:
+class SoundTrack:
     """A source of sound followed over time.
 
     ``id`` is its number, from 1, never used again. ``direction`` (3,) float64 unit vector, ``velocity`` (3,) rad/s on
@@ -37,7 +37,7 @@ class Tracker:
 
     def __init__(self, settings: TrackerSettings | None = None) -> None:
         self.settings = settings or TrackerSettings()
-        self._sources: list[Source] = []
+        self._sources: list[TrackCandidate] = []
         self._next = 1
         self._time: float | None = None
         self._strongest = 0.0
@@ -48,7 +48,7 @@ class Tracker:
         """Where every track is supposed to be when peaks come next (E, 3), for :meth:`Localizer.process`."""
         return np.array([source.motion.direction for source in self._sources if source.id]).reshape(-1, 3)
 
-    def update(self, time_s: float, peaks: Peaks) -> tuple[Track, ...]:
+    def update(self, time_s: float, peaks: Peaks) -> tuple[SoundTrack, ...]:
         """Take the peaks of ``time_s`` (s, never going back); the tracks as they stand, oldest first."""
         settings = self.settings
         passed = 0.0 if self._time is None else max(0.0, time_s - self._time)
@@ -133,7 +133,9 @@ class Tracker:
 
         return [k for k in loud if not any(echoes(k, other) for other in loud)]
 
-    def _assign(self, sources: list[Source], free: list[int], peaks: Peaks, passed: float, time_s: float) -> list[int]:
+    def _assign(
+        self, sources: list[TrackCandidate], free: list[int], peaks: Peaks, passed: float, time_s: float
+    ) -> list[int]:
         """Give each of ``sources`` at most one of the peaks ``free``, the nearest in all; the peaks left over."""
         settings = self.settings
         if not sources or not free:
@@ -170,7 +172,7 @@ class Tracker:
                     source.last_active = time_s
         return [k for k in free if k not in taken]
 
-    def _sight(self, source: Source, peaks: Peaks, k: int, passed: float) -> None:
+    def _sight(self, source: TrackCandidate, peaks: Peaks, k: int, passed: float) -> None:
         settings = self.settings
         recent = float(peaks.recent[k])
         if recent < settings.heard_power:
@@ -204,7 +206,7 @@ class Tracker:
                 error = math.radians(settings.steady_error_deg) + settings.steady_doubt * speed
                 source.motion = source.motion.corrected(now, (softer * error) ** 2)
 
-    def _sure(self, source: Source) -> bool:
+    def _sure(self, source: TrackCandidate) -> bool:
         """Whether what is heard of it now is itself, not what the room and others leave there when it is silent."""
         settings = self.settings
         own = source.recent >= max(settings.heard_power, settings.sure_level * source.level)
@@ -224,15 +226,15 @@ class Tracker:
         gain = own * strength**3 - 1
         return gain * passed / (settings.patience_s if gain > 0 else settings.mercy_s)
 
-    def _begin(self, time_s: float, peaks: Peaks, k: int, passed: float) -> Source:
+    def _begin(self, time_s: float, peaks: Peaks, k: int, passed: float) -> TrackCandidate:
         direction, power = peaks.directions[k], float(peaks.powers[k])
-        motion = Motion(direction, np.zeros(3), math.radians(5.0) ** 2, 0.0, math.radians(10.0) ** 2)
-        return Source(
+        motion = DirectionState(direction, np.zeros(3), math.radians(5.0) ** 2, 0.0, math.radians(10.0) ** 2)
+        return TrackCandidate(
             motion, power, max(0.0, self._evidence(peaks, k, passed)), time_s, time_s, time_s, last_sure=time_s
         )
 
     def _end_lost(self, time_s: float) -> None:
-        def lives(source: Source) -> bool:
+        def lives(source: TrackCandidate) -> bool:
             if not source.id:
                 source.evidence = max(0.0, source.evidence)
                 return time_s - source.last_seen <= 0.2
@@ -275,7 +277,7 @@ class Tracker:
             self._next += 1
             self._sources.sort(key=lambda source: (not source.id, source.id))
 
-    def _lost(self, source: Source, tracks: list[Source], time_s: float) -> Source | None:
+    def _lost(self, source: TrackCandidate, tracks: list[TrackCandidate], time_s: float) -> TrackCandidate | None:
         """The track that walked on unheard and is heard again as ``source``, if there is one."""
         found, nearest = None, math.inf
         for track in tracks:
@@ -286,7 +288,7 @@ class Tracker:
                 found, nearest = track, angle
         return found
 
-    def _track(self, source: Source, time_s: float) -> Track:
+    def _track(self, source: TrackCandidate, time_s: float) -> SoundTrack:
         active = time_s - source.last_active <= self.settings.active_s
         direction, velocity = source.motion.ahead(self.settings.lag_s if active else 0.0)
-        return Track(source.id, direction, velocity, source.power, active, source.born, source.last_seen)
+        return SoundTrack(source.id, direction, velocity, source.power, active, source.born, source.last_seen)

@@ -40,7 +40,7 @@ class _Stream:
     speech: float = float("nan")
 
 
-class SpeechJudge:
+class VoiceActivityDetector:
     """How probably each of several sources is speech, from its sound at 16 kHz.
 
     The network judges quiet speech less surely than loud, and speech that it hears from its middle on less surely than
@@ -96,7 +96,7 @@ class SpeechJudge:
             stream.speech = before + (float(probabilities[index, 0]) - before) * min(1.0, counts / stream.judged)
 
 
-class _Network:
+class _SileroNetwork:
     """The network: chunks (B, 576) and states (2, B, 128) in, probabilities (B, 1) and new states out."""
 
     def __init__(self, session: Any) -> None:
@@ -118,7 +118,7 @@ class _Network:
 
 
 @cache
-def _load() -> _Network:
+def _load() -> _SileroNetwork:
     """The network, read once for the whole process: it keeps no state of its own."""
     import onnxruntime
 
@@ -127,4 +127,4 @@ def _load() -> _Network:
     options.intra_op_num_threads = options.inter_op_num_threads = 1
     options.add_session_config_entry("session.intra_op.allow_spinning", "0")
     options.log_severity_level = 3
-    return _Network(onnxruntime.InferenceSession(MODEL, options, providers=["CPUExecutionProvider"]))
+    return _SileroNetwork(onnxruntime.InferenceSession(MODEL, options, providers=["CPUExecutionProvider"]))

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.base.geometry import Pose2
-from app.modules.perception.slam.occupancy import REACH_M, OccupancyCounts, View, cropped, view_of
+from app.modules.perception.slam.occupancy import REACH_M, OccupancyCounts, ScanView, cropped, view_of
 from tests.modules.perception.slam.places import HALL, scan
 
-AHEAD = View(np.array([[2.0, 0.0]], np.float32), np.array([True]), (0.0, 0.0))
+AHEAD = ScanView(np.array([[2.0, 0.0]], np.float32), np.array([True]), (0.0, 0.0))
 NOTHING_AHEAD = replace(AHEAD, ends=np.array([[29.0, 0.0]], np.float32), met=np.array([False]))
 HERE = Pose2(0.025, 0.025, 0.0)
 
@@ -22,11 +22,11 @@ poses = st.builds(Pose2, st.floats(-40, 40), st.floats(-40, 40), st.floats(-4, 4
 
 
 @st.composite
-def views(draw: st.DrawFn) -> View:
+def views(draw: st.DrawFn) -> ScanView:
     count = draw(st.integers(0, 20))
     rng = np.random.default_rng(draw(st.integers(0, 2**32)))
     ends = rng.uniform(-15, 15, (count, 2)).astype(np.float32)
-    return View(ends, rng.random(count) < 0.7, (draw(st.floats(-0.5, 0.5)), 0.1))
+    return ScanView(ends, rng.random(count) < 0.7, (draw(st.floats(-0.5, 0.5)), 0.1))
 
 
 def value(counts: OccupancyCounts, x: float, y: float) -> int:
@@ -39,7 +39,7 @@ def value(counts: OccupancyCounts, x: float, y: float) -> int:
 @settings(max_examples=50)
 @given(st.lists(st.tuples(views(), poses), max_size=6), st.randoms())
 def test_what_is_taken_out_again_leaves_no_trace_whatever_the_grid_grew_meanwhile(
-    taken: list[tuple[View, Pose2]], random: object
+    taken: list[tuple[ScanView, Pose2]], random: object
 ) -> None:
     counts = OccupancyCounts(side_m=10)
     for view, pose in taken:
@@ -56,7 +56,7 @@ def test_what_is_taken_out_again_leaves_no_trace_whatever_the_grid_grew_meanwhil
 
 @settings(max_examples=30)
 @given(st.lists(st.tuples(views(), poses), min_size=1, max_size=4))
-def test_every_view_counts_once_in_a_cell_and_hits_come_before_misses(taken: list[tuple[View, Pose2]]) -> None:
+def test_every_view_counts_once_in_a_cell_and_hits_come_before_misses(taken: list[tuple[ScanView, Pose2]]) -> None:
     counts = OccupancyCounts(side_m=10)
     for view, pose in taken:
         counts.add(view, pose)
@@ -94,7 +94,7 @@ def test_who_walked_by_is_gone_after_a_few_looks_and_what_stands_stays() -> None
 def test_a_wall_seen_along_itself_is_not_worn_away() -> None:
     counts = OccupancyCounts()
     x = np.linspace(0.5, 4.0, 200)
-    along = View(np.stack((x, np.full_like(x, 0.1)), axis=1).astype(np.float32), np.ones(200, bool), (0.0, 0.2))
+    along = ScanView(np.stack((x, np.full_like(x, 0.1)), axis=1).astype(np.float32), np.ones(200, bool), (0.0, 0.2))
     for _ in range(10):
         counts.add(along, Pose2())
     counts.refresh()

@@ -7,15 +7,15 @@ import math
 import numpy as np
 import pytest
 
-from app.modules.perception.voices.confirmation import Source, TrackerSettings, confirm, reported
-from app.modules.perception.voices.kalman import Motion
+from app.modules.perception.voices.confirmation import TrackCandidate, TrackerSettings, confirm, reported
+from app.modules.perception.voices.kalman import DirectionState
 
 SETTINGS = TrackerSettings()
 
 
-def source(recent: float, share: float, number: int = 1) -> Source:
-    motion = Motion(np.array([1.0, 0.0, 0.0]), np.zeros(3), 0.01, 0.0, 0.01)
-    return Source(
+def source(recent: float, share: float, number: int = 1) -> TrackCandidate:
+    motion = DirectionState(np.array([1.0, 0.0, 0.0]), np.zeros(3), 0.01, 0.0, 0.01)
+    return TrackCandidate(
         motion, 0.2, 5.0, 0.0, 0.0, 0.0, id=number, recent=recent, share=share, level=recent, heard_s=5.0, last_sure=9.0
     )
 
@@ -73,7 +73,7 @@ def test_who_may_be_a_copy_but_sounds_without_a_break_is_trusted(breaks: bool) -
     assert reported(talker, [talker], float(times[-1]), SETTINGS) is not breaks
 
 
-def leading(recent: float, leads: float, share: float = 1.0, number: int = 1) -> Source:
+def leading(recent: float, leads: float, share: float = 1.0, number: int = 1) -> TrackCandidate:
     """One that agrees with what begins so many times as well as with the rest."""
     heard = source(recent, share, number)
     heard.hear(np.array([0.1 * leads, 0.1, 1.0, 1.0]), 0.0)

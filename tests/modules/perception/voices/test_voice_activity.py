@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from app.modules.perception.voices.resampling import Resampler
-from app.modules.perception.voices.voice_activity import CHUNK, MODEL, SPEECH_RATE, SpeechJudge
+from app.modules.perception.voices.voice_activity import CHUNK, MODEL, SPEECH_RATE, VoiceActivityDetector
 
 
 def reference_speech() -> Path:
@@ -28,7 +28,7 @@ def read(path: Path) -> NDArray[np.float32]:
 
 def judged(sound: NDArray[np.float32]) -> NDArray[np.float64]:
     """Every single judgement of a sound."""
-    judge = SpeechJudge(window=1)
+    judge = VoiceActivityDetector(window=1)
     found = []
     for begin in range(0, len(sound) - CHUNK + 1, CHUNK):
         judge.hear({1: sound[begin : begin + CHUNK]})
@@ -64,7 +64,7 @@ def test_how_loud_a_voice_is_does_not_matter() -> None:
 
 def test_a_voice_remains_one_between_its_words() -> None:
     sound = read(reference_speech() / "librivox_sense_0870.wav")[: 3 * SPEECH_RATE]
-    judge = SpeechJudge()
+    judge = VoiceActivityDetector()
     judge.hear({1: sound})
     before = judge.speech(1)
     assert before > 0.7
@@ -82,17 +82,17 @@ def test_recorded_claps_and_dishes_are_none() -> None:
 def test_sources_are_judged_each_by_itself_together_or_apart() -> None:
     rng = np.random.default_rng(2)
     sounds = {track: rng.normal(0, 0.02 * track, 1300).astype(np.float32) for track in (1, 2, 3)}
-    together = SpeechJudge()
+    together = VoiceActivityDetector()
     together.hear(sounds)
     for track, sound in sounds.items():
-        alone = SpeechJudge()
+        alone = VoiceActivityDetector()
         for piece in np.split(sound, [200, 900]):
             alone.hear({track: piece})
         assert together.speech(track) == pytest.approx(alone.speech(track), abs=1e-5)
 
 
 def test_nobody_is_judged_before_a_chunk_was_heard_or_after_being_forgotten() -> None:
-    judge = SpeechJudge()
+    judge = VoiceActivityDetector()
     assert math.isnan(judge.speech(1))
     judge.hear({1: np.zeros(CHUNK - 1, np.float32), 2: np.zeros(CHUNK, np.float32)})
     assert math.isnan(judge.speech(1))
