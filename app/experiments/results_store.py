@@ -19,7 +19,7 @@ def default_folder(experiment: str) -> Path:
     return (Path(named) if named else Path(data) / "hbba" / "experiments") / experiment
 
 
-class KeptResults:
+class ResultsStore:
     """The file ``results.jsonl`` in ``folder``: a first line that says what they are of, then one result a line.
 
     Results of something else (other worlds, another program) are moved aside, as ``results.old.jsonl``, and so are all

@@ -45,7 +45,7 @@ class ScriptBlocked(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Sticks:
+class StickCommand:
     """What the hands do now: ``linear``, ``angular`` in [-1, 1]; ``done`` where the leg is at its end."""
 
     linear: float = 0.0
@@ -63,26 +63,26 @@ def load_script(scenario: Path | None = None) -> tuple[Waypoint, ...]:
     return script
 
 
-def steer(leg: Waypoint, X_WB: Pose2, turning: bool) -> Sticks:
+def steer(leg: Waypoint, X_WB: Pose2, turning: bool) -> StickCommand:
     """How to hold the sticks for ``leg`` with the robot at ``X_WB``; ``turning``: whether it turned on the spot before.
 
     A leg to a point turns on the spot first if the point lies far aside, then drives, slower near the end.
     """
     if leg.face is not None:
         error = wrap_angle(math.radians(leg.face) - X_WB.theta)
-        return Sticks(angular=_turn(error, leg.speed), turning=True, done=abs(error) < FACED_RAD)
+        return StickCommand(angular=_turn(error, leg.speed), turning=True, done=abs(error) < FACED_RAD)
     if leg.go is None:
-        return Sticks(done=True)
+        return StickCommand(done=True)
     dx, dy = leg.go[0] - X_WB.x, leg.go[1] - X_WB.y
     distance = math.hypot(dx, dy)
     if distance < REACHED_M:
-        return Sticks(done=True)
+        return StickCommand(done=True)
     error = wrap_angle(math.atan2(dy, dx) - X_WB.theta)
     turning = abs(error) > (TURNED_RAD if turning else TURN_FIRST_RAD)
     if turning:
-        return Sticks(angular=_turn(error, leg.speed), turning=True)
+        return StickCommand(angular=_turn(error, leg.speed), turning=True)
     linear = leg.speed * min(1.0, 0.25 + distance / 0.5) * math.cos(error)
-    return Sticks(linear=linear, angular=_turn(error, leg.speed))
+    return StickCommand(linear=linear, angular=_turn(error, leg.speed))
 
 
 def in_the_way(scan: LaserScan) -> float | None:
@@ -117,7 +117,7 @@ async def drive_script(
     does not follow for ``PATIENCE_S``, KeyError if the program has no channel ``operator_drive``.
     """
     async with contextlib.AsyncExitStack() as stack:
-        hands = _Hands(system, stack)
+        hands = _ScriptOperator(system, stack)
         await hands.ready()
         for number, leg in enumerate(waypoints):
             if progress is not None:
@@ -125,7 +125,7 @@ async def drive_script(
             await hands.do(leg)
 
 
-class _Hands:
+class _ScriptOperator:
     """The operator at the sticks."""
 
     def __init__(self, system: System, stack: contextlib.AsyncExitStack) -> None:
@@ -170,28 +170,28 @@ class _Hands:
         if leg.pause is not None:
             until = self._clock.now() + leg.pause
             while self._clock.now() < until:
-                self._push(Sticks())
+                self._push(StickCommand())
                 await self._clock.sleep(PERIOD_S)
             return
-        watch = _Watch(self._clock.now())
+        watch = _LegProgress(self._clock.now())
         turning = False
         while True:
             now, X_WB = self._clock.now(), self._where()
             sticks = steer(leg, X_WB, turning)
             if sticks.done:
-                self._push(Sticks())
+                self._push(StickCommand())
                 return
             turning = sticks.turning
             blocked = not turning and self._blocked(now)
             watch.look(now, X_WB, blocked, leg)
             if not turning and self._scan is not None:
                 sticks = replace(sticks, angular=max(-1.0, min(1.0, sticks.angular + lean(self._scan))))
-            self._push(Sticks() if blocked else sticks)
+            self._push(StickCommand() if blocked else sticks)
             await self._clock.sleep(PERIOD_S)
 
     def let_go(self) -> None:
         """Release the dead-man."""
-        self._publish(held=False, sticks=Sticks())
+        self._publish(held=False, sticks=StickCommand())
 
     def _where(self) -> Pose2:
         assert self._pose is not None
@@ -206,16 +206,16 @@ class _Hands:
             return True
         return in_the_way(self._scan) is not None
 
-    def _push(self, sticks: Sticks) -> None:
+    def _push(self, sticks: StickCommand) -> None:
         self._publish(held=True, sticks=sticks)
 
-    def _publish(self, *, held: bool, sticks: Sticks) -> None:
+    def _publish(self, *, held: bool, sticks: StickCommand) -> None:
         self._sequence += 1
         now = self._clock.now()
         self._channel.publish(OperatorDrive(now, _OPERATOR, self._sequence, held, sticks.linear, sticks.angular))
 
 
-class _Watch:
+class _LegProgress:
     """Whether a leg makes progress."""
 
     def __init__(self, now: float) -> None:

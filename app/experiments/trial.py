@@ -24,7 +24,7 @@ _OPERATOR = Source("operator", "the experiment")
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class TrialEvent:
     """An event of the trial: seconds since its begin, what it is about, in words."""
 
     at: float
@@ -44,7 +44,7 @@ def run(
     leg: Callable[[int, int, str], None],
     *,
     virtual: bool = False,
-) -> tuple[Outcome, list[Told]]:
+) -> tuple[Outcome, list[TrialEvent]]:
     """Drive the script to its end; ``leg(number, of, label)`` is told each of its legs as it begins.
 
     ``record``: name of a recording of it, at the fullest rate there is a strategy for. In ``virtual`` time every sensor
@@ -58,7 +58,7 @@ def run(
 
 async def _run(
     program: SimulatedProgram, record: str | None, leg: Callable[[int, int, str], None], *, virtual: bool = False
-) -> tuple[Outcome, list[Told]]:
+) -> tuple[Outcome, list[TrialEvent]]:
     script = load_script(program.scenario)
 
     def progress(number: int, waypoint: Waypoint) -> None:
@@ -85,7 +85,7 @@ async def _run(
         await drive_script(system, script, progress)
         outcome = observer.outcome(attention=True)
         events = [
-            Told(event.stamp - begin, event.subject, event.text)
+            TrialEvent(event.stamp - begin, event.subject, event.text)
             for event in system.timeline.query(since=begin, kinds=_KINDS)
         ]
         return outcome, events

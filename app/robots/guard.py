@@ -36,7 +36,7 @@ class GuardMode(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Velocity:
+class BaseVelocity:
     """A velocity of the base: forward (m/s) and turn (rad/s, left positive)."""
 
     linear_mps: float = 0.0
@@ -53,15 +53,15 @@ class Velocity:
         return self.linear_mps == 0.0 and self.angular_radps == 0.0
 
 
-ZERO = Velocity()
+ZERO = BaseVelocity()
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
+class VelocityCommand:
     """A velocity asked for at ``stamp`` (s, robot's clock)."""
 
     stamp: float
-    velocity: Velocity
+    velocity: BaseVelocity
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +81,8 @@ class GuardState:
     or None; ``refused`` why the newest command cannot be obeyed, or None.
     """
 
-    applied: Velocity = ZERO
-    command: Command | None = None
+    applied: BaseVelocity = ZERO
+    command: VelocityCommand | None = None
     e_stop: str | None = None
     refused: str | None = None
 
@@ -93,14 +93,14 @@ class GuardAction:
 
     mode: GuardMode
     reason: str
-    target: Velocity
+    target: BaseVelocity
     immediate: bool
 
 
-def accept(state: GuardState, command: Command) -> GuardState:
+def accept(state: GuardState, command: VelocityCommand) -> GuardState:
     """The state after ``command``: refused and held as zero if it is no number, ignored if older than the last."""
     if not (command.velocity.is_finite and math.isfinite(command.stamp)):
-        refused = Command(state.command.stamp if state.command else -math.inf, ZERO)
+        refused = VelocityCommand(state.command.stamp if state.command else -math.inf, ZERO)
         return replace(state, command=refused, refused="the last command was not a number")
     if state.command is not None and command.stamp < state.command.stamp:
         return state
@@ -124,9 +124,9 @@ def command_age(state: GuardState, now: float) -> float | None:
     return now - state.command.stamp
 
 
-def clamp(velocity: Velocity, limits: BaseLimits) -> Velocity:
+def clamp(velocity: BaseVelocity, limits: BaseLimits) -> BaseVelocity:
     """``velocity`` within the base's speeds."""
-    return Velocity(
+    return BaseVelocity(
         min(max(velocity.linear_mps, -limits.linear_mps), limits.linear_mps),
         min(max(velocity.angular_radps, -limits.angular_radps), limits.angular_radps),
     )
@@ -165,7 +165,7 @@ def step(state: GuardState, action: GuardAction, limits: GuardLimits, dt_s: floa
     """The state ``dt_s`` seconds on: ``applied`` moved towards the action's target, never faster than the base may."""
     if action.immediate:
         return replace(state, applied=action.target)
-    applied = Velocity(
+    applied = BaseVelocity(
         _approach(state.applied.linear_mps, action.target.linear_mps, limits.base.linear_mps2 * dt_s),
         _approach(state.applied.angular_radps, action.target.angular_radps, limits.base.angular_radps2 * dt_s),
     )

@@ -13,7 +13,7 @@ from app.experiments.barn.result import WorldResult
 from app.experiments.barn.trial import Drive, Trial, cross, desire_goal
 from app.experiments.barn.worlds import BarnWorld, Worlds, chosen, load_worlds
 from app.experiments.pool import Trials
-from app.experiments.results_store import KeptResults, program_digest
+from app.experiments.results_store import ResultsStore, program_digest
 
 Told = Callable[[WorldResult, int, int], None]
 """Told each result as it comes, how many there are, and of how many."""
@@ -64,7 +64,7 @@ def plan(
     return BarnPlan(file, chosen(file, only), config, jobs, program_digest(config), seed, overrides or {})
 
 
-def run(what: BarnPlan, kept: KeptResults, told: Told, drive: Drive = desire_goal) -> tuple[WorldResult, ...]:
+def run(what: BarnPlan, kept: ResultsStore, told: Told, drive: Drive = desire_goal) -> tuple[WorldResult, ...]:
     """Cross what has not been crossed yet, and return the results of all that is planned, in the plan's order.
 
     Raises ConfigError, TrialLost, and any mistake of the program's own.
@@ -81,12 +81,12 @@ def run(what: BarnPlan, kept: KeptResults, told: Told, drive: Drive = desire_goa
     return tuple(results[world.name] for world in what.chosen)
 
 
-def done(what: BarnPlan, kept: KeptResults) -> tuple[WorldResult, ...]:
+def done(what: BarnPlan, kept: ResultsStore) -> tuple[WorldResult, ...]:
     """The results that are there already, of the worlds planned."""
     return tuple(_done(kept, what.chosen).values())
 
 
-def _done(kept: KeptResults, worlds: Sequence[BarnWorld]) -> dict[str, WorldResult]:
+def _done(kept: ResultsStore, worlds: Sequence[BarnWorld]) -> dict[str, WorldResult]:
     wanted = {world.name for world in worlds}
     found = {}
     for document in kept.found:

@@ -55,7 +55,7 @@ class WorldResult:
 
 
 @dataclass(frozen=True, slots=True)
-class Summary:
+class BarnSummary:
     """Of many worlds: shares in [0, 1], the mean time (s) of those that succeeded (NaN if none), the mean score."""
 
     worlds: int
@@ -64,7 +64,7 @@ class Summary:
     score: float
 
     @classmethod
-    def of(cls, results: Sequence[WorldResult]) -> Summary:
+    def of(cls, results: Sequence[WorldResult]) -> BarnSummary:
         """The summary of ``results``."""
         count = len(results)
         times = [result.time_s for result in results if result.outcome == "success"]

@@ -64,7 +64,7 @@ def cross(trial: Trial, drive: Drive = desire_goal) -> WorldResult:
     if not isinstance(body, RobotConfig):
         raise ConfigError("is no simulated robot", str(robot_file))
     body = body.model_copy(update={"start": world.start_pose(), "scenario": None, "seed": trial.seed})
-    watch = _Watch(world, world.length_m / trial.max_mps)
+    watch = _CrossingObserver(world, world.length_m / trial.max_mps)
     with tempfile.TemporaryDirectory(prefix="hbba-barn-") as folder:
         maps = MapLibrary(Path(folder))
         run_in_world(configuration, body, lambda run: watch.live(run, drive), world=world.build(), maps=maps)
@@ -77,7 +77,7 @@ def goal_on_the_map(world: BarnWorld) -> Pose2:
     return Pose2(back.x, back.y)
 
 
-class _Watch:
+class _CrossingObserver:
     """Looks on at one crossing, and knows the truth."""
 
     def __init__(self, world: BarnWorld, optimal_s: float) -> None:

@@ -114,7 +114,7 @@ class BarnWorld(_Model):
         )
 
 
-class _File(_Model):
+class _WorldsFile(_Model):
     robot: BarnRobot = BarnRobot()
     worlds: Annotated[tuple[BarnWorld, ...], Field(min_length=1)]
 
@@ -153,7 +153,7 @@ def load_worlds(path: Path) -> Worlds:
     except BeyondBounds as failure:
         raise ConfigError(f"is not read: {failure}", str(path)) from None
     try:
-        file = _File.model_validate(document)
+        file = _WorldsFile.model_validate(document)
     except ValidationError as failure:
         raise ConfigError(_problem(document, failure), str(path)) from None
     return Worlds(path, file.worlds, file.robot.max_v, hashlib.sha256(raw).hexdigest()[:16])
@@ -188,7 +188,7 @@ def _problem(document: object, failure: ValidationError) -> str:
     """The first mistake in one sentence that names the world."""
     detail = failure.errors(include_url=False)[0]
     where = list(detail["loc"])
-    what = validation_message(_File, detail, "a JSON object")
+    what = validation_message(_WorldsFile, detail, "a JSON object")
     if len(where) > 1 and where[0] == "worlds" and isinstance(where[1], int) and isinstance(document, dict):
         world = document["worlds"][where[1]]
         named = f"world {world['id']}" if isinstance(world, dict) and "id" in world else f"world number {where[1] + 1}"

@@ -12,12 +12,12 @@ import numpy as np
 from app.base import compiled, paths
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
-from app.experiments.goals.goal_run import MAP, Shift, seeing, simulated_body, work
+from app.experiments.goals.goal_run import MAP, GoalRun, seeing, simulated_body, work
 from app.experiments.goals.reachable_floor import survey
 from app.experiments.goals.result import GoalResult
 from app.experiments.goals.tour import Tour, drive
 from app.experiments.pool import TrialSeries
-from app.experiments.results_store import KeptResults, program_digest
+from app.experiments.results_store import ResultsStore, program_digest
 from app.program.config import load_configuration
 from app.robots.factory import simulated_parts
 
@@ -80,7 +80,7 @@ def plan(
     return GoalsPlan(config, scenario, tour, count, seed, jobs, cameras, program_digest(config))
 
 
-def run(what: GoalsPlan, kept: KeptResults, told: Told, began: Callable[[str], None]) -> tuple[GoalResult, ...]:
+def run(what: GoalsPlan, kept: ResultsStore, told: Told, began: Callable[[str], None]) -> tuple[GoalResult, ...]:
     """Give every goal that was not given yet; returns the results of all that are planned, by number.
 
     ``began`` is told what is done that takes long. Raises ConfigError, TrialLost, ScriptBlocked, MapUnavailable, and
@@ -107,12 +107,12 @@ def run(what: GoalsPlan, kept: KeptResults, told: Told, began: Callable[[str], N
     return tuple(results[number] for number in range(1, what.count + 1))
 
 
-def done(what: GoalsPlan, kept: KeptResults) -> tuple[GoalResult, ...]:
+def done(what: GoalsPlan, kept: ResultsStore) -> tuple[GoalResult, ...]:
     """The results that are there already, of the goals planned."""
     return tuple(_done(kept, what.count).values())
 
 
-def _shifts(what: GoalsPlan, maps: Path) -> list[Shift]:
+def _shifts(what: GoalsPlan, maps: Path) -> list[GoalRun]:
     """Every goal of the plan, in shifts; each begins at the robot's usual place."""
     body, world, _ = simulated_parts(seeing(simulated_body(what.config, what.scenario)))
     origin = Pose2(body.start.x, body.start.y, np.deg2rad(body.start.heading_deg))
@@ -124,7 +124,7 @@ def _shifts(what: GoalsPlan, maps: Path) -> list[Shift]:
         rng = np.random.default_rng([what.seed, number])
         drawn = ground.draw(cells, SHIFT_GOALS, origin, LEAST_M, rng)[: what.count - number]
         shifts.append(
-            Shift(
+            GoalRun(
                 config=what.config,
                 scenario=what.scenario,
                 maps=maps,
@@ -142,7 +142,7 @@ def _shifts(what: GoalsPlan, maps: Path) -> list[Shift]:
     return shifts
 
 
-def _done(kept: KeptResults, count: int) -> dict[int, GoalResult]:
+def _done(kept: ResultsStore, count: int) -> dict[int, GoalResult]:
     found = {}
     for document in kept.found:
         try:

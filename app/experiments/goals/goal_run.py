@@ -32,7 +32,7 @@ _STORY = 40
 
 
 @dataclass(frozen=True, slots=True)
-class Shift:
+class GoalRun:
     """What to run: ``goals`` with their numbers, in the world, one after another from ``start``.
 
     ``maps``: the folder of maps, where one called ``MAP`` begins at ``origin`` in the world. ``tolerance_m`` and
@@ -68,7 +68,7 @@ def seeing(body: RobotConfig) -> RobotConfig:
     return body.model_copy(update={"streams": body.streams.model_copy(update={"imv": None})})
 
 
-def work(shift: Shift, give: Callable[[GoalResult], None]) -> None:
+def work(shift: GoalRun, give: Callable[[GoalResult], None]) -> None:
     """Work ``shift`` to its end; each result is given as soon as it is there.
 
     Raises ConfigError, and any mistake of the program's own.
@@ -90,7 +90,7 @@ def work(shift: Shift, give: Callable[[GoalResult], None]) -> None:
 
 
 async def _live(
-    run: WorldRun, shift: Shift, footprint: tuple[tuple[float, float], ...], give: Callable[[GoalResult], None]
+    run: WorldRun, shift: GoalRun, footprint: tuple[tuple[float, float], ...], give: Callable[[GoalResult], None]
 ) -> None:
     workspace = run.system.workspace
     workspace.add("SLAM", intensity=8, utility=1, source=_EXPERIMENT)
@@ -98,7 +98,7 @@ async def _live(
     await _take_map(run, X_MB)
     last = shift.start
     for number, goal in shift.goals:
-        watch = _Watch(run, shift, footprint)
+        watch = _GoalObserver(run, shift, footprint)
         give(await watch.go(number, last, goal))
         last = run.link.true_pose()
 
@@ -124,10 +124,10 @@ async def _take_map(run: WorldRun, X_MB: Pose2) -> None:
         end()
 
 
-class _Watch:
+class _GoalObserver:
     """Gives one goal and looks on, knowing the truth."""
 
-    def __init__(self, run: WorldRun, shift: Shift, footprint: tuple[tuple[float, float], ...]) -> None:
+    def __init__(self, run: WorldRun, shift: GoalRun, footprint: tuple[tuple[float, float], ...]) -> None:
         self._run = run
         self._shift = shift
         self._footprint = footprint

@@ -25,7 +25,7 @@ _PARTS = 1 << _SHIFT
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ground:
+class ReachableFloor:
     """The floor of a world, from its origin on, in cells of ``CELL_M``.
 
     ``room`` (rows along y, columns along x) float64: the distance (m) from each cell's middle to the nearest thing that
@@ -59,7 +59,7 @@ class Ground:
         return goals
 
 
-def survey(world: WorldConfig, robot: RobotConfig) -> Ground:
+def survey(world: WorldConfig, robot: RobotConfig) -> ReachableFloor:
     """The ground of ``world`` for ``robot``, nobody being in it: every shape is drawn as its box is seen from above."""
     base = TrueBase(robot.base.wheel_radius_m, robot.base.wheel_radius_m, robot.base.track_m)
     simulation = build_simulation(robot, world, base)
@@ -73,7 +73,7 @@ def survey(world: WorldConfig, robot: RobotConfig) -> Ground:
             outline = cv2.convexHull((corners[:, :2] / CELL_M * _PARTS).round().astype(np.int32))
             cv2.fillConvexPoly(taken, outline, 1, shift=_SHIFT)
     room = ndimage.distance_transform_edt(np.pad(taken == 0, 1)) * CELL_M
-    return Ground(np.asarray(room[1:-1, 1:-1]))
+    return ReachableFloor(np.asarray(room[1:-1, 1:-1]))
 
 
 def _cell(place: float) -> int:

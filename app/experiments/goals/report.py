@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from app.experiments.goals.result import GoalResult, Summary
+from app.experiments.goals.result import GoalResult, GoalsSummary
 
 
 def table(results: Sequence[GoalResult]) -> str:
     """The summary as Markdown."""
-    s = Summary.of(results)
+    s = GoalsSummary.of(results)
     outcomes = Counter(result.outcome for result in results)
     rows = [
         ("goals", str(s.goals)),

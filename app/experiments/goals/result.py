@@ -52,7 +52,7 @@ class GoalResult:
 
 
 @dataclass(frozen=True, slots=True)
-class Summary:
+class GoalsSummary:
     """Of many goals. ``with_contact`` counts goals on whose way something was touched; times are of those reached."""
 
     goals: int
@@ -67,7 +67,7 @@ class Summary:
     worst_error_rad: float | None
 
     @classmethod
-    def of(cls, results: Sequence[GoalResult]) -> Summary:
+    def of(cls, results: Sequence[GoalResult]) -> GoalsSummary:
         """The summary of ``results``."""
         reached = [result for result in results if result.outcome == "reached"]
         people = [result.people_m for result in results if result.people_m is not None]

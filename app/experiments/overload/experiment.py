@@ -31,7 +31,7 @@ Told = Callable[[str, float], None]
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class OverloadPlan:
     """What to run: the program in its world, the script, for how long, with how much of a core."""
 
     program: SimulatedProgram
@@ -40,20 +40,20 @@ class Plan:
     budget: float
 
 
-def plan(config: Path | None, scenario: Path | None, seconds: float, budget: float) -> Plan:
+def plan(config: Path | None, scenario: Path | None, seconds: float, budget: float) -> OverloadPlan:
     """Read everything. Raises ConfigError."""
     program = simulated_program(config, scenario)
-    return Plan(program, load_script(program.scenario), seconds, budget)
+    return OverloadPlan(program, load_script(program.scenario), seconds, budget)
 
 
-def run(what: Plan, told: Told) -> tuple[Outcome, Outcome]:
+def run(what: OverloadPlan, told: Told) -> tuple[Outcome, Outcome]:
     """Without attention, then with it. ``told(condition, part)`` says how far it is. Raises LinkFailed, ConfigError."""
     without = asyncio.run(_condition(what, False, lambda part: told("everything at φ = 1", part / 2)))
     kept = asyncio.run(_condition(what, True, lambda part: told("with attention", 0.5 + part / 2)))
     return without, kept
 
 
-async def _condition(what: Plan, attention: bool, told: Callable[[float], None]) -> Outcome:
+async def _condition(what: OverloadPlan, attention: bool, told: Callable[[float], None]) -> Outcome:
     system, link = what.program.system()
     clock = system.clock
     if not attention:

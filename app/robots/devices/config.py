@@ -52,7 +52,7 @@ class CameraConfig(_Model):
         return _number(source, "a camera's")
 
 
-class SoundConfig(_Model):
+class SoundInputConfig(_Model):
     """Stream ``microphones``: frames of samples of all channels, 16 bit.
 
     ``source`` is ``default``, the name or number of an input of this computer, or a sound file (1 to 8 channels; at its
@@ -88,7 +88,7 @@ class DevicesConfig(_Model):
     model: Path
     program: Path | None = Field(default=None, description="what `hbba run --robot` runs on it")
     camera: CameraConfig | None = None
-    microphones: SoundConfig | None = None
+    microphones: SoundInputConfig | None = None
     loudspeaker: SpeakerConfig | None = None
 
     @property

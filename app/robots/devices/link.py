@@ -13,9 +13,9 @@ from app.link import LinkFailed, RobotDescription, StreamDescription
 from app.messages import Audio, Image, JointState, LinkStatus, Odometry, Twist
 from app.robots.devices.config import JOINTS_HZ, ODOMETRY_HZ, STATUS_HZ, DevicesConfig
 from app.robots.devices.player import Player
-from app.robots.devices.reader import Reader
+from app.robots.devices.reader import InputReader
 from app.robots.devices.sound import no_sound_card
-from app.robots.devices.streams import Ear, Eye
+from app.robots.devices.streams import AudioFrames, ImageFrames
 from app.robots.model import RobotModel
 from app.robots.receivers import Receivers
 
@@ -31,7 +31,7 @@ class DevicesLink:
     def __init__(self, config: DevicesConfig, model: RobotModel, clock_offset: float) -> None:
         self._config = config
         self._offset = clock_offset
-        self._readers: dict[str, Reader[Any]] = {}
+        self._readers: dict[str, InputReader[Any]] = {}
         self._tasks: list[asyncio.Task[None]] = []
         self._failure: asyncio.Future[LinkFailed] | None = None
         self._player = None
@@ -45,15 +45,15 @@ class DevicesLink:
             "status": StreamDescription("status", LinkStatus, STATUS_HZ),
         }
         if config.camera is not None:
-            eye = Eye(config.camera, model.pose(config.camera.link), self._now)
-            self._readers["camera"] = Reader(
+            eye = ImageFrames(config.camera, model.pose(config.camera.link), self._now)
+            self._readers["camera"] = InputReader(
                 "camera", eye.open, lambda image: self._receivers.deliver("camera", image),
                 pause_s=eye.pause_s, most_waiting=_MOST_PICTURES,
             )  # fmt: skip
             streams["camera"] = StreamDescription("camera", Image, config.camera.rate_hz or 15.0)
         if config.microphones is not None:
-            ear = Ear(config.microphones, model.pose(config.microphones.link), self._now)
-            self._readers["microphones"] = Reader(
+            ear = AudioFrames(config.microphones, model.pose(config.microphones.link), self._now)
+            self._readers["microphones"] = InputReader(
                 "microphones", ear.open, lambda audio: self._receivers.deliver("microphones", audio),
                 pause_s=ear.pause_s, most_waiting=_MOST_FRAMES,
             )  # fmt: skip

@@ -26,11 +26,11 @@ DEFAULT_RATE_HZ = 15.0
 _KEPT_BY_DRIVERS = 10
 
 
-class Unavailable(Exception):
+class InputUnavailable(Exception):
     """A device or file cannot be opened or gives nothing any more; the message says which, and what to do."""
 
 
-class Pictures(Protocol):
+class ImageInput(Protocol):
     """A source of pictures."""
 
     #: Whether it comes at its own pace (a camera); else whoever reads it waits ``1 / rate_hz`` between two.
@@ -50,7 +50,7 @@ class Pictures(Protocol):
         ...
 
 
-def open_pictures(config: CameraConfig) -> Pictures:
+def open_pictures(config: CameraConfig) -> ImageInput:
     """What ``config.source`` names, opened. Raises Unavailable."""
     source = config.source
     if isinstance(source, str):
@@ -59,27 +59,27 @@ def open_pictures(config: CameraConfig) -> Pictures:
             try:
                 files = sorted(file for file in path.iterdir() if file.suffix.lower() in PICTURE_SUFFIXES)
             except OSError as failure:
-                raise Unavailable(f"the folder {source} cannot be read: {failure.strerror}") from None
+                raise InputUnavailable(f"the folder {source} cannot be read: {failure.strerror}") from None
             if not files:
-                raise Unavailable(f"there are no pictures ({', '.join(sorted(PICTURE_SUFFIXES))}) in {source}")
+                raise InputUnavailable(f"there are no pictures ({', '.join(sorted(PICTURE_SUFFIXES))}) in {source}")
             return _Stills(files, config)
         if path.suffix.lower() in PICTURE_SUFFIXES:
             return _Stills([path], config)
         if path.is_file():
             return _Video(path, config)
         if not source.startswith("/dev/"):
-            raise Unavailable(f"there is no file {source}")
-    return _Camera(source, config)
+            raise InputUnavailable(f"there is no file {source}")
+    return _CaptureDevice(source, config)
 
 
-class _Camera:
+class _CaptureDevice:
     live = True
 
     def __init__(self, source: int | str, config: CameraConfig) -> None:
         self._name = f"camera {source}"
         self._capture = _capture(source)
         if self._capture is None:
-            raise Unavailable(
+            raise InputUnavailable(
                 f"{self._name} cannot be opened: is it there, free, and may you use it? `hbba doctor` lists cameras; "
                 "--camera FILE takes a video or a picture instead"
             )
@@ -93,7 +93,7 @@ class _Camera:
         assert self._capture is not None
         there, picture = self._capture.read()
         if not there:
-            raise Unavailable(f"{self._name} gives no more pictures")
+            raise InputUnavailable(f"{self._name} gives no more pictures")
         return _rgb(picture)
 
     def skip(self) -> None:
@@ -117,14 +117,14 @@ class _Video:
         self._loop = config.loop
         capture = _capture(str(path))
         if capture is None:
-            raise Unavailable(
+            raise InputUnavailable(
                 f"{path} cannot be read as a video ({VIDEOS}) or a picture ({PICTURES}): it is damaged, breaks off, or "
                 "is of another kind"
             )
         self._capture = capture
         width, height = (int(capture.get(side)) for side in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT))
         if width * height > MOST_PIXELS:
-            raise Unavailable(
+            raise InputUnavailable(
                 f"{path} has {width} x {height} pixels; at most {MOST_PIXELS / 1e6:g} million are decoded"
             )
         self.rate_hz = config.rate_hz or _rate(capture) or DEFAULT_RATE_HZ
@@ -135,7 +135,7 @@ class _Video:
             self._capture.release()
             again = _capture(str(self._path))
             if again is None:
-                raise Unavailable(f"{self._path} cannot be read any more")
+                raise InputUnavailable(f"{self._path} cannot be read any more")
             self._capture = again
             there, picture = again.read()
         return _rgb(picture) if there else None
@@ -178,7 +178,7 @@ class _Stills:
         self._kept.clear()
 
 
-class Pace:
+class PlaybackTimer:
     """Waits so that what it paces comes ``rate_hz`` times a second, without hurrying after a stall."""
 
     def __init__(self, rate_hz: float) -> None:
@@ -211,11 +211,11 @@ def _picture(file: Path) -> Picture:
     try:
         picture = decoded(read_plain(file, MOST_BYTES), cv2.IMREAD_COLOR)
     except OSError as failure:
-        raise Unavailable(f"{file} cannot be read: {failure.strerror}") from None
+        raise InputUnavailable(f"{file} cannot be read: {failure.strerror}") from None
     except TooLarge as failure:
-        raise Unavailable(f"{file} {failure}") from None
+        raise InputUnavailable(f"{file} {failure}") from None
     if picture is None:
-        raise Unavailable(f"{file} is no picture that can be read ({PICTURES})")
+        raise InputUnavailable(f"{file} is no picture that can be read ({PICTURES})")
     return _rgb(picture)
 
 

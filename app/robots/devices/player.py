@@ -8,7 +8,7 @@ from collections import deque
 
 from app.messages import Audio
 from app.robots.devices.config import SpeakerConfig
-from app.robots.devices.pictures import Unavailable
+from app.robots.devices.pictures import InputUnavailable
 from app.robots.devices.reader import RETRY_S
 from app.robots.devices.sound import Speaker
 
@@ -57,7 +57,7 @@ class Player:
                     speaker = Speaker(self._config, audio.rate)
                 speaker.write(audio.samples[:, 0])
                 told = ""
-            except Unavailable as failure:
+            except InputUnavailable as failure:
                 if speaker is not None:
                     speaker.close()
                     speaker = None

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Generic, Protocol, TypeVar
 
-from app.robots.devices.pictures import Unavailable
+from app.robots.devices.pictures import InputUnavailable
 
 T = TypeVar("T")
 Item = TypeVar("Item", covariant=True)
@@ -22,7 +22,7 @@ RETRY_S = 3.0
 log = logging.getLogger("hbba.devices")
 
 
-class Source(Protocol[Item]):
+class DeviceInput(Protocol[Item]):
     """An open device or file."""
 
     live: bool
@@ -38,7 +38,7 @@ class Source(Protocol[Item]):
     def close(self) -> None: ...
 
 
-class Reader(Generic[T]):
+class InputReader(Generic[T]):
     """Opens, reads, hands on, closes, and tries again when a device is lost.
 
     ``take(item)`` is called on the loop with each item, unless ``most_waiting`` of them wait there already: then the
@@ -48,7 +48,7 @@ class Reader(Generic[T]):
     def __init__(
         self,
         name: str,
-        open_source: Callable[[], Source[T]],
+        open_source: Callable[[], DeviceInput[T]],
         take: Callable[[T], None],
         *,
         pause_s: Callable[[], float],
@@ -124,10 +124,10 @@ class Reader(Generic[T]):
     def _asked(self) -> bool:
         return self._wanted and not self._ending
 
-    def _read(self, loop: asyncio.AbstractEventLoop, source: Source[T]) -> Source[T] | None:
+    def _read(self, loop: asyncio.AbstractEventLoop, source: DeviceInput[T]) -> DeviceInput[T] | None:
         try:
             item = source.read()
-        except Unavailable as failure:
+        except InputUnavailable as failure:
             self._say(str(failure))
             source.close()
             return None
@@ -153,10 +153,10 @@ class Reader(Generic[T]):
             self._waiting -= 1
         self._take(item)
 
-    def _try_open(self) -> tuple[Source[T] | None, str]:
+    def _try_open(self) -> tuple[DeviceInput[T] | None, str]:
         try:
             source = self._open_source()
-        except Unavailable as failure:
+        except InputUnavailable as failure:
             self._say(str(failure))
             return None, str(failure)
         if self._told:

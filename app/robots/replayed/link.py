@@ -20,7 +20,7 @@ from app.link import LinkFailed, RobotDescription
 from app.logs.log import Log, LogError, Logged
 from app.logs.mcap.damage import LogDamaged
 from app.messages import Audio, Twist
-from app.robots.replayed.log_source import LogSource, Place
+from app.robots.replayed.log_source import LogPosition, LogSource
 from app.runtime.clock import Clock
 
 log = logging.getLogger("hbba.replay")
@@ -29,7 +29,7 @@ log = logging.getLogger("hbba.replay")
 ALWAYS_ON = ("odometry", "joints", "status")
 
 
-class Feed:
+class LogFeed:
     """A channel of the log handed on as it is; delivers only while :meth:`demand` says so."""
 
     def __init__(self, receive: Callable[[Any], None], changed: Callable[[], None]) -> None:
@@ -44,7 +44,7 @@ class Feed:
             self._changed()
 
 
-class ReplayedBody:
+class ReplayedLink:
     """Implements ``app.link.RobotLink`` for a ``log``.
 
     ``streams`` says which channel of the log each stream of ``description`` comes from; one without stays silent.
@@ -89,7 +89,7 @@ class ReplayedBody:
         self.delivered = 0
         self._receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in description.streams}
         self._wanted: set[str] = set(ALWAYS_ON)
-        self._feeds: dict[str, list[Feed]] = {}
+        self._feeds: dict[str, list[LogFeed]] = {}
         self._open: dict[str, float] = {}
         self._at = self.begin
         self._passed: Counter[str] = Counter()
@@ -169,9 +169,9 @@ class ReplayedBody:
 
     # --- For whoever replays -----------------------------------------------------------------------------------------
 
-    def feed(self, channel: str, receive: Callable[[Any], None]) -> Feed:
+    def feed(self, channel: str, receive: Callable[[Any], None]) -> LogFeed:
         """Call ``receive(message)`` for each message of the log's ``channel`` while the feed's demand says so."""
-        feed = Feed(receive, self._changed)
+        feed = LogFeed(receive, self._changed)
         self._feeds.setdefault(channel, []).append(feed)
         return feed
 
@@ -276,7 +276,7 @@ class ReplayedBody:
         """What is wanted now, from here on; of channels newly wanted only what arrives from now on."""
         now = max(self._clock.now(), self._at)
         self._open = {channel: self._open.get(channel, now) for channel in self.listened}
-        return LogSource(self.log, self._open, Place(self._at, dict(self._passed), dict(self._open)), self.end)
+        return LogSource(self.log, self._open, LogPosition(self._at, dict(self._passed), dict(self._open)), self.end)
 
     async def _deliver_all(self, source: LogSource) -> None:
         assert self._reader is not None

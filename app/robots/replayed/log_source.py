@@ -17,7 +17,7 @@ PIECE_BYTES = 32_000_000
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class LogPosition:
     """A place between two messages of a log.
 
     What arrived before ``at`` (s) has gone by, and so have the first ``passed[channel]`` that arrived at ``at`` itself.
@@ -32,7 +32,7 @@ class Place:
 class LogSource:
     """The messages of ``channels`` from ``place`` to ``end`` (s, inclusive), in pieces. Used in one thread."""
 
-    def __init__(self, log: Log, channels: Collection[str], place: Place, end: float) -> None:
+    def __init__(self, log: Log, channels: Collection[str], place: LogPosition, end: float) -> None:
         self._log = log
         self._channels = frozenset(channels)
         self._place = place

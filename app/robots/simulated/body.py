@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from app.base.errors import ConfigError
 from app.base.geometry import Pose2
 from app.robots.config import RobotConfig
-from app.robots.guard import Velocity
+from app.robots.guard import BaseVelocity
 from app.robots.model import load_model
 from app.robots.simulated.kinect_noise import camera_model
 from app.robots.simulated.odometry import TrueBase
@@ -34,7 +34,7 @@ _SERVO_ARMATURE = 0.05
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Simulation:
+class RobotSimulation:
     """A compiled world with the robot in it; ``joint_addresses`` (n,) are the places of ``joints`` in qpos."""
 
     model: mujoco.MjModel
@@ -48,7 +48,7 @@ class Simulation:
     base_body: int
     config: RobotConfig
 
-    def drive(self, velocity: Velocity) -> None:
+    def drive(self, velocity: BaseVelocity) -> None:
         """Give the wheels' drives the speeds that ``velocity`` asks of the nominal base."""
         base = self.config.base
         turn = velocity.angular_radps * base.track_m / 2
@@ -73,16 +73,18 @@ class Simulation:
         x, y, _, w, qx, qy, qz = (float(v) for v in self.data.qpos[self.base_address : self.base_address + 7])
         return Pose2(x, y, math.atan2(2 * (w * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz)))
 
-    def true_velocity(self) -> Velocity:
+    def true_velocity(self) -> BaseVelocity:
         """Forward and turning speed of the base in its own frame."""
         vx, vy = (float(v) for v in self.data.qvel[self.base_velocity : self.base_velocity + 2])
         heading = self.true_pose().theta
-        return Velocity(vx * math.cos(heading) + vy * math.sin(heading), float(self.data.qvel[self.base_velocity + 5]))
+        return BaseVelocity(
+            vx * math.cos(heading) + vy * math.sin(heading), float(self.data.qvel[self.base_velocity + 5])
+        )
 
 
 def build_simulation(
     robot: RobotConfig, world: WorldConfig, base: TrueBase, people: Sequence[Actor] = ()
-) -> Simulation:
+) -> RobotSimulation:
     """Build and compile the world with ``people`` and the robot at its start. ``base`` is what its wheels really are.
 
     Raises ConfigError for a model that is no URDF or that the physics refuses.
@@ -113,7 +115,7 @@ def build_simulation(
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     free = model.joint("base")
-    return Simulation(
+    return RobotSimulation(
         model=model,
         data=data,
         joints=kinematics.joint_names,
@@ -189,4 +191,4 @@ def _limit_drives(model: mujoco.MjModel, wheels: tuple[str, str], robot: RobotCo
         model.actuator_forcerange[actuator] = (-torque, torque)
 
 
-__all__ = ["TIMESTEP_S", "Simulation", "build_simulation"]
+__all__ = ["TIMESTEP_S", "RobotSimulation", "build_simulation"]

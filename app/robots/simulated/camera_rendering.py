@@ -20,13 +20,13 @@ from app.robots.simulated.camera_models import fisheye_model
 from app.robots.simulated.color_noise import ColorNoise
 from app.robots.simulated.fisheye import Tiling, tile
 from app.robots.simulated.kinect_noise import KinectNoise
-from app.robots.simulated.renderer import Painter, Place, Snapshot, View
+from app.robots.simulated.renderer import FrameRect, PerspectiveView, Renderer, WorldSnapshot
 
 
-class Eye(Protocol):
+class CameraRenderer(Protocol):
     """One camera."""
 
-    def draw(self, snapshot: Snapshot) -> Iterator[None]:
+    def draw(self, snapshot: WorldSnapshot) -> Iterator[None]:
         """Draw what is to be seen in ``snapshot``; each step is a part of the work, of a few milliseconds."""
         ...
 
@@ -35,15 +35,15 @@ class Eye(Protocol):
         ...
 
 
-class Watch:
+class ChangeDetector:
     """Tells whether what a camera sees has changed since it last had."""
 
-    def __init__(self, painter: Painter, camera: int) -> None:
+    def __init__(self, painter: Renderer, camera: int) -> None:
         self._painter = painter
         self._camera = camera
-        self._last: tuple[Snapshot, NDArray[np.bool_]] | None = None
+        self._last: tuple[WorldSnapshot, NDArray[np.bool_]] | None = None
 
-    def changed(self, snapshot: Snapshot, views: tuple[View, ...]) -> bool:
+    def changed(self, snapshot: WorldSnapshot, views: tuple[PerspectiveView, ...]) -> bool:
         """Whether ``snapshot`` looks otherwise in ``views`` than the last one that did."""
         seen = self._painter.seen(snapshot, self._camera, views)
         if self._last is not None:
@@ -55,27 +55,27 @@ class Watch:
         return True
 
 
-class KinectEye:
+class KinectRenderer:
     """Colour and depth in one perspective picture, drawn at the lower left of the frame buffer."""
 
-    def __init__(self, painter: Painter, model: mujoco.MjModel, config: KinectConfig, rng: Generator) -> None:
+    def __init__(self, painter: Renderer, model: mujoco.MjModel, config: KinectConfig, rng: Generator) -> None:
         self._painter = painter
         self._camera = model.camera(PREFIX + "kinect").id
         self._noise = KinectNoise(config, rng)
         width, height = config.width, config.height
         x, y = (float(s) for s in model.cam_sensorsize[self._camera] / (2 * model.cam_intrinsic[self._camera][:2]))
-        self.place = Place(0, 0, width, height)
-        self._view = View(np.eye(3), -x, x, -y, y, self.place)
+        self.place = FrameRect(0, 0, width, height)
+        self._view = PerspectiveView(np.eye(3), -x, x, -y, y, self.place)
         self._color = np.zeros((height, width, 3), dtype=np.uint8)
         self._depth = np.zeros((height, width), dtype=np.float32)
         # The depth buffer is affine in 1/z, with 0 at the far plane and 1 at the near one
         self._scale = np.float32((painter.far - painter.near) / (painter.far * painter.near))
         self._offset = np.float32(1.0 / painter.far)
-        self._watch = Watch(painter, self._camera)
+        self._watch = ChangeDetector(painter, self._camera)
         self.drawn = 0
         painter.reserve(width, height)
 
-    def draw(self, snapshot: Snapshot) -> Iterator[None]:
+    def draw(self, snapshot: WorldSnapshot) -> Iterator[None]:
         """Draw what is to be seen in ``snapshot``, in one part."""
         if self._watch.changed(snapshot, (self._view,)):
             self._painter.draw(snapshot, self._camera, self._view)
@@ -96,28 +96,28 @@ class KinectEye:
         self._noise.depth(inverse_depth, depth)
 
 
-class FisheyeEye:
+class FisheyeRenderer:
     """The panoramic camera: five perspective pictures, drawn above ``base`` (px) in the frame buffer.
 
     It is set up when its first picture is drawn: who never looks through it does not wait for it.
     """
 
     def __init__(
-        self, painter: Painter, model: mujoco.MjModel, config: ImvConfig, rng: Generator, base: int = 0
+        self, painter: Renderer, model: mujoco.MjModel, config: ImvConfig, rng: Generator, base: int = 0
     ) -> None:
         self._painter = painter
         self._camera = model.camera(PREFIX + "imv").id
         self._config = config
         self._rng = rng
         self._base = base
-        self._watch = Watch(painter, self._camera)
+        self._watch = ChangeDetector(painter, self._camera)
         self._tiling: Tiling | None = None
         self.picture = np.zeros((config.height, config.width, 3), dtype=np.uint8)
         self.drawn = 0
         self._drawn: NDArray[np.uint8]
         self._noise: ColorNoise
 
-    def draw(self, snapshot: Snapshot) -> Iterator[None]:
+    def draw(self, snapshot: WorldSnapshot) -> Iterator[None]:
         """Draw what is to be seen in ``snapshot``, a view in each step."""
         if self._tiling is None:
             self._tiling = self._set_up()
@@ -126,7 +126,7 @@ class FisheyeEye:
             for view in self._tiling.views:
                 self._painter.draw(snapshot, self._camera, view)
                 yield
-            self._painter.read(Place(0, self._base, self._tiling.width, self._tiling.height), self._drawn)
+            self._painter.read(FrameRect(0, self._base, self._tiling.width, self._tiling.height), self._drawn)
             self._tiling.picture(self._drawn, self.picture)
             self.drawn += 1
         yield
@@ -145,17 +145,17 @@ class FisheyeEye:
         return tiling
 
 
-def open_eyes(
-    painter: Painter, model: mujoco.MjModel, streams: StreamsConfig, rngs: Mapping[str, Generator]
-) -> dict[str, Eye]:
+def open_renderers(
+    painter: Renderer, model: mujoco.MjModel, streams: StreamsConfig, rngs: Mapping[str, Generator]
+) -> dict[str, CameraRenderer]:
     """The cameras of ``streams``, by stream, each with its own random numbers; OpenGL is ready when it returns."""
-    eyes: dict[str, Eye] = {}
+    eyes: dict[str, CameraRenderer] = {}
     kinect, imv = streams.kinect, streams.imv
     if kinect is not None:
-        eye = eyes["kinect"] = KinectEye(painter, model, kinect, rngs["kinect"])
-        for _ in eye.draw(Snapshot.initial(model)):  # OpenGL makes itself ready with the first picture
+        eye = eyes["kinect"] = KinectRenderer(painter, model, kinect, rngs["kinect"])
+        for _ in eye.draw(WorldSnapshot.initial(model)):  # OpenGL makes itself ready with the first picture
             pass
     if imv is not None:
         base = kinect.height if kinect is not None else 0
-        eyes["imv"] = FisheyeEye(painter, model, imv, rngs["imv"], base)
+        eyes["imv"] = FisheyeRenderer(painter, model, imv, rngs["imv"], base)
     return eyes

@@ -22,9 +22,9 @@ import mujoco
 from numpy.random import Generator
 
 from app.robots.config import StreamsConfig
-from app.robots.simulated.camera_rendering import Eye, open_eyes
+from app.robots.simulated.camera_rendering import CameraRenderer, open_renderers
 from app.robots.simulated.image_ring import SLOTS, ImageRing
-from app.robots.simulated.renderer import Painter, Snapshot
+from app.robots.simulated.renderer import Renderer, WorldSnapshot
 from app.robots.simulated.wire import ImageNotice
 
 
@@ -32,7 +32,7 @@ from app.robots.simulated.wire import ImageNotice
 class _Job:
     """A picture in work, asked for at ``since`` (s, monotonic)."""
 
-    snapshot: Snapshot
+    snapshot: WorldSnapshot
     steps: Iterator[None]
     since: float
 
@@ -59,7 +59,7 @@ class CameraThread:
             if config is not None
         }
         self._condition = threading.Condition()
-        self._asked: dict[str, tuple[Snapshot, float]] = {}
+        self._asked: dict[str, tuple[WorldSnapshot, float]] = {}
         self._busy: set[str] = set()
         self._ending = False
         self._ready = threading.Event()
@@ -80,7 +80,7 @@ class CameraThread:
         """Whether that camera's last snapshot is not finished yet."""
         return stream in self._busy
 
-    def request(self, stream: str, snapshot: Snapshot) -> None:
+    def request(self, stream: str, snapshot: WorldSnapshot) -> None:
         """Have ``snapshot`` drawn for the camera ``stream``; not while it is ``busy``."""
         with self._condition:
             self._busy.add(stream)
@@ -96,8 +96,8 @@ class CameraThread:
 
     def _run(self) -> None:
         try:
-            painter = Painter(self._model)
-            eyes = open_eyes(painter, self._model, self._streams, self._rngs)
+            painter = Renderer(self._model)
+            eyes = open_renderers(painter, self._model, self._streams, self._rngs)
             self._ready.set()
             self._serve(eyes)
             painter.close()
@@ -106,7 +106,7 @@ class CameraThread:
             self._ready.set()
             self._wake()
 
-    def _serve(self, eyes: Mapping[str, Eye]) -> None:
+    def _serve(self, eyes: Mapping[str, CameraRenderer]) -> None:
         jobs: dict[str, _Job] = {}
         while self._wait(bool(jobs)):
             with self._condition:
@@ -130,7 +130,7 @@ class CameraThread:
         latest = max(waited, key=lambda stream: waited[stream])
         return latest if waited[latest] > 1.0 else min(waited, key=lambda stream: self._periods[stream])
 
-    def _finish(self, stream: str, eye: Eye, snapshot: Snapshot) -> None:
+    def _finish(self, stream: str, eye: CameraRenderer, snapshot: WorldSnapshot) -> None:
         slot = self._counts[stream] % SLOTS
         self._counts[stream] += 1
         ring = self._rings[stream]

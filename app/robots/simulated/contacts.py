@@ -10,7 +10,7 @@ import numpy as np
 from app.base.geometry import Pose2
 
 if TYPE_CHECKING:  # MuJoCo looks for its OpenGL library when it is imported
-    from app.robots.simulated.body import Simulation
+    from app.robots.simulated.body import RobotSimulation
 
 APART_S = 0.5
 """Touched again after so long, a thing is touched anew."""
@@ -31,10 +31,10 @@ class Contact:
     X_WB: Pose2
 
 
-class ContactWatch:
+class ContactMonitor:
     """Notes contacts of a simulation; :meth:`look` every few steps: the softest touch lasts longer."""
 
-    def __init__(self, simulation: Simulation) -> None:
+    def __init__(self, simulation: RobotSimulation) -> None:
         self._simulation = simulation
         model = simulation.model
         of_robot = model.body_rootid[model.geom_bodyid] == model.body_rootid[simulation.base_body]

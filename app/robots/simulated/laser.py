@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from app.base.geometry import Pose3
 from app.messages import LaserScan
 from app.robots.config import HokuyoConfig
-from app.robots.simulated.body import PREFIX, Simulation
+from app.robots.simulated.body import PREFIX, RobotSimulation
 from app.robots.simulated.scenery.people import LASER_GROUP
 from app.robots.simulated.world import OUT_OF_REACH_GROUP, WORLD_GROUP
 
@@ -34,7 +34,7 @@ REACH_M = 0.25
 class Laser:
     """Makes scans of a simulation; :meth:`begin` one, then :meth:`advance` until it is whole."""
 
-    def __init__(self, simulation: Simulation, config: HokuyoConfig, X_BL: Pose3, rng: Generator) -> None:
+    def __init__(self, simulation: RobotSimulation, config: HokuyoConfig, X_BL: Pose3, rng: Generator) -> None:
         self._simulation = simulation
         self._config = config
         self._X_BL = X_BL
@@ -47,7 +47,7 @@ class Laser:
         self._directions_L = np.stack([np.cos(angles), np.sin(angles), np.zeros_like(angles)], axis=-1)
         self._groups = np.array([group in (WORLD_GROUP, LASER_GROUP) for group in range(6)], dtype=np.uint8)
         _leave_out_of_reach(simulation, float(X_BL.translation[2]))
-        self._sight = _Sight(simulation)
+        self._sight = _RayTargets(simulation)
         fans = max(1, math.ceil(config.sweep_s / FAN_S))
         self._fans = np.linspace(0, config.rays, fans + 1).astype(int)
         self._distances = np.zeros(config.rays)
@@ -109,13 +109,13 @@ class Laser:
         )
 
 
-class _Sight:
+class _RayTargets:
     """Keeps shapes that a fan of rays cannot meet out of its casting, which asks every shape for every ray.
 
     Of the shapes that stand in the world for good; what moves is always asked.
     """
 
-    def __init__(self, simulation: Simulation) -> None:
+    def __init__(self, simulation: RobotSimulation) -> None:
         model, data = simulation.model, simulation.data
         self._groups = model.geom_group
         standing = (model.geom_group == WORLD_GROUP) & (model.geom_bodyid == 0) & (model.geom_rbound > 0)
@@ -153,7 +153,7 @@ class _Sight:
             self._groups[hidden] = WORLD_GROUP
 
 
-def _leave_out_of_reach(simulation: Simulation, height_m: float) -> None:
+def _leave_out_of_reach(simulation: RobotSimulation, height_m: float) -> None:
     """Move the world's shapes that the laser's plane cannot meet to another group: casting asks every shape in turn."""
     model, data = simulation.model, simulation.data
     for geom in range(model.ngeom):

@@ -130,7 +130,7 @@ class SimulatedLink:
         if self._session is None or self._session.unsent_bytes > _UNSENT_BYTES:
             self.commands_dropped += 1
             return
-        self._session.send(wire.Drive(twist.stamp, twist.linear_mps, twist.angular_radps))
+        self._session.send(wire.DriveRequest(twist.stamp, twist.linear_mps, twist.angular_radps))
 
     def play(self, audio: Audio) -> None:
         """Play one frame through the loudspeaker."""

@@ -151,7 +151,7 @@ class LockstepLink:
 
     def command(self, twist: Twist) -> None:
         """Give the base a velocity."""
-        self._accept(wire.Drive(twist.stamp, twist.linear_mps, twist.angular_radps))
+        self._accept(wire.DriveRequest(twist.stamp, twist.linear_mps, twist.angular_radps))
 
     def play(self, audio: Audio) -> None:
         """Swallow it: this body has no loudspeaker."""

@@ -8,20 +8,20 @@ import numpy as np
 
 from app.messages import Image
 from app.robots.config import RobotConfig
-from app.robots.simulated.acoustics.microphone_simulator import Ear
+from app.robots.simulated.acoustics.microphone_simulator import MicrophoneSimulator
 from app.robots.simulated.acoustics.soundscape import SCENES_HZ, Soundscape
 from app.robots.simulated.body import TIMESTEP_S
 from app.robots.simulated.camera_models import lenses, picture_formats
-from app.robots.simulated.camera_rendering import Eye, open_eyes
-from app.robots.simulated.contacts import ContactWatch
-from app.robots.simulated.renderer import Painter
+from app.robots.simulated.camera_rendering import CameraRenderer, open_renderers
+from app.robots.simulated.contacts import ContactMonitor
+from app.robots.simulated.renderer import Renderer
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig
-from app.robots.simulated.simulation import STEPS_PER_TURN, LivingWorld, Schedule
+from app.robots.simulated.simulation import STEPS_PER_TURN, Schedule, WorldSimulation
 from app.robots.simulated.world_config import WorldConfig
 
 
-class LockstepWorld(LivingWorld):
-    """A living world whose steps are due when ``now`` says so; see :class:`LivingWorld` for what it raises."""
+class LockstepWorld(WorldSimulation):
+    """A living world whose steps are due when ``now`` says so; see :class:`WorldSimulation` for what it raises."""
 
     turn_s = STEPS_PER_TURN * TIMESTEP_S
 
@@ -33,13 +33,13 @@ class LockstepWorld(LivingWorld):
         send: Callable[[str, object], None],
     ) -> None:
         super().__init__(robot, world, scenario, send)
-        self.contacts = ContactWatch(self.simulation)
+        self.contacts = ContactMonitor(self.simulation)
         self._steps = 0
         self._lenses = lenses(robot)
         self._formats = picture_formats(robot)
-        self._painter: Painter | None = None
-        self._open: dict[str, Eye] = {}
-        self._ear: Ear | None = None
+        self._painter: Renderer | None = None
+        self._open: dict[str, CameraRenderer] = {}
+        self._ear: MicrophoneSimulator | None = None
         self._scenes = Schedule(SCENES_HZ)
 
     def lockstep(self, now: float, began: float) -> None:
@@ -70,7 +70,7 @@ class LockstepWorld(LivingWorld):
         if not self._scenes.due(time_s):
             return
         if self._ear is None:  # rooms take a second to be made
-            self._ear = Ear(soundscape.setup)
+            self._ear = MicrophoneSimulator(soundscape.setup)
         scene = soundscape.scene(time_s, stamp, self.simulation.true_pose(), self.rims(), self.stage)
         for heard in self._ear.listen([scene]):
             self.send("microphones", heard.audio, stamp)
@@ -89,9 +89,9 @@ class LockstepWorld(LivingWorld):
             frame, lens = self._lenses[stream]
             self.send(stream, Image(stamp, frame, color, depth, lens, snapshot.X_BC), stamp)
 
-    def _eye(self, stream: str) -> Eye:
+    def _eye(self, stream: str) -> CameraRenderer:
         """The camera of ``stream``; OpenGL is made ready for the first picture anybody wants."""
         if self._painter is None:
-            self._painter = Painter(self.simulation.model)
-            self._open = open_eyes(self._painter, self.simulation.model, self.robot.streams, self.eye_rngs)
+            self._painter = Renderer(self.simulation.model)
+            self._open = open_renderers(self._painter, self.simulation.model, self.robot.streams, self.eye_rngs)
         return self._open[stream]

@@ -40,7 +40,7 @@ def draw_true_base(config: BaseConfig, rng: Generator) -> TrueBase:
     )
 
 
-class WheelOdometry:
+class EncoderOdometry:
     """Integrates encoder readings with the *nominal* geometry; starts at (0, 0, 0) in ``odom``."""
 
     def __init__(self, config: BaseConfig, rng: Generator) -> None:

@@ -14,7 +14,7 @@ import time
 from collections.abc import Iterator
 
 from app.robots.simulated import wire
-from app.robots.simulated.acoustics.client import Acoustics
+from app.robots.simulated.acoustics.client import AcousticsClient
 from app.robots.simulated.acoustics.soundscape import SCENES_HZ
 from app.robots.simulated.body import TIMESTEP_S
 from app.robots.simulated.camera_models import picture_formats
@@ -22,20 +22,20 @@ from app.robots.simulated.camera_thread import CameraThread
 from app.robots.simulated.guard_log import GuardLog
 from app.robots.simulated.image_ring import ImageRings
 from app.robots.simulated.pacer import Pacer
-from app.robots.simulated.simulation import STEPS_PER_TURN, LivingWorld, Schedule
+from app.robots.simulated.simulation import STEPS_PER_TURN, Schedule, WorldSimulation
 
 _CAMERA_SETUP_S = 20.0
 _NICENESS = -5
 
 
-class WorldLoop:
+class RealtimeLoop:
     """Builds the world of a ``Start`` and runs it until told to end."""
 
     def __init__(self, start: wire.Start, sock: wire.Socket, memory: int) -> None:
         robot, streams = start.robot, start.robot.streams
         self._socket = sock
         self._offset = start.clock_offset
-        self._living = LivingWorld(
+        self._living = WorldSimulation(
             robot, start.world, start.scenario, self._send, wanted=start.demanded, e_stop=start.e_stop
         )
         self._log = GuardLog(robot.guard_log) if robot.guard_log is not None else None
@@ -48,10 +48,10 @@ class WorldLoop:
             model = self._living.simulation.model
             self._camera = CameraThread(model, streams, rings, self._living.eye_rngs, self._wake)
             self._camera.wait_ready(_CAMERA_SETUP_S)
-        self._acoustics: Acoustics | None = None
+        self._acoustics: AcousticsClient | None = None
         self._scenes = Schedule(SCENES_HZ)
         if self._living.soundscape is not None:
-            self._acoustics = Acoustics(self._living.soundscape)
+            self._acoustics = AcousticsClient(self._living.soundscape)
         self._ending = False
         self._pacer = Pacer(time.monotonic(), TIMESTEP_S)
 

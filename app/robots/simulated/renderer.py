@@ -32,7 +32,7 @@ _STILL = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Snapshot:
+class WorldSnapshot:
     """The world at one instant: ``qpos`` of the whole model, ``mocap`` (n, 7) the poses (position, quaternion w first)
     of the bodies that move by script, and the camera's pose as measured then.
     """
@@ -43,14 +43,14 @@ class Snapshot:
     X_BC: Pose3
 
     @staticmethod
-    def initial(model: mujoco.MjModel) -> Snapshot:
+    def initial(model: mujoco.MjModel) -> WorldSnapshot:
         """The world as it begins."""
         mocap = mocap_poses(mujoco.MjData(model))
-        return Snapshot(0.0, model.qpos0.copy(), mocap, Pose3.identity())
+        return WorldSnapshot(0.0, model.qpos0.copy(), mocap, Pose3.identity())
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class FrameRect:
     """A rectangle of the frame buffer (px), counted from its lower left."""
 
     x: int
@@ -60,7 +60,7 @@ class Place:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class View:
+class PerspectiveView:
     """A perspective picture from where a camera is, drawn at ``place``.
 
     ``rotation`` (3, 3): its axes (right, up, backwards) in the camera's (right, up, backwards). ``left``, ``right``,
@@ -72,7 +72,7 @@ class View:
     right: float
     bottom: float
     top: float
-    place: Place
+    place: FrameRect
 
 
 def mocap_poses(data: mujoco.MjData) -> NDArray[np.float64]:
@@ -80,7 +80,7 @@ def mocap_poses(data: mujoco.MjData) -> NDArray[np.float64]:
     return np.hstack((data.mocap_pos, data.mocap_quat))
 
 
-class Painter:
+class Renderer:
     """Draws ``model`` into a frame buffer that grows with what is reserved. Make, use and close it in one thread.
 
     Raises GlUnavailable where there is no OpenGL to draw with.
@@ -109,7 +109,7 @@ class Painter:
         self._occlusion = Occlusion(self._model, self._data)
         # Which scripted body each shape belongs to, -1 for none: they all stand in the world itself
         self._scripted = self._model.body_mocapid[self._model.body_rootid[self._model.geom_bodyid]]
-        self._placed: Snapshot | None = None
+        self._placed: WorldSnapshot | None = None
         self._unhidden: dict[int, NDArray[np.bool_]] = {}
         self.near = self._model.vis.map.znear * self._model.stat.extent
         self.far = self._model.vis.map.zfar * self._model.stat.extent
@@ -121,7 +121,7 @@ class Painter:
             self._gl.make_current()
             mujoco.mjr_resizeOffscreen(width, height, self._context)
 
-    def draw(self, snapshot: Snapshot, camera: int, view: View) -> None:
+    def draw(self, snapshot: WorldSnapshot, camera: int, view: PerspectiveView) -> None:
         """Draw ``view`` of the world in ``snapshot`` from the model's camera number ``camera``."""
         self._set(snapshot)
         eye, axes = self._data.cam_xpos[camera], self._data.cam_xmat[camera].reshape(3, 3)
@@ -135,19 +135,19 @@ class Painter:
         self._gl.make_current()
         mujoco.mjr_render(mujoco.MjrRect(place.x, place.y, place.width, place.height), self._scene, self._context)
 
-    def seen(self, snapshot: Snapshot, camera: int, views: Iterable[View]) -> NDArray[np.bool_]:
+    def seen(self, snapshot: WorldSnapshot, camera: int, views: Iterable[PerspectiveView]) -> NDArray[np.bool_]:
         """Which shapes (ngeom,) may be in any of ``views`` from that camera."""
         self._set(snapshot)
         return np.asarray(np.any([self._in_view(camera, view) for view in views], axis=0))
 
-    def differ(self, a: Snapshot, b: Snapshot, seen: NDArray[np.bool_]) -> bool:
+    def differ(self, a: WorldSnapshot, b: WorldSnapshot, seen: NDArray[np.bool_]) -> bool:
         """Whether the robot stands otherwise in ``a`` and ``b``, or any of the shapes ``seen`` (ngeom,) does."""
         if np.abs(a.qpos - b.qpos).max(initial=0.0) > _STILL:
             return True
         moved = np.append(np.abs(a.mocap - b.mocap).max(axis=1, initial=0.0) > _STILL, False)
         return bool((moved[self._scripted] & seen).any())
 
-    def read(self, place: Place, color: NDArray[np.uint8], depth: NDArray[np.float32] | None = None) -> None:
+    def read(self, place: FrameRect, color: NDArray[np.uint8], depth: NDArray[np.float32] | None = None) -> None:
         """What was drawn at ``place``, row 0 at the *bottom*: ``color`` (H, W, 3), ``depth`` (H, W) from 0 far to 1."""
         rectangle = mujoco.MjrRect(place.x, place.y, place.width, place.height)
         mujoco.mjr_readPixels(color, depth, rectangle, self._context)
@@ -157,7 +157,7 @@ class Painter:
         self._context.free()
         self._gl.free()
 
-    def _set(self, snapshot: Snapshot) -> None:
+    def _set(self, snapshot: WorldSnapshot) -> None:
         if snapshot is self._placed:
             return
         self._data.qpos[:] = snapshot.qpos
@@ -168,7 +168,7 @@ class Painter:
         self._placed = snapshot
         self._unhidden.clear()
 
-    def _aim(self, eye: NDArray[np.float64], axes: NDArray[np.float64], view: View) -> None:
+    def _aim(self, eye: NDArray[np.float64], axes: NDArray[np.float64], view: PerspectiveView) -> None:
         rotation = axes @ view.rotation
         for camera in self._scene.camera:
             camera.pos[:] = eye
@@ -182,7 +182,7 @@ class Painter:
             if light.headlight:  # shines where the camera looks, in each of its views alike: else there were seams
                 light.dir[:] = -axes[:, 2]
 
-    def _in_view(self, camera: int, view: View) -> NDArray[np.bool_]:
+    def _in_view(self, camera: int, view: PerspectiveView) -> NDArray[np.bool_]:
         """Which shapes (ngeom,) may touch the view: their bounding spheres against its five planes, and the walls."""
         eye = self._data.cam_xpos[camera]
         rotation = self._data.cam_xmat[camera].reshape(3, 3) @ view.rotation

@@ -28,10 +28,12 @@ def serve(link_descriptor: int, memory_descriptor: int) -> int:
     if picture_formats(start.robot) and (problem := check_gl()):
         return _refuse(problem)
 
-    from app.robots.simulated.realtime_loop import WorldLoop  # MuJoCo looks for its OpenGL library when it is imported
+    from app.robots.simulated.realtime_loop import (
+        RealtimeLoop,  # MuJoCo looks for its OpenGL library when it is imported
+    )
 
     try:
-        loop = WorldLoop(start, sock, memory_descriptor)
+        loop = RealtimeLoop(start, sock, memory_descriptor)
     except (ConfigError, GlUnavailable) as failure:
         return _refuse(str(failure))
     signal.signal(signal.SIGTERM, lambda *_: loop.end())

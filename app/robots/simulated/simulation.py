@@ -21,11 +21,11 @@ from app.robots.simulated.acoustics.soundscape import Soundscape
 from app.robots.simulated.body import TIMESTEP_S, build_simulation
 from app.robots.simulated.camera_models import lenses
 from app.robots.simulated.laser import Laser
-from app.robots.simulated.odometry import WheelOdometry, draw_true_base
-from app.robots.simulated.renderer import Snapshot, mocap_poses
-from app.robots.simulated.scenery.people import People
+from app.robots.simulated.odometry import EncoderOdometry, draw_true_base
+from app.robots.simulated.renderer import WorldSnapshot, mocap_poses
+from app.robots.simulated.scenery.people import PersonBodies
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig
-from app.robots.simulated.scenery.scenario_state import Stage
+from app.robots.simulated.scenery.scenario_state import ScenarioState
 from app.robots.simulated.world_config import WorldConfig
 
 STEPS_PER_TURN = 2
@@ -51,7 +51,7 @@ class Schedule:
         return True
 
 
-class LivingWorld:
+class WorldSimulation:
     """Builds the world with ``robot`` and the people of ``scenario`` in it. Stamps are the robot's clock (s).
 
     ``send(stream, message)`` is given what is sensed, of the streams in ``wanted`` and those that always run.
@@ -75,13 +75,13 @@ class LivingWorld:
         base_rng, odometry_rng, laser_rng, kinect_rng, self._joint_rng, imv_rng = rngs[:6]
         self.robot = robot
         self.eye_rngs = {"kinect": kinect_rng, "imv": imv_rng}
-        self.stage = Stage(scenario or ScenarioConfig(name="nobody"))
+        self.stage = ScenarioState(scenario or ScenarioConfig(name="nobody"))
         self._inhabited = scenario is not None
         self.wanted = set(wanted)
         self._send_out = send
         base = draw_true_base(robot.base, base_rng)
         self.simulation = build_simulation(robot, world, base, self.stage.actors)
-        self._people = People(self.simulation.model, self.stage.actors)
+        self._people = PersonBodies(self.simulation.model, self.stage.actors)
         self.kinematics = load_model(robot.model)
         self.soundscape: Soundscape | None = None
         if streams.microphones is not None:
@@ -91,7 +91,7 @@ class LivingWorld:
             )
         self._limits = robot.limits.guard()
         self.state = guard.GuardState(e_stop=e_stop)
-        self._odometry = WheelOdometry(robot.base, odometry_rng)
+        self._odometry = EncoderOdometry(robot.base, odometry_rng)
         names = self.simulation.joints
         self._wheel_joints = (names.index(robot.base.left_wheel_joint), names.index(robot.base.right_wheel_joint))
         rates = {
@@ -122,8 +122,8 @@ class LivingWorld:
     def accept(self, frame: object) -> None:
         """Take one of ``wire``'s commands to the guard or demands of streams; anything else is passed over."""
         match frame:
-            case wire.Drive(stamp, linear, angular):
-                self.state = guard.accept(self.state, guard.Command(stamp, guard.Velocity(linear, angular)))
+            case wire.DriveRequest(stamp, linear, angular):
+                self.state = guard.accept(self.state, guard.VelocityCommand(stamp, guard.BaseVelocity(linear, angular)))
             case wire.EStop(reason):
                 self.state = guard.e_stop(self.state, reason)
             case wire.ClearEStop():
@@ -188,14 +188,14 @@ class LivingWorld:
         """Whether a picture of ``stream`` is wanted and due."""
         return stream in self.wanted and self._schedules[stream].ready(self.simulation.time_s)
 
-    def look(self, stream: str, stamp: float) -> Snapshot | None:
+    def look(self, stream: str, stamp: float) -> WorldSnapshot | None:
         """What the camera of ``stream`` is to draw now, None where no picture is wanted or due."""
         if stream not in self.wanted or not self._schedules[stream].due(self.simulation.time_s):
             return None
         measured = dict(zip(self.simulation.joints, self._measured_joints(), strict=True))
         X_BC = self.kinematics.pose(self._eyes[stream], measured)
         data = self.simulation.data
-        return Snapshot(stamp, data.qpos.copy(), mocap_poses(data), X_BC)
+        return WorldSnapshot(stamp, data.qpos.copy(), mocap_poses(data), X_BC)
 
     def rims(self) -> tuple[float, float]:
         """Speeds (m/s) of the left and the right wheel's rim."""

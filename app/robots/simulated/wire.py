@@ -47,7 +47,7 @@ class Demand:
 
 
 @dataclass(frozen=True, slots=True)
-class Drive:
+class DriveRequest:
     """Program to link: a velocity asked for at ``stamp`` (s, robot's clock)."""
 
     stamp: float

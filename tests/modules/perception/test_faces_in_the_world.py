@@ -19,12 +19,12 @@ from app.robots.config import RobotConfig
 from app.robots.model import load_model
 from app.robots.simulated.body import build_simulation
 from app.robots.simulated.camera_models import camera_model, fisheye_model
-from app.robots.simulated.camera_rendering import Eye, FisheyeEye, KinectEye
+from app.robots.simulated.camera_rendering import CameraRenderer, FisheyeRenderer, KinectRenderer
 from app.robots.simulated.odometry import TrueBase
-from app.robots.simulated.renderer import Painter, Snapshot, mocap_poses
-from app.robots.simulated.scenery.people import People
+from app.robots.simulated.renderer import Renderer, WorldSnapshot, mocap_poses
+from app.robots.simulated.scenery.people import PersonBodies
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig
-from app.robots.simulated.scenery.scenario_state import Stage
+from app.robots.simulated.scenery.scenario_state import ScenarioState
 from tests.robots.conftest import CONFIG, load_robot_config, make_hall, needs_gl
 
 pytestmark = [pytest.mark.slow, needs_gl]
@@ -38,19 +38,19 @@ class World:
 
     def __init__(self, robot: RobotConfig, people: Sequence[dict[str, Any]]) -> None:
         named = [{"name": f"person {number}", **person} for number, person in enumerate(people)]
-        self.stage = Stage(ScenarioConfig.model_validate({"name": "faces", "people": named}))
+        self.stage = ScenarioState(ScenarioConfig.model_validate({"name": "faces", "people": named}))
         self._simulation = build_simulation(robot, make_hall(), TrueBase(0.1, 0.1, 0.44), self.stage.actors)
-        self._people = People(self._simulation.model, self.stage.actors)
-        self.painter = Painter(self._simulation.model)
+        self._people = PersonBodies(self._simulation.model, self.stage.actors)
+        self.painter = Renderer(self._simulation.model)
         kinect, imv = robot.streams.kinect, robot.streams.imv
         assert kinect is not None
         assert imv is not None
         model, links = self._simulation.model, load_model(robot.model)
-        self._kinect = KinectEye(self.painter, model, kinect, np.random.default_rng(1))
-        self._imv = FisheyeEye(self.painter, model, imv, np.random.default_rng(2), kinect.height)
+        self._kinect = KinectRenderer(self.painter, model, kinect, np.random.default_rng(1))
+        self._imv = FisheyeRenderer(self.painter, model, imv, np.random.default_rng(2), kinect.height)
         self._lenses = {"kinect": camera_model(kinect), "imv": fisheye_model(imv)}
         self._X_BC = {"kinect": links.pose(kinect.link), "imv": links.pose(imv.link)}
-        self._initial = Snapshot.initial(model)
+        self._initial = WorldSnapshot.initial(model)
 
     def look(self, camera: str, X_WB: Pose2) -> Image:
         """What ``kinect`` or ``imv`` sees now, with the robot at ``X_WB``."""
@@ -60,8 +60,8 @@ class World:
         lens, X_BC = self._lenses[camera], self._X_BC[camera]
         color = np.zeros((lens.height, lens.width, 3), np.uint8)
         depth = np.zeros((lens.height, lens.width), np.uint16) if camera == "kinect" else None
-        eye: Eye = self._kinect if camera == "kinect" else self._imv
-        for _ in eye.draw(Snapshot(0.0, qpos, mocap_poses(self._simulation.data), X_BC)):
+        eye: CameraRenderer = self._kinect if camera == "kinect" else self._imv
+        for _ in eye.draw(WorldSnapshot(0.0, qpos, mocap_poses(self._simulation.data), X_BC)):
             pass
         eye.measure(color, depth)
         return Image(self.stage.time_s, camera, color, depth, lens, X_BC)

@@ -22,7 +22,8 @@ class TrackerSettings:
     """When tracks are born, how they move, when they are confirmed and reported, and when they die.
 
     Powers and shares are those of :class:`Peaks`; *held* is what fades with ``hold_s``, over pauses. Times are in s,
-    angles in degrees. A tuple of several shares belongs to the tuple of values of ``TrackCandidate.echo`` named with it.
+    angles in degrees. A tuple of several shares belongs to the tuple of values of
+    ``TrackCandidate.echo`` named with it.
     """
 
     # --- birth ---

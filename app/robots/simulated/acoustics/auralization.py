@@ -2,7 +2,7 @@
 
 A sound's travel time is in how it is read, continuously, so a moving source has its Doppler shift and does not click;
 what differs between microphones and what the room adds to it is in impulse responses, renewed as things move and
-cross-faded over one block. Reverberation later than ``Hearing.early_s`` after the direct sound is the room's, one
+cross-faded over one block. Reverberation later than ``Auralizer.early_s`` after the direct sound is the room's, one
 convolution for all sounds in it.
 """
 
@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from app.base.geometry import Pose3
 from app.robots.simulated.acoustics.bands import AIR_DB_PER_M, low_pass
 from app.robots.simulated.acoustics.convolver import Partitions, Spectra, Tail, finish, transform
-from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, TAPS, Microphones
-from app.robots.simulated.acoustics.dry_sound import Dry, Samples, ramp, read_between
+from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, TAPS, BaffledMicrophones
+from app.robots.simulated.acoustics.dry_sound import DrySound, Samples, ramp, read_between
 from app.robots.simulated.acoustics.room import MOUTH_MEAN, Images, Shoebox, diffuse_noise, early, images, late
 
 MARGIN = 64
@@ -34,7 +34,7 @@ _LATE_NOISE = 1 << 15
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Way:
+class SoundPath:
     """How a sound comes to the listener: as if from ``p_W`` (3,) m in ``room`` (None: outdoors), after ``before_m``.
 
     ``gains`` (2,) are what doors and walls left of it, by band, beyond the spreading over the whole length;
@@ -48,10 +48,10 @@ class Way:
     late: float = 1.0
 
 
-class Surroundings(Protocol):
+class AcousticSpace(Protocol):
     """Where sounds and listener are."""
 
-    def way(self, p_WS: NDArray[np.float64], p_WA: NDArray[np.float64]) -> Way:
+    def way(self, p_WS: NDArray[np.float64], p_WA: NDArray[np.float64]) -> SoundPath:
         """How sound from ``p_WS`` comes to ``p_WA`` (3,) m."""
         ...
 
@@ -62,9 +62,9 @@ class OneRoom:
 
     room: Shoebox | None
 
-    def way(self, p_WS: NDArray[np.float64], p_WA: NDArray[np.float64]) -> Way:
+    def way(self, p_WS: NDArray[np.float64], p_WA: NDArray[np.float64]) -> SoundPath:
         """Straight."""
-        return Way(
+        return SoundPath(
             self.room, p_WS if self.room is None else self.room.clamp(p_WS), late=0.0 if self.room is None else 1.0
         )
 
@@ -78,7 +78,7 @@ class Emission:
     """
 
     name: str
-    dry: Dry
+    dry: DrySound
     begin: int
     p_W: NDArray[np.float64]
     gain: float = 1.0
@@ -86,13 +86,13 @@ class Emission:
     level: float = 1.0
 
 
-class Hearing:
+class Auralizer:
     """The functional core of the microphones: give it each block's emissions and pose, take each block's sound."""
 
     def __init__(
         self,
-        microphones: Microphones,
-        surroundings: Surroundings,
+        microphones: BaffledMicrophones,
+        surroundings: AcousticSpace,
         block: int = 512,
         early_s: float = 0.021,
         late_s: float = 0.6,
@@ -122,7 +122,7 @@ class Hearing:
         self._refresh = refresh_blocks
         self._floor = floor
         self._most = voices
-        self._voices: dict[str, _Voice] = {}
+        self._voices: dict[str, _ActiveSource] = {}
         self.position = 0
         """Number of the next block's first sample."""
         self.kernels = 0
@@ -163,7 +163,7 @@ class Hearing:
             if voice is None:
                 if number not in audible:
                     continue
-                voice = self._voices[emission.name] = _Voice(self._outputs, self._block, self._early_blocks)
+                voice = self._voices[emission.name] = _ActiveSource(self._outputs, self._block, self._early_blocks)
             x = voice.read(emission, way, X_WA, self.position, self.microphones.rate, number in audible)
             if voice.silent and not x.any():
                 continue
@@ -193,7 +193,7 @@ class Hearing:
         shelved: Samples = MOUTH_MEAN[1] * samples + (MOUTH_MEAN[0] - MOUTH_MEAN[1]) * low
         return shelved.astype(np.float32)
 
-    def _fade_out(self, voice: _Voice, before: NDArray[np.complex64], after: NDArray[np.complex64]) -> bool:
+    def _fade_out(self, voice: _ActiveSource, before: NDArray[np.complex64], after: NDArray[np.complex64]) -> bool:
         """Let a voice that is gone ring out; True when it has."""
         if voice.silent:
             return True
@@ -201,7 +201,7 @@ class Hearing:
         voice.partitions.add_to(before, after)
         return False
 
-    def _audible(self, emissions: Sequence[Emission], ways: Sequence[Way], X_WA: Pose3) -> set[int]:
+    def _audible(self, emissions: Sequence[Emission], ways: Sequence[SoundPath], X_WA: Pose3) -> set[int]:
         """Numbers of the emissions worth computing: the loudest, and none below the floor."""
         levels = []
         for emission, way in zip(emissions, ways, strict=True):
@@ -214,7 +214,9 @@ class Hearing:
         order = sorted(range(len(levels)), key=levels.__getitem__, reverse=True)[: self._most]
         return {number for number in order if levels[number] >= self._floor}
 
-    def _impulses(self, voice: _Voice, way: Way, X_WA: Pose3, looks: NDArray[np.float64] | None) -> Samples:
+    def _impulses(
+        self, voice: _ActiveSource, way: SoundPath, X_WA: Pose3, looks: NDArray[np.float64] | None
+    ) -> Samples:
         rate = self.microphones.rate
         straight_m = float(np.linalg.norm(way.p_W - X_WA.translation))
         # The reader has waited for all of the way but the kernel's margin
@@ -269,7 +271,7 @@ def _reverberation(room: Shoebox) -> float:
     return float(room.late_power(0.0).max()) * max(room.rt60_s) / (6 * math.log(10))
 
 
-class _Voice:
+class _ActiveSource:
     """One sound being heard."""
 
     def __init__(self, outputs: int, block: int, blocks: int) -> None:
@@ -279,14 +281,14 @@ class _Voice:
         self._gain = 0.0
         self._late_gain = 0.0
         self._age = 0
-        self._at: tuple[Way, Pose3, NDArray[np.float64] | None] | None = None
+        self._at: tuple[SoundPath, Pose3, NDArray[np.float64] | None] | None = None
 
     @property
     def silent(self) -> bool:
         """Whether nothing of it is on its way any more."""
         return self.partitions.silent
 
-    def read(self, emission: Emission, way: Way, X_WA: Pose3, position: int, rate: int, audible: bool) -> Samples:
+    def read(self, emission: Emission, way: SoundPath, X_WA: Pose3, position: int, rate: int, audible: bool) -> Samples:
         """What of the sound has come near in this block."""
         block = self.partitions.block
         whole_m = way.before_m + float(np.linalg.norm(way.p_W - X_WA.translation))
@@ -309,7 +311,7 @@ class _Voice:
         self.delay, self._gain = delay, gain
         return x
 
-    def stale(self, way: Way, X_WA: Pose3, looks: NDArray[np.float64] | None, refresh: int) -> bool:
+    def stale(self, way: SoundPath, X_WA: Pose3, looks: NDArray[np.float64] | None, refresh: int) -> bool:
         """Whether its impulse responses are to be computed again for where things are now; then they count as such."""
         self._age += 1
         if self._at is not None:
@@ -326,7 +328,7 @@ class _Voice:
         self._age = 0
         return True
 
-    def late(self, x: Samples, way: Way, rate: int) -> Samples:
+    def late(self, x: Samples, way: SoundPath, rate: int) -> Samples:
         """What it gives to its room's reverberation, which has died away a little over the direct way's length."""
         assert way.room is not None
         whole_s = (self.delay + MARGIN) / rate

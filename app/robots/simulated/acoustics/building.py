@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.robots.simulated.acoustics.auralization import Way
+from app.robots.simulated.acoustics.auralization import SoundPath
 from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS
 from app.robots.simulated.acoustics.room import Shoebox
 from app.robots.simulated.world_config import DoorConfig, RoomConfig, WallConfig, WorldConfig
@@ -82,17 +82,17 @@ class Building:
                     break
         return best
 
-    def way(self, p_WS: NDArray[np.float64], p_WA: NDArray[np.float64]) -> Way:
+    def way(self, p_WS: NDArray[np.float64], p_WA: NDArray[np.float64]) -> SoundPath:
         """As ``Surroundings`` says."""
         # In plain numbers: for a few points numpy would take ten times as long
         source, listener = _point(p_WS), _point(p_WA)
         here, there = self.room_at(listener), self.room_at(source)
         room = self.rooms[here]
         if here == there:
-            return Way(room, room.clamp(p_WS))
+            return SoundPath(room, room.clamp(p_WS))
         through = self._shortest(source, there, listener, here)
         if through is None:
-            return Way(room, room.clamp(p_WS), gains=(1e-3, 1e-4), late=0.0)
+            return SoundPath(room, room.clamp(p_WS), gains=(1e-3, 1e-4), late=0.0)
         points = self._pull(source, listener, through)
         whole = sum(math.dist(a, b) for a, b in itertools.pairwise(points))
         low, high, late = 1.0, 1.0, 1.0
@@ -111,7 +111,7 @@ class Building:
         nudge = min(_AT_DOOR_M, 0.5 * rest) / max(rest, 1e-9)
         p_W = room.clamp([a + nudge * (b - a) for a, b in zip(last, listener, strict=True)])
         before = max(0.0, whole - math.dist(_point(p_W), listener))
-        return Way(room, p_W, before, (low, high), late)
+        return SoundPath(room, p_W, before, (low, high), late)
 
     def _shortest(self, source: Point, there: int, listener: Point, here: int) -> tuple[int, ...] | None:
         """Openings on the shortest way from source to listener, by their middles; None if there is none."""

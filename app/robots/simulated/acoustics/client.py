@@ -13,10 +13,10 @@ from typing import Any
 from app.base.child_processes import python
 from app.base.geometry import Pose2
 from app.messages import Audio
-from app.robots.simulated.acoustics.ipc import Heard, Played
+from app.robots.simulated.acoustics.ipc import LoudspeakerFrame, MicrophoneFrame
 from app.robots.simulated.acoustics.soundscape import Soundscape
 from app.robots.simulated.image_ring import create_memory
-from app.robots.simulated.scenery.scenario_state import Stage
+from app.robots.simulated.scenery.scenario_state import ScenarioState
 from app.robots.simulated.wire import Socket
 
 _LATE_S = 0.1
@@ -26,7 +26,7 @@ _RESTART_S = 2.0
 _TELL_S = 10.0
 
 
-class Acoustics:
+class AcousticsClient:
     """Has ``soundscape`` heard in a process of its own; never waits. Call :meth:`tell` often and :meth:`receive` when
     :attr:`descriptors` can be read.
     """
@@ -50,7 +50,9 @@ class Acoustics:
         """What to wait for with ``select``; none while nobody listens."""
         return [] if self._socket is None else [self._socket.fileno()]
 
-    def tell(self, time_s: float, stamp: float, X_WB: Pose2, rims_mps: tuple[float, float], stage: Stage) -> None:
+    def tell(
+        self, time_s: float, stamp: float, X_WB: Pose2, rims_mps: tuple[float, float], stage: ScenarioState
+    ) -> None:
         """Tell how the world is at ``time_s`` (simulated); starts the process if it does not run."""
         if self._socket is None:
             if time_s < self._not_before_s:
@@ -68,7 +70,7 @@ class Acoustics:
     def play(self, audio: Audio) -> None:
         """Sound for the loudspeaker; swallowed while nobody listens, for then nobody hears it."""
         if self._socket is not None and audio.samples.size:
-            self._socket.send(Played(audio))
+            self._socket.send(LoudspeakerFrame(audio))
             self._socket.flush()
 
     def receive(self, time_s: float) -> list[Audio]:
@@ -77,7 +79,7 @@ class Acoustics:
             return []
         frames: list[Audio] = []
         for heard in self._socket.receive():
-            if isinstance(heard, Heard):
+            if isinstance(heard, MicrophoneFrame):
                 frames.append(heard.audio)
                 self._heard_s = (heard.audio.first_sample + len(heard.audio.samples)) / heard.audio.rate
                 self._lost += heard.lost

@@ -78,7 +78,7 @@ def _first_hankels(x: NDArray[np.float64]) -> tuple[NDArray[np.complex128], NDAr
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Table:
+class ResponseTable:
     """Impulse responses with the travel time taken out, by angle and by fraction of a sample.
 
     ``responses`` (angles, fractions, TAPS) float32: row ``[i, j]`` arrives ``LEAD + j / fractions`` samples after its
@@ -90,7 +90,7 @@ class Table:
 
 
 @lru_cache(maxsize=16)
-def response_table(radius_m: float, rate: int) -> Table:
+def response_table(radius_m: float, rate: int) -> ResponseTable:
     """The table of a microphone on a rigid sphere of ``radius_m``; 0 for a microphone in the free field."""
     size = 2 * TAPS
     frequencies = np.fft.rfftfreq(size, 1 / rate)
@@ -108,7 +108,7 @@ def response_table(radius_m: float, rate: int) -> Table:
     responses = np.fft.irfft(spectra[:, None, :] * shifts[None], size)[..., :TAPS]
     fade = np.ones(TAPS)
     fade[-16:] = np.cos(0.5 * math.pi * (np.arange(16) + 0.5) / 16) ** 2
-    return Table(np.ascontiguousarray(responses * fade, dtype=np.float32), math.radians(_ANGLE_STEP_DEG))
+    return ResponseTable(np.ascontiguousarray(responses * fade, dtype=np.float32), math.radians(_ANGLE_STEP_DEG))
 
 
 def plane_path(radius_m: float, angles: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -120,7 +120,7 @@ def plane_path(radius_m: float, angles: NDArray[np.float64]) -> NDArray[np.float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Microphones:
+class BaffledMicrophones:
     """Microphones around a middle A, each on a rigid sphere about A through itself, or in the free field.
 
     ``p_AM`` (M, 3) float64 m in the axes of the body; ``rate`` samples per second; ``shadow`` whether the sphere is
@@ -166,7 +166,7 @@ class Microphones:
         table_angle = np.where(shaded, shade_angle, incidence)
         return np.where(shaded, creeping, straight), np.where(outside, table_angle, 0.0)
 
-    def tables(self, near: bool = False) -> list[tuple[NDArray[np.intp], Table]]:
+    def tables(self, near: bool = False) -> list[tuple[NDArray[np.intp], ResponseTable]]:
         """Microphones (their numbers) that share a table, with it; ``near``: for sources within the sphere."""
         return [(numbers, response_table(radius, self.rate)) for numbers, radius in self._groups[near]]
 
@@ -197,7 +197,7 @@ class Microphones:
         self,
         out: NDArray[np.float32],
         microphones: NDArray[np.intp],
-        table: Table,
+        table: ResponseTable,
         ways: NDArray[np.float64],
         angles: NDArray[np.float64],
         gains: NDArray[np.float64],

@@ -14,7 +14,7 @@ Samples = NDArray[np.float32]
 _TAPS, _PHASES = 16, 512
 
 
-class Dry(Protocol):
+class DrySound(Protocol):
     """Sound as it leaves its source: amplitude at 1 m, full scale 1, numbered in samples since it began."""
 
     def read(self, start: int, count: int) -> Samples:
@@ -23,14 +23,14 @@ class Dry(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Recorded:
+class SampledSound:
     """``samples`` (N,) float32, played once or, ``loop``, for ever."""
 
     samples: Samples
     loop: bool = False
 
     def read(self, start: int, count: int) -> Samples:
-        """As :class:`Dry` says."""
+        """As :class:`DrySound` says."""
         size = self.samples.size
         if self.loop and size:
             out: Samples = self.samples[np.arange(max(start, 0), start + count) % size]
@@ -65,7 +65,7 @@ def _sinc_table() -> NDArray[np.float32]:
 _SINC = _sinc_table()
 
 
-def read_between(dry: Dry, first: float, last: float, count: int) -> Samples:
+def read_between(dry: DrySound, first: float, last: float, count: int) -> Samples:
     """``count`` samples of ``dry`` at places (in samples) that run evenly from ``first`` up to, without, ``last``."""
     begin = math.floor(first)
     if abs(last - count - first) < 1e-3:  # nothing moves

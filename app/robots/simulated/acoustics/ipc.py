@@ -18,7 +18,7 @@ Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Setup:
+class AcousticsSetup:
     """All that does not change: ``X_BM`` and ``X_BS`` are the poses of the microphones' and the loudspeaker's links.
 
     ``clips`` are samples (N,) float32 with their levels; ``p_BW`` the middles of the left and the right wheel.
@@ -35,7 +35,7 @@ class Setup:
 
 
 @dataclass(frozen=True, slots=True)
-class Sounding:
+class ActiveSound:
     """A scripted sound as it is now: ``p_W`` m; ``looks`` (rad), the heading of the mouth it comes from, or None."""
 
     name: str
@@ -48,25 +48,25 @@ class Sounding:
 
 
 @dataclass(frozen=True, slots=True)
-class Scene:
+class SoundScene:
     """The world at ``time_s`` (simulated), ``stamp`` by the robot's clock. ``rims_mps``: left and right wheel."""
 
     time_s: float
     stamp: float
     X_WB: Pose2
     rims_mps: tuple[float, float]
-    sounds: tuple[Sounding, ...]
+    sounds: tuple[ActiveSound, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Played:
+class LoudspeakerFrame:
     """Sound for the loudspeaker."""
 
     audio: Audio
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Heard:
+class MicrophoneFrame:
     """One frame of the microphones; ``lost`` frames were left out just before it."""
 
     audio: Audio

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from app.robots.simulated.acoustics.dry_sound import Recorded, read_between
+from app.robots.simulated.acoustics.dry_sound import SampledSound, read_between
 
 Samples = NDArray[np.float32]
 MOST_S = 0.5
@@ -15,7 +15,7 @@ _AHEAD = 10
 KEPT = 1024
 
 
-class Loudspeaker:
+class LoudspeakerSource:
     """A ``Dry`` sound read onward. ``rate`` is that of the microphones."""
 
     def __init__(self, rate: int) -> None:
@@ -66,7 +66,7 @@ class Loudspeaker:
             self._playing = self.waiting_s >= START_S
         if not self._playing:
             return np.zeros(count, dtype=np.float32)
-        out = read_between(Recorded(self._waiting), self._at, self._at + count * step, count)
+        out = read_between(SampledSound(self._waiting), self._at, self._at + count * step, count)
         self._at += count * step
         done = max(0, int(self._at) - _AHEAD)
         self._waiting, self._at = self._waiting[done:], self._at - done

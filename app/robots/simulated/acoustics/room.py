@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from app.base.geometry import Pose3
 from app.robots.simulated.acoustics.bands import AIR_DB_PER_M, fast_length, join, low_pass
-from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, TAPS, Microphones
+from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, TAPS, BaffledMicrophones
 
 Vector = tuple[float, float, float]
 Impulses = NDArray[np.float32]
@@ -143,7 +143,7 @@ MOUTH_MEAN = np.sqrt(MOUTH_FRONT**2 + (1 - MOUTH_FRONT) ** 2 / 3)
 
 
 def early(
-    microphones: Microphones,
+    microphones: BaffledMicrophones,
     X_WA: Pose3,
     found: Images,
     length: int,
@@ -163,7 +163,7 @@ def early(
     return join(bands[0], bands[1], microphones.rate)
 
 
-def diffuse_noise(microphones: Microphones, length: int, seed: int) -> NDArray[np.float32]:
+def diffuse_noise(microphones: BaffledMicrophones, length: int, seed: int) -> NDArray[np.float32]:
     """What the microphones hear of white noise of variance 1 from all directions: (2, M, length), low and high band.
 
     Plane waves from 64 evenly spread directions, each unlike the others. Cyclic where ``length`` is a power of two.
@@ -205,7 +205,7 @@ def response(
     room: Shoebox | None,
     p_WS: ArrayLike,
     X_WA: Pose3,
-    microphones: Microphones,
+    microphones: BaffledMicrophones,
     seconds: float | None = None,
     early_s: float = 0.08,
     looks: ArrayLike | None = None,

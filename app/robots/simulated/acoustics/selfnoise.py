@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from app.robots.simulated.acoustics.diffraction import Microphones
+from app.robots.simulated.acoustics.diffraction import BaffledMicrophones
 from app.robots.simulated.acoustics.dry_sound import ramp
 
 Samples = NDArray[np.float32]
@@ -32,7 +32,7 @@ class SelfNoise:
 
     def __init__(
         self,
-        microphones: Microphones,
+        microphones: BaffledMicrophones,
         fans: float,
         wheels: float,
         own: float,
@@ -86,7 +86,7 @@ def _shaped(shape: NDArray[np.float64], channels: int, rng: np.random.Generator)
 
 
 def _heard(
-    microphones: Microphones, p_AS: NDArray[np.float64], shape: NDArray[np.float64], seed: np.random.SeedSequence
+    microphones: BaffledMicrophones, p_AS: NDArray[np.float64], shape: NDArray[np.float64], seed: np.random.SeedSequence
 ) -> Samples:
     """Noise of one place as the microphones hear it, cyclic, mean level 1."""
     noise = _shaped(shape, 1, np.random.default_rng(seed))

@@ -7,8 +7,8 @@ import pickle
 import select
 import socket
 
-from app.robots.simulated.acoustics.ipc import Played, Scene, Setup
-from app.robots.simulated.acoustics.microphone_simulator import Ear
+from app.robots.simulated.acoustics.ipc import AcousticsSetup, LoudspeakerFrame, SoundScene
+from app.robots.simulated.acoustics.microphone_simulator import MicrophoneSimulator
 from app.robots.simulated.wire import Socket
 
 
@@ -17,18 +17,18 @@ def serve(link_descriptor: int, setup_descriptor: int) -> None:
     with open(setup_descriptor, "rb") as memory:
         memory.seek(0)
         setup = pickle.load(memory)
-    assert isinstance(setup, Setup)
+    assert isinstance(setup, AcousticsSetup)
     sock = Socket(socket.socket(fileno=link_descriptor))
-    ear = Ear(setup)
+    ear = MicrophoneSimulator(setup)
     gc.collect()
     gc.freeze()
     while not sock.closed:
         select.select([sock.fileno()], [sock.fileno()] if sock.has_unsent else [], [])
         scenes = []
         for order in sock.receive():
-            if isinstance(order, Scene):
+            if isinstance(order, SoundScene):
                 scenes.append(order)
-            elif isinstance(order, Played):
+            elif isinstance(order, LoudspeakerFrame):
                 ear.play(order)
         for heard in ear.listen(scenes):
             sock.send(heard)

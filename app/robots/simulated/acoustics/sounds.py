@@ -74,7 +74,7 @@ class Clip:
         )
 
 
-class Library:
+class ClipLibrary:
     """Gives clips by name at one ``rate``; ``sensitivity_db`` as in MicrophonesConfig."""
 
     def __init__(self, rate: int, sensitivity_db: float) -> None:

@@ -9,11 +9,11 @@ from app.base.geometry import Pose2, Pose3
 from app.messages import SoundTruth
 from app.robots.config import LoudspeakerConfig, MicrophonesConfig
 from app.robots.model import RobotModel
-from app.robots.simulated.acoustics.ipc import Scene, Setup, Sounding
-from app.robots.simulated.acoustics.sounds import PEAK_DB_SPL, VARIANTS, Key, Library
+from app.robots.simulated.acoustics.ipc import AcousticsSetup, ActiveSound, SoundScene
+from app.robots.simulated.acoustics.sounds import PEAK_DB_SPL, VARIANTS, ClipLibrary, Key
 from app.robots.simulated.acoustics.synthesis import MAKERS
 from app.robots.simulated.scenery.scenario_config import LONGEST_SOUND_S, ScenarioConfig
-from app.robots.simulated.scenery.scenario_state import Cue, Stage
+from app.robots.simulated.scenery.scenario_state import Cue, ScenarioState
 from app.robots.simulated.world_config import WorldConfig
 
 AFTER_S = 0.3
@@ -40,7 +40,7 @@ class Soundscape:
         wheels: tuple[str, str],
         seed: int,
     ) -> None:
-        self._library = Library(config.rate, config.sensitivity_db)
+        self._library = ClipLibrary(config.rate, config.sensitivity_db)
         try:
             clips = (
                 {key: self._library.at(key) for key in _keys(self._library, scenario)} if scenario is not None else {}
@@ -54,7 +54,7 @@ class Soundscape:
                 raise ConfigError(
                     f"{name!r} lasts {clip.seconds:.0f} s; {LONGEST_SOUND_S:g} s are the most without a loop"
                 )
-        self.setup = Setup(
+        self.setup = AcousticsSetup(
             config=config,
             loudspeaker=loudspeaker,
             world=world,
@@ -65,19 +65,21 @@ class Soundscape:
             seed=seed,
         )
 
-    def scene(self, time_s: float, stamp: float, X_WB: Pose2, rims_mps: tuple[float, float], stage: Stage) -> Scene:
+    def scene(
+        self, time_s: float, stamp: float, X_WB: Pose2, rims_mps: tuple[float, float], stage: ScenarioState
+    ) -> SoundScene:
         """How the world is at ``time_s`` (simulated, s), ``stamp`` by the robot's clock."""
         headings = {person.name: person.heading for person in stage.people}
         sounds = tuple(
-            Sounding(
+            ActiveSound(
                 cue.name, self._key(cue), cue.begin_s, cue.gain_db, cue.loop, stage.place(cue), _mouth(cue, headings)
             )
             for cue in stage.cues
             if self._heard_still(cue, time_s)
         )
-        return Scene(time_s, stamp, X_WB, rims_mps, sounds)
+        return SoundScene(time_s, stamp, X_WB, rims_mps, sounds)
 
-    def truth(self, time_s: float, stamp: float, stage: Stage) -> tuple[SoundTruth, ...]:
+    def truth(self, time_s: float, stamp: float, stage: ScenarioState) -> tuple[SoundTruth, ...]:
         """Every scripted sound that is being given off."""
         return tuple(
             SoundTruth(
@@ -101,7 +103,7 @@ class Soundscape:
         return cue.loop or time_s < cue.begin_s + self._library.at(self._key(cue)).seconds + after_s
 
 
-def _keys(library: Library, scenario: ScenarioConfig) -> Iterator[Key]:
+def _keys(library: ClipLibrary, scenario: ScenarioConfig) -> Iterator[Key]:
     """Every sound that ``scenario`` can ask for."""
     names = {sound.clip for sound in scenario.sounds} | ({scenario.footsteps.clip} if scenario.footsteps else set())
     for person in scenario.people:

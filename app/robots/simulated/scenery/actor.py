@@ -29,7 +29,7 @@ ALMOST_THERE_M = 0.4
 
 
 @dataclass(frozen=True, slots=True)
-class Happening:
+class ActorSound:
     """Something heard that a person begins to do: ``kind`` and ``clip`` as in ``Cue``."""
 
     kind: str
@@ -101,11 +101,11 @@ class Actor:
         """Have the palms meet at ``time_s``, which should not be nearer than the arms take to be raised."""
         self._claps.append(time_s)
 
-    def tick(self, dt: float, now: float, X_WB: Pose2, before: Sequence[Actor]) -> list[Happening]:
+    def tick(self, dt: float, now: float, X_WB: Pose2, before: Sequence[Actor]) -> list[ActorSound]:
         """Go on by ``dt`` to ``now``; ``before`` are those whom this person lets pass. Returns what begins to sound."""
         self._now = now
         self._claps = [time for time in self._claps if now - time < 2 * CLAP_RAISE_S]
-        happenings: list[Happening] = []
+        happenings: list[ActorSound] = []
         look: Look = "ahead"
         wanted_speed = 0.0
         for _ in range(len(self.config.script) + 1):  # steps that take no time are done in one tick
@@ -137,13 +137,13 @@ class Actor:
         self._look(look, dt, X_WB)
         return happenings
 
-    def _begin(self, step: StepConfig, now: float) -> list[Happening]:
+    def _begin(self, step: StepConfig, now: float) -> list[ActorSound]:
         if step.say is not None:
-            return [Happening("speech", step.say, step.gain_db, now)]
+            return [ActorSound("speech", step.say, step.gain_db, now)]
         if step.clap is not None:
             times = [now + CLAP_RAISE_S + number * step.every for number in range(step.clap)]
             self._claps += times
-            return [Happening("clap", "clap", step.gain_db, time) for time in times]
+            return [ActorSound("clap", "clap", step.gain_db, time) for time in times]
         return []
 
     def _finished(self, step: StepConfig, now: float, X_WB: Pose2) -> bool:
@@ -208,7 +208,7 @@ class Actor:
         across = dy * math.cos(direction) - dx * math.sin(direction)
         return 0.0 < along < ahead and abs(across) < aside
 
-    def _walk(self, target: tuple[float, float], dt: float, now: float) -> list[Happening]:
+    def _walk(self, target: tuple[float, float], dt: float, now: float) -> list[ActorSound]:
         left = math.dist(target, (self.x, self.y))
         if left < 1e-9:
             return []
@@ -218,7 +218,7 @@ class Actor:
         step_m = gait.STEP * self.height_m * (0.4 + 0.6 * min(1.0, self.speed / 1.3))
         before = math.floor(self._gait / math.pi)
         self._gait += math.pi * way / step_m
-        return [Happening("steps", "", 0.0, now)] if math.floor(self._gait / math.pi) > before else []
+        return [ActorSound("steps", "", 0.0, now)] if math.floor(self._gait / math.pi) > before else []
 
     def _look(self, look: Look, dt: float, X_WB: Pose2) -> None:
         yaw = pitch = 0.0

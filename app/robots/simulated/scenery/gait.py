@@ -35,7 +35,7 @@ class Posture:
 
 
 @dataclass(frozen=True, slots=True)
-class Joint:
+class LimbJoint:
     """A limb's upper joint in the person's own frame (feet at the origin, x forward) and its angles (rad): ``pitch``
     about y (positive swings a hanging limb backward), then ``yaw`` about z.
     """
@@ -50,24 +50,24 @@ def drop(posture: Posture) -> float:
     return HIP_SHARE - _ANKLE - max(_reach(leg) for leg in _legs(posture))
 
 
-def joints(posture: Posture) -> dict[str, Joint]:
+def joints(posture: Posture) -> dict[str, LimbJoint]:
     """Every limb's joint in ``posture``."""
     lower = drop(posture)
     hip = HIP_SHARE - lower
     legs = _legs(posture)
     found = {
-        "trunk": Joint((0.0, 0.0, hip), pitch=0.03 * posture.stride),
-        "head": Joint((0.0, 0.0, NECK_SHARE - lower), -posture.head_pitch, posture.head_yaw),
+        "trunk": LimbJoint((0.0, 0.0, hip), pitch=0.03 * posture.stride),
+        "head": LimbJoint((0.0, 0.0, NECK_SHARE - lower), -posture.head_pitch, posture.head_yaw),
     }
     for side, sign, (thigh, shin) in zip(("left", "right"), (1, -1), legs, strict=True):
         knee = (-THIGH * math.sin(thigh), sign * HIP_ASIDE, hip - THIGH * math.cos(thigh))
-        found[f"{side}_thigh"] = Joint((0.0, sign * HIP_ASIDE, hip), thigh)
-        found[f"{side}_shin"] = Joint(knee, shin)
+        found[f"{side}_thigh"] = LimbJoint((0.0, sign * HIP_ASIDE, hip), thigh)
+        found[f"{side}_shin"] = LimbJoint(knee, shin)
         upper, lower_arm, inward = _arm(-0.8 * thigh * posture.stride, posture)
         shoulder = (0.0, sign * SHOULDER_ASIDE, SHOULDER_SHARE - lower)
         elbow = (-UPPER_ARM * math.sin(upper), shoulder[1], shoulder[2] - UPPER_ARM * math.cos(upper))
-        found[f"{side}_upper_arm"] = Joint(shoulder, upper)
-        found[f"{side}_forearm"] = Joint(elbow, lower_arm, -sign * inward)
+        found[f"{side}_upper_arm"] = LimbJoint(shoulder, upper)
+        found[f"{side}_forearm"] = LimbJoint(elbow, lower_arm, -sign * inward)
     return found
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from app.robots.simulated.scenery import gait, person_mesh
 from app.robots.simulated.scenery.actor import Actor
-from app.robots.simulated.scenery.gait import Joint
+from app.robots.simulated.scenery.gait import LimbJoint
 from app.robots.simulated.scenery.scenario_config import Color
 from app.robots.simulated.scenery.textures import Texture
 from app.robots.simulated.world import OUT_OF_REACH_GROUP, ROBOT_CONTACT, WORLD_CONTACT
@@ -98,7 +98,7 @@ def _meshes(face: str) -> dict[str, person_mesh.Mesh]:
     }
 
 
-class People:
+class PersonBodies:
     """Poses the bodies of ``actors`` in a compiled model."""
 
     def __init__(self, model: mujoco.MjModel, actors: Sequence[Actor]) -> None:
@@ -123,7 +123,7 @@ def limb_poses(actor: Actor) -> NDArray[np.float64]:
     return _placed(gait.joints(actor.posture), actor)
 
 
-def _placed(frames: dict[str, Joint], actor: Actor) -> NDArray[np.float64]:
+def _placed(frames: dict[str, LimbJoint], actor: Actor) -> NDArray[np.float64]:
     poses = np.empty((len(LIMBS), 7))
     c, s = math.cos(actor.heading), math.sin(actor.heading)
     for row, limb in zip(poses, LIMBS, strict=True):

@@ -14,7 +14,7 @@ import numpy as np
 
 from app.base.geometry import Pose2
 from app.messages import PersonTruth
-from app.robots.simulated.scenery.actor import Actor, Happening
+from app.robots.simulated.scenery.actor import Actor, ActorSound
 from app.robots.simulated.scenery.scenario_config import LONGEST_SOUND_S, ScenarioConfig, SoundConfig
 
 TICK_S = 0.01
@@ -46,7 +46,7 @@ class Cue:
     loop: bool
 
 
-class Stage:
+class ScenarioState:
     """Plays a scenario. Attributes are read between calls of :meth:`advance`."""
 
     def __init__(self, scenario: ScenarioConfig) -> None:
@@ -111,7 +111,7 @@ class Stage:
             self._update_cues()
         return self._ticks > before
 
-    def _happened(self, actor: Actor, what: Happening) -> None:
+    def _happened(self, actor: Actor, what: ActorSound) -> None:
         clip, gain_db = what.clip, what.gain_db
         if what.kind == "steps":
             if self._footsteps is None:

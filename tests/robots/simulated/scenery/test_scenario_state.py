@@ -23,7 +23,7 @@ from app.robots.simulated.scenery.scenario_state import (
     HEIGHT_SIGMA_M,
     LOOKAHEAD_S,
     Cue,
-    Stage,
+    ScenarioState,
     draw_heights,
 )
 from app.robots.simulated.world_config import WallConfig, WorldConfig
@@ -35,8 +35,8 @@ def person(name: str = "person 1", at: tuple[float, float] = (0.0, 0.0), **more:
     return {"name": name, "face": "pilot", "at": at, **more}
 
 
-def stage(*people: dict[str, Any], seed: int = 1, **more: Any) -> Stage:
-    return Stage(ScenarioConfig.model_validate({"name": "test", "seed": seed, "people": people, **more}))
+def stage(*people: dict[str, Any], seed: int = 1, **more: Any) -> ScenarioState:
+    return ScenarioState(ScenarioConfig.model_validate({"name": "test", "seed": seed, "people": people, **more}))
 
 
 def test_heights_are_drawn_from_the_gaussian_that_perceptions_suppose() -> None:
@@ -241,7 +241,7 @@ def test_the_shipped_people_keep_off_walls_posters_each_other_and_the_start(name
     scenario = load_scenario(folder / "scenarios" / f"{name}.yaml")
     start = scenario.start or load_robot_config(folder / "robots" / "irl1_tr.yaml").start
     robot = Pose2(start.x, start.y, math.radians(start.heading_deg))
-    life = Stage(scenario)
+    life = ScenarioState(scenario)
     before_a_poster = dict.fromkeys((poster.text for poster in world.posters), 0.0)
     moved = dict.fromkeys((p.name for p in life.people), 0.0)
     seconds, period = 200.0, 0.4
