@@ -83,12 +83,12 @@ def _run_shown(what: BarnPlan, kept: ResultsStore, before: tuple[WorldResult, ..
         counts[result.outcome] = counts.get(result.outcome, 0) + 1
     with shown("crossing") as progress:
 
-        def told(result: WorldResult, number: int, total: int) -> None:
+        def events(result: WorldResult, number: int, total: int) -> None:
             counts[result.outcome] = counts.get(result.outcome, 0) + 1
             so_far = ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
             progress(number, total, f"{so_far}; world {result.world}: {result.outcome}, {result.time_s:.1f} s")
 
-        return run_worlds(what, kept, told)
+        return run_worlds(what, kept, events)
 
 
 def _tell(args: argparse.Namespace, what: BarnPlan, kept: ResultsStore, results: tuple[WorldResult, ...]) -> None:

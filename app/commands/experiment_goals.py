@@ -74,7 +74,7 @@ def run(args: argparse.Namespace) -> int:
     with_contact = sum(bool(result.touched) for result in before)
     with shown("goals") as progress:
 
-        def told(result: GoalResult, number: int, total: int) -> None:
+        def events(result: GoalResult, number: int, total: int) -> None:
             nonlocal reached, with_contact
             reached += result.outcome == "reached"
             with_contact += bool(result.touched)
@@ -86,7 +86,7 @@ def run(args: argparse.Namespace) -> int:
                 f"{reached} of {number} reached, {with_contact} with contact",
             )
 
-        results = run_goals(what, kept, told, lambda stage: progress(len(before), args.count, stage))
+        results = run_goals(what, kept, events, lambda stage: progress(len(before), args.count, stage))
     if args.json:
         print_json(
             {

@@ -129,7 +129,7 @@ class Observer:
             system.link.demand("scene_truth", True)
         self._dropped = self._drops()
         self._spent = self._spend()
-        beat = asyncio.create_task(self._feel_the_loop(), name="loop lateness")
+        beat = asyncio.create_task(self._measure_loop_delay(), name="loop lateness")
         self._ends.append(lambda: _cancel(beat))
 
     def outcome(self, *, attention: bool, script: str = "") -> Outcome:
@@ -214,7 +214,7 @@ class Observer:
             }
         )
 
-    async def _feel_the_loop(self) -> None:
+    async def _measure_loop_delay(self) -> None:
         loop = asyncio.get_running_loop()
         while True:
             due = loop.time() + LOOP_BEAT_S

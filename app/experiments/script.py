@@ -117,12 +117,12 @@ async def drive_script(
     does not follow for ``PATIENCE_S``, KeyError if the program has no channel ``operator_drive``.
     """
     async with contextlib.AsyncExitStack() as stack:
-        hands = _ScriptOperator(system, stack)
-        await hands.ready()
+        operator = _ScriptOperator(system, stack)
+        await operator.ready()
         for number, leg in enumerate(waypoints):
             if progress is not None:
                 progress(number, leg)
-            await hands.do(leg)
+            await operator.do(leg)
 
 
 class _ScriptOperator:
@@ -143,8 +143,8 @@ class _ScriptOperator:
             stack.callback(self._link.demand, "ground_truth", False)
         else:
             stack.callback(self._link.attach("odometry", self._see_odometry))
-        self._sees = "hokuyo" in streams
-        if self._sees:
+        self._truth_scan = "hokuyo" in streams
+        if self._truth_scan:
             stack.callback(self._link.attach("hokuyo", self._see_scan))
         self._start = self._link.start_pose if isinstance(self._link, SimulatedLink | LockstepLink) else Pose2()
 
@@ -198,7 +198,7 @@ class _ScriptOperator:
         return self._pose[1]
 
     def _blocked(self, now: float) -> bool:
-        if not self._sees:
+        if not self._truth_scan:
             return False
         if self._scan is None or now - self._scan.stamp > STALE_S:
             # Others may have said that nobody wants it; without it the hands do not drive ahead.

@@ -1,9 +1,9 @@
 """The folder of maps: names, listing, keeping, renaming, deleting.
 
 A map is a folder of its own: ``map.yaml`` and ``map.pgm`` (as ROS's ``map_server`` reads them), ``zones.yaml``, what
-its maker keeps beside them (``graph.npz``, the pose graph with which mapping goes on), and what others do
-(``things.npz``, what a camera saw stand where the laser sees nothing). A map that another program made is used as it is
-once its YAML file is called ``map.yaml``.
+its maker keeps beside them (``graph.npz``, the pose graph with which mapping goes on), and the files of other modules
+(``obstacles.npz``: obstacles seen by a camera where the laser sees nothing). A map that another program made is used as
+it is once its YAML file is called ``map.yaml``.
 """
 
 from __future__ import annotations

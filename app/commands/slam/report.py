@@ -61,7 +61,7 @@ def figures(
     gross = _gross(document)
     doubts = [f"{gross} relations are wrong by more than 0.5 m or 5°"] if gross else []
     document["intact"] = "no" if gross else check.intact
-    document["doubts"] = [*doubts, *check.doubts]
+    document["doubts"] = [*doubts, *check.inconsistencies]
     return document
 
 

@@ -15,8 +15,8 @@ from app.experiments.barn.worlds import BarnWorld, Worlds, chosen, load_worlds
 from app.experiments.pool import Trials
 from app.experiments.results_store import ResultsStore, program_digest
 
-Told = Callable[[WorldResult, int, int], None]
-"""Told each result as it comes, how many there are, and of how many."""
+OnResult = Callable[[WorldResult, int, int], None]
+"""OnResult each result as it comes, how many there are, and of how many."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,7 @@ def plan(
     return BarnPlan(file, chosen(file, only), config, jobs, program_digest(config), seed, overrides or {})
 
 
-def run(what: BarnPlan, kept: ResultsStore, told: Told, drive: Drive = desire_goal) -> tuple[WorldResult, ...]:
+def run(what: BarnPlan, kept: ResultsStore, on_result: OnResult, drive: Drive = desire_goal) -> tuple[WorldResult, ...]:
     """Cross what has not been crossed yet, and return the results of all that is planned, in the plan's order.
 
     Raises ConfigError, TrialLost, and any mistake of the program's own.
@@ -77,7 +77,7 @@ def run(what: BarnPlan, kept: ResultsStore, told: Told, drive: Drive = desire_go
     for _, result in Trials(functools.partial(cross, drive=drive), trials, what.jobs):
         kept.add(result.document())
         results[result.world] = result
-        told(result, len(results), len(what.chosen))
+        on_result(result, len(results), len(what.chosen))
     return tuple(results[world.name] for world in what.chosen)
 
 

@@ -67,7 +67,7 @@ def cross(trial: Trial, drive: Drive = desire_goal) -> WorldResult:
     watch = _CrossingObserver(world, world.length_m / trial.max_mps)
     with tempfile.TemporaryDirectory(prefix="hbba-barn-") as folder:
         maps = MapLibrary(Path(folder))
-        run_in_world(configuration, body, lambda run: watch.live(run, drive), world=world.build(), maps=maps)
+        run_in_world(configuration, body, lambda run: watch.observe(run, drive), world=world.build(), maps=maps)
     return watch.result(time.monotonic() - began)
 
 
@@ -92,11 +92,11 @@ class _CrossingObserver:
         self._began = math.inf
         self._wanted = False
 
-    async def live(self, run: WorldRun, drive: Drive) -> None:
+    async def observe(self, run: WorldRun, drive: Drive) -> None:
         """Settle, give the goal, and look until it is reached, something is hit or time is over."""
         channel = run.system.graph.channels.get("navigation")
         if channel is not None:
-            channel.observe(self._hear)
+            channel.observe(self._take_status)
         if "SLAM" in run.system.classes:
             run.system.workspace.add("SLAM", intensity=8, utility=1, source=_EXPERIMENT)
         await run.system.clock.sleep(SETTLE_S)
@@ -145,8 +145,8 @@ class _CrossingObserver:
             return False
         self._note(pose)
         if self._outcome != "success" and self._said is not None:
-            told = _told(self._said)
-            self._reason = f"{self._reason}; {told}" if self._reason else told
+            text = _event_text(self._said)
+            self._reason = f"{self._reason}; {text}" if self._reason else text
         return True
 
     def _gave_up(self, run: WorldRun) -> bool:
@@ -158,7 +158,7 @@ class _CrossingObserver:
     def _note(self, pose: Pose2) -> None:
         self._trace.append((round(self._time_s, 3), round(pose.x, 3), round(pose.y, 3), round(pose.theta, 3)))
 
-    def _hear(self, message: NavigationStatus) -> None:
+    def _take_status(self, message: NavigationStatus) -> None:
         before = self._said
         if message.goal is None:
             return  # before there is one, or after it was given up: what counts is what was said about it
@@ -166,8 +166,8 @@ class _CrossingObserver:
         if len(self._story) >= _STORY:
             return
         if before is None or (before.state, before.reason) != (message.state, message.reason):
-            self._story.append((round(message.stamp - self._began, 2), _told(message)))
+            self._story.append((round(message.stamp - self._began, 2), _event_text(message)))
 
 
-def _told(status: NavigationStatus) -> str:
+def _event_text(status: NavigationStatus) -> str:
     return f"{status.state}: {status.reason}".strip(": ")

@@ -1,4 +1,4 @@
-"""Goals in the lab among people: drawn at random, given in shifts of some, kept so that a broken run goes on."""
+"""Goals in the lab among people: drawn at random, given in goal_runs of some, kept so that a broken run goes on."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from app.experiments.results_store import ResultsStore, program_digest
 from app.program.config import load_configuration
 from app.robots.factory import simulated_parts
 
-#: A shift's goals are given one after another in one life of the program; shifts run beside each other. One that was
+#: A shift's goals are given one after another in one life of the program; goal_runs run beside each other. One that was
 #: broken off begins anew, so that it is the same as an unbroken one: a few goals are soon repeated.
 SHIFT_GOALS = 5
 #: Goals lie where the robot has so much room (m) beyond its outermost corner, and so far (m) from the one before.
@@ -29,7 +29,7 @@ SPARE_M, LEAST_M = 0.12, 2.0
 TOLERANCE_M, TOLERANCE_RAD, SLACK_M = 0.25, 0.2, 0.05
 PATIENCE_S = 300.0
 
-Told = Callable[[GoalResult, int, int], None]
+OnResult = Callable[[GoalResult, int, int], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +80,9 @@ def plan(
     return GoalsPlan(config, scenario, tour, count, seed, jobs, cameras, program_digest(config))
 
 
-def run(what: GoalsPlan, kept: ResultsStore, told: Told, began: Callable[[str], None]) -> tuple[GoalResult, ...]:
+def run(
+    what: GoalsPlan, kept: ResultsStore, on_result: OnResult, began: Callable[[str], None]
+) -> tuple[GoalResult, ...]:
     """Give every goal that was not given yet; returns the results of all that are planned, by number.
 
     ``began`` is told what is done that takes long. Raises ConfigError, TrialLost, ScriptBlocked, MapUnavailable, and
@@ -96,14 +98,16 @@ def run(what: GoalsPlan, kept: ResultsStore, told: Told, began: Callable[[str], 
         maps.mkdir(exist_ok=True)
         for _, leg in TrialSeries(drive, [Tour(what.config, what.tour, maps, what.cameras)], 1):
             began(leg)
-    shifts = [shift for shift in _shifts(what, maps) if any(number not in results for number, _ in shift.goals)]
+    goal_runs = [
+        goal_run for goal_run in _goal_runs(what, maps) if any(number not in results for number, _ in goal_run.goals)
+    ]
     began("going to goals")
-    for _, result in TrialSeries(work, shifts, what.jobs):
+    for _, result in TrialSeries(work, goal_runs, what.jobs):
         if result.number in results:
             continue
         kept.add(result.document())
         results[result.number] = result
-        told(result, len(results), what.count)
+        on_result(result, len(results), what.count)
     return tuple(results[number] for number in range(1, what.count + 1))
 
 
@@ -112,18 +116,18 @@ def done(what: GoalsPlan, kept: ResultsStore) -> tuple[GoalResult, ...]:
     return tuple(_done(kept, what.count).values())
 
 
-def _shifts(what: GoalsPlan, maps: Path) -> list[GoalRun]:
-    """Every goal of the plan, in shifts; each begins at the robot's usual place."""
+def _goal_runs(what: GoalsPlan, maps: Path) -> list[GoalRun]:
+    """Every goal of the plan, in goal_runs; each begins at the robot's usual place."""
     body, world, _ = simulated_parts(seeing(simulated_body(what.config, what.scenario)))
     origin = Pose2(body.start.x, body.start.y, np.deg2rad(body.start.heading_deg))
     ground = survey(world, body)
     reach = max(float(np.hypot(x, y)) for x, y in body.footprint)
     cells = ground.reachable(origin, reach + SPARE_M)
-    shifts = []
+    goal_runs = []
     for number in range(0, what.count, SHIFT_GOALS):
         rng = np.random.default_rng([what.seed, number])
         drawn = ground.draw(cells, SHIFT_GOALS, origin, LEAST_M, rng)[: what.count - number]
-        shifts.append(
+        goal_runs.append(
             GoalRun(
                 config=what.config,
                 scenario=what.scenario,
@@ -139,7 +143,7 @@ def _shifts(what: GoalsPlan, maps: Path) -> list[GoalRun]:
                 patience_s=PATIENCE_S,
             )
         )
-    return shifts
+    return goal_runs
 
 
 def _done(kept: ResultsStore, count: int) -> dict[int, GoalResult]:

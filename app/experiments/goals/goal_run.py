@@ -68,37 +68,37 @@ def seeing(body: RobotConfig) -> RobotConfig:
     return body.model_copy(update={"streams": body.streams.model_copy(update={"imv": None})})
 
 
-def work(shift: GoalRun, give: Callable[[GoalResult], None]) -> None:
-    """Work ``shift`` to its end; each result is given as soon as it is there.
+def work(run_spec: GoalRun, give: Callable[[GoalResult], None]) -> None:
+    """Work ``run_spec`` to its end; each result is given as soon as it is there.
 
     Raises ConfigError, and any mistake of the program's own.
     """
-    body = seeing(simulated_body(shift.config, shift.scenario))
+    body = seeing(simulated_body(run_spec.config, run_spec.scenario))
     start = body.start.model_copy(
-        update={"x": shift.start.x, "y": shift.start.y, "heading_deg": math.degrees(shift.start.theta)}
+        update={"x": run_spec.start.x, "y": run_spec.start.y, "heading_deg": math.degrees(run_spec.start.theta)}
     )
-    body = body.model_copy(update={"start": start, "seed": shift.seed})
-    configuration = load_configuration(shift.config)
+    body = body.model_copy(update={"start": start, "seed": run_spec.seed})
+    configuration = load_configuration(run_spec.config)
     run_in_world(
         configuration,
         body,
-        lambda run: _live(run, shift, body.footprint, give),
-        cameras=shift.cameras,
+        lambda run: _run_goals(run, run_spec, body.footprint, give),
+        cameras=run_spec.cameras,
         without=UNCONCERNED,
-        maps=MapLibrary(shift.maps),
+        maps=MapLibrary(run_spec.maps),
     )
 
 
-async def _live(
-    run: WorldRun, shift: GoalRun, footprint: tuple[tuple[float, float], ...], give: Callable[[GoalResult], None]
+async def _run_goals(
+    run: WorldRun, run_spec: GoalRun, footprint: tuple[tuple[float, float], ...], give: Callable[[GoalResult], None]
 ) -> None:
     workspace = run.system.workspace
     workspace.add("SLAM", intensity=8, utility=1, source=_EXPERIMENT)
-    X_MB = shift.origin.inverse() @ shift.start
+    X_MB = run_spec.origin.inverse() @ run_spec.start
     await _take_map(run, X_MB)
-    last = shift.start
-    for number, goal in shift.goals:
-        watch = _GoalObserver(run, shift, footprint)
+    last = run_spec.start
+    for number, goal in run_spec.goals:
+        watch = _GoalObserver(run, run_spec, footprint)
         give(await watch.go(number, last, goal))
         last = run.link.true_pose()
 
@@ -127,9 +127,9 @@ async def _take_map(run: WorldRun, X_MB: Pose2) -> None:
 class _GoalObserver:
     """Gives one goal and looks on, knowing the truth."""
 
-    def __init__(self, run: WorldRun, shift: GoalRun, footprint: tuple[tuple[float, float], ...]) -> None:
+    def __init__(self, run: WorldRun, run_spec: GoalRun, footprint: tuple[tuple[float, float], ...]) -> None:
         self._run = run
-        self._shift = shift
+        self._run_spec = run_spec
         self._footprint = footprint
         self._said: NavigationStatus | None = None
         self._story: list[tuple[float, str]] = []
@@ -137,22 +137,22 @@ class _GoalObserver:
         self._people_m: float | None = None
         self._driven_m = 0.0
         self._last = run.link.true_pose()
-        self._touched = self._told = len(run.link.contacts)
+        self._touched = self._reported_contacts = len(run.link.contacts)
 
     async def go(self, number: int, last: Pose2, goal: Pose2) -> GoalResult:
         """Desire ``goal`` (world) and wait until the program has ended the desire, or patience is over."""
-        shift, system = self._shift, self._run.system
-        on_map = shift.origin.inverse() @ goal
+        run_spec, system = self._run_spec, self._run.system
+        on_map = run_spec.origin.inverse() @ goal
         with contextlib.ExitStack() as stack:
             for name in ("navigation", "going_toward"):
                 if (channel := system.graph.channels.get(name)) is not None:
-                    stack.callback(channel.observe(self._hear))
+                    stack.callback(channel.observe(self._take_status))
             params = {
                 "x": on_map.x, "y": on_map.y, "heading": on_map.theta,
-                "tolerance_m": shift.tolerance_m, "tolerance_rad": shift.tolerance_rad,
+                "tolerance_m": run_spec.tolerance_m, "tolerance_rad": run_spec.tolerance_rad,
             }  # fmt: skip
             desire = system.workspace.add("GoTo", intensity=8, utility=1, params=params, source=_EXPERIMENT)
-            while self._wanted(desire.id) and system.clock.now() - self._began < shift.patience_s:
+            while self._wanted(desire.id) and system.clock.now() - self._began < run_spec.patience_s:
                 self._look()
                 await system.clock.sleep(LOOK_S)
             late = self._wanted(desire.id)
@@ -188,8 +188,8 @@ class _GoalObserver:
             return "timeout"
         if self._said is None or self._said.state != "arrived":
             return "given up"
-        shift = self._shift
-        near = error_m <= shift.tolerance_m + shift.slack_m and abs(error_rad) <= shift.tolerance_rad + 0.05
+        run_spec = self._run_spec
+        near = error_m <= run_spec.tolerance_m + run_spec.slack_m and abs(error_rad) <= run_spec.tolerance_rad + 0.05
         return "reached" if near else "missed"
 
     def _look(self) -> None:
@@ -204,14 +204,14 @@ class _GoalObserver:
             if self._people_m is None or room < self._people_m:
                 self._people_m = room
 
-        for contact in self._run.link.contacts[self._told :]:
-            self._told += 1
+        for contact in self._run.link.contacts[self._reported_contacts :]:
+            self._reported_contacts += 1
             x, y, _ = contact.at
             at = contact.X_WB.inverse() @ Pose2(x, y)
             where = f"at ({x:.2f}, {y:.2f}), ({at.x:.2f}, {at.y:.2f}) of the body"
             self._note(contact.stamp, f"touched {contact.what} {where}, going {went / LOOK_S:.2f} m/s")
 
-    def _hear(self, message: NavigationStatus) -> None:
+    def _take_status(self, message: NavigationStatus) -> None:
         if message.goal is None:
             return
         before, self._said = self._said, message

@@ -57,7 +57,7 @@ def make_map(
     return run_in_world(
         load_configuration(config),
         body,
-        lambda run: _live(run, script, began),
+        lambda run: _run_goals(run, script, began),
         cameras=cameras,
         without=UNCONCERNED,
         pins=dict.fromkeys(_EYES, Pin(1)) if cameras else None,
@@ -72,7 +72,7 @@ def _looking(body: RobotConfig) -> RobotConfig:
     return body.model_copy(update={"streams": body.streams.model_copy(update={"kinect": slow})})
 
 
-async def _live(run: WorldRun, script: tuple[Waypoint, ...], began: Callable[[str], None]) -> Pose2:
+async def _run_goals(run: WorldRun, script: tuple[Waypoint, ...], began: Callable[[str], None]) -> Pose2:
     origin = run.link.true_pose()
     for cls in ("SLAM", "Teleoperation"):
         run.system.workspace.add(cls, intensity=8, utility=1, source=_EXPERIMENT)

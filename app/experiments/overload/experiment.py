@@ -27,7 +27,7 @@ WATCHING = ("Telepresence",)
 #: Nothing is recorded here: a recorder's inputs are no perception's.
 NOT_PERCEPTION = ("Recorder",)
 
-Told = Callable[[str, float], None]
+OnProgress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,14 +46,15 @@ def plan(config: Path | None, scenario: Path | None, seconds: float, budget: flo
     return OverloadPlan(program, load_script(program.scenario), seconds, budget)
 
 
-def run(what: OverloadPlan, told: Told) -> tuple[Outcome, Outcome]:
-    """Without attention, then with it. ``told(condition, part)`` says how far it is. Raises LinkFailed, ConfigError."""
-    without = asyncio.run(_condition(what, False, lambda part: told("everything at φ = 1", part / 2)))
-    kept = asyncio.run(_condition(what, True, lambda part: told("with attention", 0.5 + part / 2)))
+def run(what: OverloadPlan, on_progress: OnProgress) -> tuple[Outcome, Outcome]:
+    """Without attention, then with it. ``on_progress(condition, share)`` reports progress in [0, 1]. Raises LinkFailed,
+    ConfigError."""
+    without = asyncio.run(_condition(what, False, lambda part: on_progress("everything at φ = 1", part / 2)))
+    kept = asyncio.run(_condition(what, True, lambda part: on_progress("with attention", 0.5 + part / 2)))
     return without, kept
 
 
-async def _condition(what: OverloadPlan, attention: bool, told: Callable[[float], None]) -> Outcome:
+async def _condition(what: OverloadPlan, attention: bool, on_progress: Callable[[float], None]) -> Outcome:
     system, link = what.program.system()
     clock = system.clock
     if not attention:
@@ -73,7 +74,7 @@ async def _condition(what: OverloadPlan, attention: bool, told: Callable[[float]
             began = clock.now()
             try:
                 while (passed := clock.now() - began) < what.seconds:
-                    told(passed / what.seconds)
+                    on_progress(passed / what.seconds)
                     await clock.sleep(PERIOD_S)
             finally:
                 how = _how(driving)

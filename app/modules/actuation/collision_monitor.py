@@ -125,7 +125,7 @@ class CollisionMonitor:
         turned = complex(math.cos(X_SB.theta), -math.sin(X_SB.theta))
         points = (seen.points - complex(X_SB.x, X_SB.y)) * turned
         scale, where = self._scale(points, linear, angular, stands)
-        reason = "" if where is None else self._words(complex(points[where]), scale)
+        reason = "" if where is None else self._explanation(complex(points[where]), scale)
         crawl = self._crawl(linear, angular)
         hidden = (linear > 0 and not seen.ahead) or (linear < 0 and not seen.behind)
         if hidden and crawl < scale:
@@ -216,7 +216,7 @@ class CollisionMonitor:
         touching = np.where(share > NEARED_IN_TOUCH, 0.0, 1.0)
         return np.where(beyond >= 0.0, outside, touching)
 
-    def _words(self, point: complex, scale: float) -> str:
+    def _explanation(self, point: complex, scale: float) -> str:
         distance = max(0.0, float(self._tight.beyond(np.array([point]))[0][0]))
         bearing = math.degrees(math.atan2(point.imag, point.real))
         if abs(bearing) <= 60:

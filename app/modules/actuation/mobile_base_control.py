@@ -120,7 +120,7 @@ class MobileBaseControl(Module):
         self._odometry = self.input("odometry", Odometry, capacity=128, always_open=True)
         self._operator = self.input("operator", OperatorDrive, capacity=8, always_open=True)
         self.every(self.settings.period_s, self._beat)
-        self._lookout: CollisionContext | None = None
+        self._collision_context: CollisionContext | None = None
         self._limited = ""
         self._commands: dict[str, Twist] = {}
         self._sent = Twist(0.0, 0.0, 0.0)
@@ -146,7 +146,7 @@ class MobileBaseControl(Module):
         """Take hold of the body. Raises ModuleFailed for a body without status, or whose footprint is none."""
         self._release = attach(self, "status", LinkStatus, self.status.publish)
         self._link = robot_link(self)
-        self._lookout = self._post_lookout()
+        self._collision_context = self._start_collision_context()
 
     async def stop(self) -> None:
         """Leave the wheels commanded to zero."""
@@ -167,7 +167,7 @@ class MobileBaseControl(Module):
             return ""
         return f"{body.name} {why}: nothing keeps it from driving into things"
 
-    def _post_lookout(self) -> CollisionContext | None:
+    def _start_collision_context(self) -> CollisionContext | None:
         if self._unmonitored():
             return None
         body = self._link.description
@@ -179,17 +179,17 @@ class MobileBaseControl(Module):
 
     async def _take(self, port: str, command: Twist) -> None:
         self._commands[port] = command
-        self._drive_and_tell()
+        self._drive_and_report()
 
     async def _look(self, scan: LaserScan) -> None:
-        if self._lookout is None:
+        if self._collision_context is None:
             return
-        self._lookout.scanned(scan)
+        self._collision_context.scanned(scan)
         if self._driver is not None:
             # What stands in the way now is not for the next beat to find.
-            self._drive_and_tell()
+            self._drive_and_report()
 
-    def _drive_and_tell(self) -> None:
+    def _drive_and_report(self) -> None:
         before = self._driver, bool(self._limited)
         self._drive()
         if (self._driver, bool(self._limited)) != before:
@@ -200,13 +200,13 @@ class MobileBaseControl(Module):
         self._report()
 
     def _gather(self) -> None:
-        lookout = self._lookout
+        collision_context = self._collision_context
         for odometry in _waiting(self._odometry):
-            if lookout is not None:
-                lookout.moved(odometry)
+            if collision_context is not None:
+                collision_context.moved(odometry)
         for drive in _waiting(self._operator):
-            if lookout is not None:
-                lookout.commanded(drive)
+            if collision_context is not None:
+                collision_context.commanded(drive)
 
     def _drive(self) -> None:
         self._gather()
@@ -229,10 +229,10 @@ class MobileBaseControl(Module):
         self._link.command(replace(self._sent, stamp=now))
 
     def _within_sight(self, driver: str, target: Twist, limits: BaseLimits) -> tuple[Twist, str]:
-        if self._lookout is None:
+        if self._collision_context is None:
             return approach(self._sent, target, limits, self.settings.period_s), ""
         by_hand = driver == self.settings.by_hand
-        return self._lookout.limit(self._sent, target, self.settings.period_s, by_hand=by_hand)
+        return self._collision_context.limit(self._sent, target, self.settings.period_s, by_hand=by_hand)
 
     def _report(self) -> None:
         now = self.clock.now()

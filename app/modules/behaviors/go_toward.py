@@ -63,7 +63,7 @@ class GoToward(Module):
     Settings = GoTowardSettings
     settings: GoTowardSettings
 
-    _follower: PathTracker
+    _path_tracker: PathTracker
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
@@ -74,12 +74,12 @@ class GoToward(Module):
         self.twist = self.output("twist", Twist)
         self.status = self.output("status", NavigationStatus)
         self.on(self.scans, self._see)
-        self.on(self.odometry, self._feel)
+        self.on(self.odometry, self._detect_stall)
         self.on(self.localization, self._localize)
         self.on(self.zones, self._take_zones)
         self.every(self.settings.period_s, self._cycle)
         self._poses = LocalizationMonitor()
-        self._teller = StatusPublisher(self.status.publish, self.log)
+        self._status_publisher = StatusPublisher(self.status.publish, self.log)
         self._scan: LaserScan | None = None
         self._seen: tuple[float, np.ndarray[Any, np.dtype[np.float64]]] | None = None
         self._zones = Zones(0.0, ())
@@ -96,7 +96,7 @@ class GoToward(Module):
         except ValueError as error:
             raise ModuleFailed(f"{self.name} cannot drive {description.name}: {error}") from None
         # It has no way to recover by: it stands and says so.
-        self._follower = PathTracker(body, DynamicWindow(_CHEAP), recovery=RecoverySettings(stuck_s=math.inf))
+        self._path_tracker = PathTracker(body, DynamicWindow(_CHEAP), recovery=RecoverySettings(stuck_s=math.inf))
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take the goal from the desire; without ``x`` and ``y`` nobody wants to go anywhere."""
@@ -109,19 +109,19 @@ class GoToward(Module):
     async def _see(self, scan: LaserScan) -> None:
         self._scan = scan
 
-    async def _feel(self, odometry: Odometry) -> None:
-        self._poses.feel(odometry)
+    async def _detect_stall(self, odometry: Odometry) -> None:
+        self._poses.add_odometry(odometry)
 
     async def _localize(self, localization: Localization) -> None:
-        self._poses.localize(localization)
+        self._poses.add_localization(localization)
 
     async def _take_zones(self, zones: Zones) -> None:
         self._zones = zones
 
     async def _cycle(self) -> None:
         now, goal = self.clock.now(), self._goal
-        if goal is None and self._teller.idle:
-            self._teller.tell(NavigationStatus(now, self.name, "idle", "no goal"))
+        if goal is None and self._status_publisher.idle:
+            self._status_publisher.update(NavigationStatus(now, self.name, "idle", "no goal"))
             return
         # Places of one scan stay where they were in odom: localization that moves does not move them.
         scan = self._scan
@@ -132,7 +132,7 @@ class GoToward(Module):
             now, None if self._seen is None else self._seen[0], None, self.settings.fresh_s
         )
         if goal is None or problem or motion is None or X_MO is None or self._seen is None:
-            self._follower.go(goal, now)
+            self._path_tracker.go(goal, now)
             step = TrackingStep(
                 0.0, 0.0, "waiting" if goal is not None else "idle", problem if goal is not None else "no goal"
             )
@@ -141,11 +141,11 @@ class GoToward(Module):
         if self._goal is not goal:
             return
         self.twist.publish(Twist(now, step.linear_mps, step.angular_radps))
-        follower = self._follower
-        self._teller.tell(
+        path_tracker = self._path_tracker
+        self._status_publisher.update(
             NavigationStatus(
-                now, self.name, step.state, step.reason, None if goal is None else goal.pose, follower.target,
-                follower.remaining_m, follower.progress_stamp,
+                now, self.name, step.state, step.reason, None if goal is None else goal.pose, path_tracker.target,
+                path_tracker.remaining_m, path_tracker.progress_stamp,
             )
         )  # fmt: skip
 
@@ -159,16 +159,16 @@ class GoToward(Module):
         zones: Zones,
     ) -> TrackingStep:
         """One cycle, in the module's thread; everything on the map."""
-        follower = self._follower
+        path_tracker = self._path_tracker
         X_MB = X_MO @ motion.pose
-        if goal is not follower.goal or now - self._aimed_at >= _AIM_S:
-            follower.go(goal, now)
-            follower.take(_straight(X_MB, goal.pose), now, self._speeds(goal, zones))
+        if goal is not path_tracker.goal or now - self._aimed_at >= _AIM_S:
+            path_tracker.go(goal, now)
+            path_tracker.take(_straight(X_MB, goal.pose), now, self._speeds(goal, zones))
             self._aimed_at = now
         c, s = math.cos(X_MO.theta), math.sin(X_MO.theta)
         points = seen @ np.array([[c, s], [-s, c]]) + np.array([X_MO.x, X_MO.y])
         field = scan_field(points, zones.zones, X_MB)
-        step = follower.step(now, replace(motion, pose=X_MB), Pose2(), field, self.settings.period_s)
+        step = path_tracker.step(now, replace(motion, pose=X_MB), Pose2(), field, self.settings.period_s)
         if step.replan and step.state == "following":
             return replace(step, state="waiting", reason="something is in the way, and it knows no way around")
         return step

@@ -119,8 +119,8 @@ class PlanAndFollowPath(Module):
     Settings = PlanAndFollowPathSettings
     settings: PlanAndFollowPathSettings
 
-    _pilot: ControlCycle
-    _wayfinder: GlobalPlanner
+    _control: ControlCycle
+    _global_planner: GlobalPlanner
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
@@ -137,7 +137,7 @@ class PlanAndFollowPath(Module):
         self.costmap = self.output("costmap", OccupancyGrid)
         self.on(self.scans, self._see)
         self.on(self.images, self._look)
-        self.on(self.odometry, self._feel)
+        self.on(self.odometry, self._detect_stall)
         self.on(self.localization, self._localize)
         self.on(self.map, self._take_map)
         self.on(self.zones, self._take_zones)
@@ -151,7 +151,7 @@ class PlanAndFollowPath(Module):
         self._given_mps: float | None = None
         self._goal: Goal | None = None
         self._controller = self.settings.controller
-        self._steering_with = self._controller
+        self._controller_in_use = self._controller
         self._planning: asyncio.Task[PlanResult] | None = None
         self._planned_at = -math.inf
         self._planned_from: Localization | None = None
@@ -159,7 +159,7 @@ class PlanAndFollowPath(Module):
         self._answer: PlanResult | None = None
         self._plan: GlobalPlan | None = None
         self._wanted_plan = ""
-        self._teller = StatusPublisher(self.status.publish, self.log)
+        self._status_publisher = StatusPublisher(self.status.publish, self.log)
         self._costmap_at = -math.inf
         self._costmap_version = 0
         self._leave_map: Callable[[], None] | None = None
@@ -178,21 +178,21 @@ class PlanAndFollowPath(Module):
                 resolution_m=s.costmap_resolution_m,
                 keep_s=s.keep_s,
             ),
-            follower=PathTrackerSettings(corner_share=s.corner_share),
+            path_tracker=PathTrackerSettings(corner_share=s.corner_share),
             recovery=RecoverySettings(stuck_s=s.stuck_s, wait_s=s.wait_s, rounds=s.rounds, ask_s=s.ask_s),
             fresh_s=s.fresh_s,
             people_m=s.people_m,
         )
         try:
-            self._pilot = await self.compute(
+            self._control = await self.compute(
                 lambda: ControlCycle(description, self._controller, settings, depth=self.images.connected)
             )
         except ValueError as error:
             raise ModuleFailed(f"{self.name} cannot drive {description.name}: {error}") from None
         costs = CostSettings(unknown=s.unknown, closeness=s.closeness, reach_m=s.reach_m)
-        self._wayfinder = GlobalPlanner(self._pilot.footprint, costs)
-        if self._pilot.things is not None:
-            await self._keep_with_map(self._pilot.things)
+        self._global_planner = GlobalPlanner(self._control.footprint, costs)
+        if self._control.persistent_obstacles is not None:
+            await self._keep_with_map(self._control.persistent_obstacles)
         # What was said before a restart still holds.
         self._grid = None if self.map.channel is None else self.map.channel.latest
         self._zones = (None if self.zones.channel is None else self.zones.channel.latest) or self._zones
@@ -230,11 +230,11 @@ class PlanAndFollowPath(Module):
     async def _look(self, image: Image) -> None:
         self._image = image
 
-    async def _feel(self, odometry: Odometry) -> None:
-        self._poses.feel(odometry)
+    async def _detect_stall(self, odometry: Odometry) -> None:
+        self._poses.add_odometry(odometry)
 
     async def _localize(self, localization: Localization) -> None:
-        self._poses.localize(localization)
+        self._poses.add_localization(localization)
 
     async def _take_map(self, grid: OccupancyGrid) -> None:
         self._grid = grid
@@ -257,9 +257,9 @@ class PlanAndFollowPath(Module):
         now, goal = self.clock.now(), self._given
         if goal is None:
             self._periods.rest()
-        if goal is None and self._teller.idle:
-            self._teller.tell(NavigationStatus(now, self.name, "idle", "no goal"))
-            await self._look_on(now)
+        if goal is None and self._status_publisher.idle:
+            self._status_publisher.update(NavigationStatus(now, self.name, "idle", "no goal"))
+            await self._observe(now)
             return
         problem = self._poses.problem(now)
         if not problem and self._grid is None:
@@ -271,33 +271,33 @@ class PlanAndFollowPath(Module):
         answer, self._answer = self._answer, None
         if answer is not None and self._planned_for is not goal:
             answer = None
-        senses = CycleInput(
+        inputs = CycleInput(
             now, motion, self._poses.X_MO, problem, goal, self._scan_with_poses(), self._image_with_pose(),
             answer.plan if answer is not None and answer.changed else None,
-            None if answer is None else _speeds(answer, self._pilot.body.limits[1] * (goal.speed if goal else 1.0)),
-            self._grid, self._poses.astray(now) and self._grid is not None, self._given_mps,
+            None if answer is None else _speeds(answer, self._control.body.limits[1] * (goal.speed if goal else 1.0)),
+            self._grid, self._poses.is_lost(now) and self._grid is not None, self._given_mps,
         )  # fmt: skip
-        if self._controller != self._steering_with:
-            self._steering_with = self._controller
-            await self.compute(self._pilot.steer_with, self._controller)
-        told = await self.compute(self._pilot.cycle, senses, self.settings.period_s)
+        if self._controller != self._controller_in_use:
+            self._controller_in_use = self._controller
+            await self.compute(self._control.use_controller, self._controller)
+        output = await self.compute(self._control.run, inputs, self.settings.period_s)
         if self._given is not goal:
             # Another desire came while this was decided: what was decided is not for it.
             goal = None
-        self._publish(now, told, goal, answer)
-        if goal is not None and not problem and told.step.state != "arrived":
-            self._plan_if_wanted(now, goal, told)
-        if senses.image is not None and senses.goal is not None:
-            await self.compute(self._pilot.remember, senses)
+        self._publish(now, output, goal, answer)
+        if goal is not None and not problem and output.step.state != "arrived":
+            self._plan_if_wanted(now, goal, output)
+        if inputs.image is not None and inputs.goal is not None:
+            await self.compute(self._control.remember, inputs)
 
-    async def _look_on(self, now: float) -> None:
+    async def _observe(self, now: float) -> None:
         """Remember what is seen while others drive, by a body that sees what is worth it."""
-        if self._pilot.things is None:
+        if self._control.persistent_obstacles is None:
             return
         motion, scan, image = self._poses.motion(now), self._scan_with_poses(), self._image_with_pose()
         if motion is not None and (scan is not None or image is not None):
-            senses = CycleInput(now, motion, self._poses.X_MO, self._poses.problem(now), None, scan, image)
-            await self.compute(self._pilot.remember, senses)
+            inputs = CycleInput(now, motion, self._poses.X_MO, self._poses.problem(now), None, scan, image)
+            await self.compute(self._control.remember, inputs)
 
     def _scan_with_poses(self) -> tuple[LaserScan, Pose2, Pose2] | None:
         scan = self._scan
@@ -317,43 +317,43 @@ class PlanAndFollowPath(Module):
         self._image = None
         return image, X_OB
 
-    def _publish(self, now: float, told: CycleOutput, goal: Goal | None, answer: PlanResult | None) -> None:
+    def _publish(self, now: float, output: CycleOutput, goal: Goal | None, answer: PlanResult | None) -> None:
         if goal is None:
             self.twist.publish(Twist(now, 0.0, 0.0))
         else:
-            self.twist.publish(Twist(now, told.step.linear_mps, told.step.angular_radps))
+            self.twist.publish(Twist(now, output.step.linear_mps, output.step.angular_radps))
             self._periods.commanded(self.clock.now())
         if answer is not None and answer.changed:
             self._plan = answer.plan
             self._publish_path(now, answer.plan.poses)
-        self._teller.tell(
+        self._status_publisher.update(
             NavigationStatus(
-                now, self.name, told.step.state if goal is not None else "idle", told.step.reason,
-                None if goal is None else goal.pose, None if goal is None else told.target,
-                None if goal is None else told.remaining_m, None if goal is None else told.progress_stamp,
-                told.recoveries, self._periods.longest_s,
+                now, self.name, output.step.state if goal is not None else "idle", output.step.reason,
+                None if goal is None else goal.pose, None if goal is None else output.target,
+                None if goal is None else output.remaining_m, None if goal is None else output.progress_stamp,
+                output.recoveries, self._periods.longest_s,
             )
         )  # fmt: skip
         if goal is None:
             self._planned_for = None
-            self._forget_way(now)
-        if told.around is not None and self.costmap.wanted and now - self._costmap_at >= _COSTMAP_S - 1e-6:
+            self._clear_path(now)
+        if output.around is not None and self.costmap.wanted and now - self._costmap_at >= _COSTMAP_S - 1e-6:
             self._costmap_at = now
             self._costmap_version += 1
-            self.costmap.publish(told.around.to_message(self._costmap_version))
+            self.costmap.publish(output.around.to_message(self._costmap_version))
 
     def _publish_stop(self, now: float, goal: Goal | None, problem: str) -> None:
         self.twist.publish(Twist(now, 0.0, 0.0))
         if goal is not None:
             self._periods.commanded(self.clock.now())
         state = "idle" if goal is None else "waiting"
-        self._teller.tell(
+        self._status_publisher.update(
             NavigationStatus(
                 now, self.name, state, problem, None if goal is None else goal.pose, period_s=self._periods.longest_s
             )
         )
 
-    def _forget_way(self, now: float) -> None:
+    def _clear_path(self, now: float) -> None:
         if self._plan is not None:
             self._plan = None
             self._publish_path(now, np.empty((0, 3)))
@@ -363,12 +363,12 @@ class PlanAndFollowPath(Module):
 
     # --- planning, behind ---
 
-    def _plan_if_wanted(self, now: float, goal: Goal, told: CycleOutput) -> None:
+    def _plan_if_wanted(self, now: float, goal: Goal, output: CycleOutput) -> None:
         if self._planning is not None:
             return
         if self._planned_for is not goal:
             self._plan = None
-        why = self._why_plan(now, goal, told)
+        why = self._why_plan(now, goal, output)
         if why is None:
             return
         localization, grid = self._poses.localization, self._grid
@@ -376,16 +376,16 @@ class PlanAndFollowPath(Module):
         if localization is None or grid is None or X_MB is None:
             return
         request = PlanRequest(
-            grid, self._zones.zones, localization.X_MO, X_MB, goal.pose, told.around, told.opened_up, self._plan, why,
-            told.things,
+            grid, self._zones.zones, localization.X_MO, X_MB, goal.pose, output.around, output.opened_up, self._plan,
+            why, output.persistent_obstacles,
         )  # fmt: skip
         self._planned_at, self._planned_from, self._planned_for = now, localization, goal
         self._wanted_plan = ""
-        finding = self.compute_behind(self._wayfinder.find, request)
+        finding = self.compute_behind(self._global_planner.find, request)
         self._planning = asyncio.create_task(finding, name=f"{self.name} plans")
         self._planning.add_done_callback(self._planned)
 
-    def _why_plan(self, now: float, goal: Goal, told: CycleOutput) -> str | None:
+    def _why_plan(self, now: float, goal: Goal, output: CycleOutput) -> str | None:
         """Why a way is looked for now: "" for a better one alone; None if it is not the time."""
         since = now - self._planned_at
         if self._planned_for is not goal:
@@ -393,10 +393,12 @@ class PlanAndFollowPath(Module):
         before, newest = self._planned_from, self._poses.localization
         if before is not None and newest is not None and _jumped(before.X_MO, newest.X_MO):
             return "localization corrected itself"
-        wanted = told.step.replan or self._wanted_plan
+        wanted = output.step.replan or self._wanted_plan
         if wanted and since >= self.settings.blocked_replan_s:
             # What blocks the controller may not block the way: another is taken only if it is better or the old is not.
-            return "" if self._plan is not None and len(self._plan.poses) and told.step.state == "following" else wanted
+            return (
+                "" if self._plan is not None and len(self._plan.poses) and output.step.state == "following" else wanted
+            )
         return "" if since >= self.settings.replan_s else None
 
     def _planned(self, task: asyncio.Task[PlanResult]) -> None:

@@ -95,7 +95,7 @@ class FaceDetector(Module):
         sightings = await self.compute(self._find, image, self._min_score, self._fine)
         X_OB = await self._poses.at(image.stamp) if sightings else None
         if sightings:
-            self._tell_of_pose(X_OB)
+            self._report_pose(X_OB)
         placed = self._tracks.see(image.stamp, image.frame, sightings, None if X_OB is None else X_OB.to_pose3())
         self.kept[_NEXT_TRACK] = self._tracks.next
         faces = tuple(_face(sighting, where) for sighting, where in zip(sightings, placed, strict=True))
@@ -109,7 +109,7 @@ class FaceDetector(Module):
         longest = settings.fine_px if fine else settings.coarse_px
         return self._looker.look(image, longest, settings.fine_px_per_rad if fine else settings.coarse_px_per_rad)
 
-    def _tell_of_pose(self, X_OB: Pose2 | None) -> None:
+    def _report_pose(self, X_OB: Pose2 | None) -> None:
         if (X_OB is None) != self._poseless:
             self._poseless = X_OB is None
             if self._poseless:

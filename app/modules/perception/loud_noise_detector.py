@@ -63,7 +63,7 @@ class LoudNoiseDetector(Module):
         self._overruns = Overruns(self.log, self.clock)
         self._rest = np.zeros(0, np.int16)
         self._band = BandEnergy(48_000)
-        self._judge = OnsetDetector()
+        self._detector = OnsetDetector()
         self.audio = self.input("audio", Audio, capacity=_CAPACITY, lossless=True)
         self.noises = self.output("noises", LoudNoise)
         self.on(self.audio, self._listen)
@@ -73,7 +73,7 @@ class LoudNoiseDetector(Module):
         self._ratio = float(parameters.get("ratio", self.settings.ratio))
         self._hold_off_s = float(parameters.get("hold_off_s", self.settings.hold_off_s))
         if self._rate:
-            self._judge.follow(self._rule())
+            self._detector.follow(self._rule())
 
     def overflowed(self, port: str, loss: InboxOverflow) -> None:
         """Say so and begin afresh: what the background was by now is not known."""
@@ -100,7 +100,7 @@ class LoudNoiseDetector(Module):
             samples, self._rest = samples[:whole], samples[whole:]
         for first in range(0, len(samples), FRAME):
             frame = samples[first : first + FRAME]
-            noise = onset_of(frame, self._band.frame(frame), self._judge)
+            noise = onset_of(frame, self._band.frame(frame), self._detector)
             if noise is not None:
                 self.noises.publish(LoudNoise(begin + first / audio.rate, noise.ratio, noise.level_db))
 
@@ -110,7 +110,7 @@ class LoudNoiseDetector(Module):
         self._band = BandEnergy(audio.rate)
         if self._awaited < 0 or audio.rate != self._rate or not 0 <= lost <= audio.rate:
             self._rate = audio.rate
-            self._judge = OnsetDetector(self._rule())
+            self._detector = OnsetDetector(self._rule())
 
     def _rule(self) -> LoudnessRule:
         settings = self.settings

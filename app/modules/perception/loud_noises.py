@@ -169,14 +169,14 @@ class Onset:
     level_db: float
 
 
-def onset_of(frame: NDArray[np.int16], energy: float, judge: OnsetDetector) -> Onset | None:
-    """Let ``judge`` hear the next ``frame`` (512,) int16, of which ``energy`` is what :class:`BandEnergy` said."""
-    ratio = judge.judge(energy, partial(whole_energy, frame))
+def onset_of(frame: NDArray[np.int16], energy: float, detector: OnsetDetector) -> Onset | None:
+    """Let ``detector`` hear the next ``frame`` (512,) int16, of which ``energy`` is what :class:`BandEnergy` said."""
+    ratio = detector.update(energy, partial(whole_energy, frame))
     return None if ratio is None else Onset(ratio, decibels(whole_energy(frame)))
 
 
 class OnsetDetector:
-    """Judges frame after frame: ``judge(energy)`` gives the ratio to the background where a loud noise begins."""
+    """Judges frame after frame: ``update(energy)`` gives the ratio to the background where a loud noise begins."""
 
     def __init__(self, rule: LoudnessRule | None = None) -> None:
         self._rule = rule or LoudnessRule()
@@ -215,7 +215,7 @@ class OnsetDetector:
     def _loud(self) -> float:
         return max(self._floor, self._rule.ratio * max(self.background, _SILENCE), CREST * self._usual_peaks)
 
-    def judge(self, energy: float, whole: Callable[[], float] | None = None) -> float | None:
+    def update(self, energy: float, whole: Callable[[], float] | None = None) -> float | None:
         """Take the energy of the next frame; its ratio to the background if a loud noise begins with it, or None.
 
         ``whole`` gives its energy without the band's limits, asked only where one could; None: nothing is a thud.

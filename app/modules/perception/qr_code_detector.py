@@ -79,7 +79,7 @@ class QRCodeDetector(Module):
         self._upscale = self.settings.upscale
         self._poses = PoseAt(self.clock)
         self._map = LandmarkMap()
-        self._told: Landmarks | None = None
+        self._published: Landmarks | None = None
         self._poseless = False
         self._patches: FisheyePatches | None = None
         self._scans: deque[LaserScan] = deque(maxlen=_SCANS)
@@ -98,9 +98,11 @@ class QRCodeDetector(Module):
         """Keep OpenCV's work where it is measured, and go on with the landmarks known before a restart."""
         use_calling_thread()
         channel = self.landmarks.channel
-        self._told = None if channel is None else channel.latest
+        self._published = None if channel is None else channel.latest
         model = SightingModel(self.settings.sigma_floor_m, self.settings.sigma_per_m2)
-        self._map = LandmarkMap(model, self.settings.gate_m, () if self._told is None else self._told.landmarks)
+        self._map = LandmarkMap(
+            model, self.settings.gate_m, () if self._published is None else self._published.landmarks
+        )
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take ``upscale`` from the intention."""
@@ -148,7 +150,7 @@ class QRCodeDetector(Module):
                 x, y, z = X_OB3.transform(p_BQ).tolist()
                 range_m = float(np.linalg.norm(p_BQ - image.X_BC.translation))
                 self._map.see(image.stamp, code.text, (x, y, z), range_m)
-        self._tell(image.stamp)
+        self._publish_landmarks(image.stamp)
 
     async def _place_on_walls(self, image: Image, X_OB: Pose2 | None, codes: tuple[QRCode, ...]) -> None:
         walls = await self._walls(image.stamp)
@@ -171,7 +173,7 @@ class QRCodeDetector(Module):
         for text, hit in found:
             self._map.take(image.stamp, text, hit.point, math.hypot(hit.sigma_m, self.settings.wall_sigma_m))
         if found:
-            self._tell(image.stamp)
+            self._publish_landmarks(image.stamp)
 
     async def _walls(self, stamp: float) -> tuple[NDArray[np.float64], tuple[float, float], float] | None:
         """The scan nearest to ``stamp``: its points in odom, where its laser was, the angle between its rays."""
@@ -185,22 +187,22 @@ class QRCodeDetector(Module):
         x, y, _ = begin.to_pose3().transform(scan.X_BL.translation).tolist()
         return scan_points(scan, begin, end), (x, y), scan.angle_increment
 
-    def _tell(self, stamp: float) -> None:
+    def _publish_landmarks(self, stamp: float) -> None:
         # Two cameras take turns, and the slower to read of them may come later with an earlier stamp.
-        stamp = stamp if self._told is None else max(stamp, self._told.stamp)
+        stamp = stamp if self._published is None else max(stamp, self._published.stamp)
         known = Landmarks(stamp, self._map.landmarks)
         if self._is_news(known):
-            self._told = known
+            self._published = known
             self.landmarks.publish(known)
 
     def _is_news(self, known: Landmarks) -> bool:
-        told = self._told
-        if told is None or len(told.landmarks) != len(known.landmarks):
+        published = self._published
+        if published is None or len(published.landmarks) != len(known.landmarks):
             return True
-        if known.stamp - told.stamp >= self.settings.refresh_s:
+        if known.stamp - published.stamp >= self.settings.refresh_s:
             return True
         places: list[tuple[Point, Point]] = [
-            (a.p_OQ, b.p_OQ) for a, b in zip(told.landmarks, known.landmarks, strict=True)
+            (a.p_OQ, b.p_OQ) for a, b in zip(published.landmarks, known.landmarks, strict=True)
         ]
         return any(math.dist(before, now) > self.settings.moved_m for before, now in places)
 

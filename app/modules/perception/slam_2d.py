@@ -95,17 +95,17 @@ class SLAM2D(Module):
         self._session: MapSession | None = None
         self._name = ""
         self._zones: tuple[Zone, ...] = ()
-        self._told: Localization | None = None
-        self._legacy = RestartState(self.kept)
+        self._published: Localization | None = None
+        self._restart_state = RestartState(self.kept)
         self._fits = FitMonitor(self.settings.lost_after_s, self.settings.sure_after_s)
         #: Looking for the robot: asked for, under way, and where it may be by now.
         self._search_due = False
         self._search: PoseSearch | None = None
-        self._places: tuple[PoseHypothesis, ...] = ()
-        self._sighting: tuple[LaserScan, Pose2] | None = None
+        self._hypotheses: tuple[PoseHypothesis, ...] = ()
+        self._search_scan: tuple[LaserScan, Pose2] | None = None
         #: For the second thread: loops to close, looks to draw, the version that is drawn.
         self._followed: ScanResult | None = None
-        self._glances: list[ExtraView] = []
+        self._extra_views: list[ExtraView] = []
         self._drawn = -1
         self._draw_due = False
         self._version = 0
@@ -127,13 +127,13 @@ class SLAM2D(Module):
     async def start(self) -> None:
         """Load the kernels, and the map to begin with: the one in use before a restart, or as configured."""
         await self.compute(self._load_kernels)
-        keeper = MapServer(self, self.service(MapLibrary))
+        map_server = MapServer(self, self.service(MapLibrary))
         control = self.service(MapControl)
         same = await self._take_first()
         await control.resume(self._name, same=same)
         self._working = asyncio.create_task(self._metered(self._work()), name=f"{self.name}, behind")
         self._working.add_done_callback(self._ended)
-        self._detach = control.attach(keeper)
+        self._detach = control.attach(map_server)
 
     async def stop(self) -> None:
         """Keep no maps any more."""
@@ -166,7 +166,7 @@ class SLAM2D(Module):
         if X_OB is None or session is None:
             return
         if self._search is not None:
-            self._sighting = scan, X_OB
+            self._search_scan = scan, X_OB
             self._wake.set()
         odometry = self._odometry
         twist = (0.0, 0.0) if odometry is None else (odometry.linear_mps, odometry.angular_radps)
@@ -177,18 +177,18 @@ class SLAM2D(Module):
         if followed is not None:
             self._take(session, followed)
         if followed is None or self._search is not None:
-            self._tell_search(scan.stamp, X_OB)
+            self._publish_search(scan.stamp, X_OB)
         else:
             match, state = followed.match, self._state(session, followed.match)
-            self._tell(Localization(scan.stamp, match.X_MO, match.X_MB, match.covariance, state, match.overlap, ""))
+            self._publish(Localization(scan.stamp, match.X_MO, match.X_MB, match.covariance, state, match.overlap, ""))
 
     def _take(self, session: MapSession, followed: ScanResult) -> None:
         """Note what is to be done for a scan that was matched, and whether it fitted."""
         if followed.job is not None:
             self._followed = followed
             self._wake.set()
-        if followed.glance is not None:
-            self._glances.append(followed.glance)
+        if followed.extra_view is not None:
+            self._extra_views.append(followed.extra_view)
         match = followed.match
         if session.grows:
             self._fits.see(match.stamp, match.inliers, match.matched, _SURE, _LEAST_MISFITS)
@@ -208,23 +208,23 @@ class SLAM2D(Module):
             return "lost"
         return "mapping" if session.grows and self._mapping else "tracking"
 
-    def _tell_search(self, stamp: float, X_OB: Pose2) -> None:
+    def _publish_search(self, stamp: float, X_OB: Pose2) -> None:
         """Tell that the robot looks for itself, and where it likeliest is."""
         grid = None if self._session is None else self._session.grid
-        best = self._places[0] if self._places else None
-        last = Pose2() if self._told is None else self._told.X_MO
+        best = self._hypotheses[0] if self._hypotheses else None
+        last = Pose2() if self._published is None else self._published.X_MO
         X_MO = last if best is None else best.X_MO
         overlap = 0.0 if best is None else max(0.0, best.score)
-        covariance = spread_of([place.X_MO @ X_OB for place in self._places], grid)
-        self._tell(Localization(stamp, X_MO, X_MO @ X_OB, covariance, "searching", overlap, ""))
+        covariance = spread_of([place.X_MO @ X_OB for place in self._hypotheses], grid)
+        self._publish(Localization(stamp, X_MO, X_MO @ X_OB, covariance, "searching", overlap, ""))
 
-    def _tell(self, place: Localization) -> None:
+    def _publish(self, place: Localization) -> None:
         covariance = read_only(np.array(place.covariance, np.float64))
-        self._told = replace(place, covariance=covariance, map=self._name)
-        self.localization.publish(self._told)
+        self._published = replace(place, covariance=covariance, map=self._name)
+        self.localization.publish(self._published)
 
     def _end_search(self) -> None:
-        self._search, self._sighting, self._places, self._search_due = None, None, (), False
+        self._search, self._search_scan, self._hypotheses, self._search_due = None, None, (), False
         self._fits.begin()
 
     # --- Behind ----------------------------------------------------------------------------------------------------
@@ -253,13 +253,13 @@ class SLAM2D(Module):
             search = await self.compute_behind(session.begin_search)
             if session is self._session and self._search_due:
                 self._search, self._search_due = search, False
-        search, sighting, self._sighting = self._search, self._sighting, None
+        search, sighting, self._search_scan = self._search, self._search_scan, None
         if search is None or sighting is None:
             return
-        X_MO, places = await self.compute_behind(_looked, search, *sighting)
+        X_MO, hypotheses = await self.compute_behind(_looked, search, *sighting)
         if search is not self._search:
             return
-        self._places = places
+        self._hypotheses = hypotheses
         if X_MO is not None:
             at = X_MO @ sighting[1]
             self.log.info("the robot found itself at x %.2f m, y %.2f m on the map", at.x, at.y)
@@ -281,11 +281,11 @@ class SLAM2D(Module):
             snapshot, state = await self.compute(session.snapshot), await self.compute(session.state)
             while await self.compute_behind(session.draw, snapshot):
                 await self._close_loops(session)
-            glances, self._glances = self._glances, []
+            glances, self._extra_views = self._extra_views, []
             grid = await self.compute_behind(session.drawn, glances, self.clock.now(), self._version + 1)
             if session is not self._session:
                 return
-            self._legacy.grow(state)
+            self._restart_state.grow(state)
             if grid is not None:
                 self._version = grid.version
                 self.map.publish(grid)
@@ -316,7 +316,7 @@ class SLAM2D(Module):
     def call(self, name: str) -> None:
         """The map in use has this name from now on."""
         self._name = name
-        self._legacy.call(name)
+        self._restart_state.call(name)
 
     @property
     def known_zones(self) -> tuple[Zone, ...]:
@@ -337,9 +337,9 @@ class SLAM2D(Module):
     def use(self, session: MapSession, name: str, zones: tuple[Zone, ...]) -> None:
         """Take a map into use, and tell it with its zones and where the robot is on it."""
         self._session = session
-        self._followed, self._glances = None, []
+        self._followed, self._extra_views = None, []
         self.call(name)
-        self._legacy.use(grows=session.grows)
+        self._restart_state.use(grows=session.grows)
         now, settings = self.clock.now(), self.settings
         grid = session.grid or empty_grid(settings.cell_m, settings.side_m)
         self._version += 1
@@ -348,7 +348,7 @@ class SLAM2D(Module):
         self._end_search()
         if session.lost:
             self.search()
-            self._tell_search(now, self.X_OB)
+            self._publish_search(now, self.X_OB)
 
     def mark(self, zones: tuple[Zone, ...]) -> None:
         """Tell the zones of the map in use."""
@@ -385,12 +385,12 @@ class SLAM2D(Module):
 
     async def _take_first(self) -> bool:
         """The map to begin with; whether the instance before had it in use."""
-        shown, self._told, zones = _last(self.map), _last(self.localization), _last(self.zones)
-        self._version = 0 if shown is None else shown.version
-        last = LastPublished(shown, self._told, () if zones is None else zones.zones)
+        last_published, self._published, zones = _last(self.map), _last(self.localization), _last(self.zones)
+        self._version = 0 if last_published is None else last_published.version
+        last = LastPublished(last_published, self._published, () if zones is None else zones.zones)
         library, settings = self.service(MapLibrary), self.settings
         first = await self.compute_behind(
-            choose_initial_map, self._legacy, last, library, self.new_session, settings.map, settings.extend
+            choose_initial_map, self._restart_state, last, library, self.new_session, settings.map, settings.extend
         )
         if first.refused:
             self.log.error("the map cannot be taken into use, an empty one is begun: %s", first.refused)

@@ -95,7 +95,7 @@ class Recorder(Module):
         self.every(1.0, self._beat)
         self._writer: RecordingWriter | None = None
         self._ending: list[RecordingWriter] = []
-        self._told: list[RecordingWriter] = []
+        self._reported: list[RecordingWriter] = []
         #: Whether what is written now is a ring.
         self._turns = False
         self._wanted: dict[str, Any] = {}
@@ -227,7 +227,7 @@ class Recorder(Module):
         if self._writer is not None:
             self._writer.finish(discard)
             self._ending = [*(w for w in self._ending if not w.over), self._writer]
-            self._told = [w for w in self._told if w in self._ending]
+            self._reported = [w for w in self._reported if w in self._ending]
             self._writer = None
 
     def _taker(self, port: Input[Any]) -> Callable[[Any], Awaitable[None]]:
@@ -241,7 +241,7 @@ class Recorder(Module):
         writer = self._writer
         if writer is not None:
             writer.put(self.clock.now(), channel, message)
-            if writer.reason and writer not in self._told:
+            if writer.reason and writer not in self._reported:
                 self._publish()
         if isinstance(message, EventRecord):
             self._save_on(message)
@@ -274,8 +274,8 @@ class Recorder(Module):
 
     def _publish(self) -> None:
         for writer in (*self._ending, self._writer):
-            if writer is not None and writer.reason and writer not in self._told:
-                self._told.append(writer)
+            if writer is not None and writer.reason and writer not in self._reported:
+                self._reported.append(writer)
                 self.log.error("recording stopped: %s", writer.reason)
         self.status.publish(self._describe())
 

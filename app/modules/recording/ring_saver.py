@@ -95,13 +95,13 @@ class RingSaver:
             )
 
     def _progress(self, what: str) -> Callable[[int, int], None]:
-        told = 0
+        reported = 0
 
         def progress(done: int, total: int) -> None:
-            nonlocal told
+            nonlocal reported
             quarters = 4 * done // max(total, 1)
-            if quarters > told:
-                told = quarters
+            if quarters > reported:
+                reported = quarters
                 self._log.info("%s: %d %% of %.0f MB", what, 25 * quarters, total / MEGABYTE)
 
         return progress

@@ -85,12 +85,12 @@ class DevicesLink:
             raise LinkFailed(f"{self._config.name} can neither see nor hear: {'; '.join(problems)}.")
         for name, reader in self._readers.items():
             reader.want(name in self._receivers.wanted)
-        for period_s, tell in (
+        for period_s, publish in (
             (1 / ODOMETRY_HZ, self._stand),
             (1 / JOINTS_HZ, self._pose),
             (1 / STATUS_HZ, self._report),
         ):
-            self._tasks.append(asyncio.create_task(_repeat(period_s, tell), name=f"devices {tell.__name__}"))
+            self._tasks.append(asyncio.create_task(_repeat(period_s, publish), name=f"devices {publish.__name__}"))
         if self._player is not None:
             self._player.start()
 
@@ -163,7 +163,7 @@ class DevicesLink:
         self._receivers.deliver("status", status)
 
 
-async def _repeat(period_s: float, tell: Callable[[], None]) -> None:
+async def _repeat(period_s: float, publish: Callable[[], None]) -> None:
     while True:
-        tell()
+        publish()
         await asyncio.sleep(period_s)

@@ -64,7 +64,7 @@ class InputReader(Generic[T]):
         self._condition = threading.Condition()
         self._wanted = False
         self._ending = False
-        self._told = ""
+        self._last_problem = ""
         self._thread: threading.Thread | None = None
 
     async def start(self) -> str:
@@ -96,9 +96,9 @@ class InputReader(Generic[T]):
         try:
             source, problem = self._try_open()
         except BaseException as failure:  # noqa: BLE001  # handed to whoever waits for the start
-            _tell(loop, partial(_settle, opened, failure))
+            _call_in_loop(loop, partial(_settle, opened, failure))
             return
-        _tell(loop, partial(_settle, opened, problem))
+        _call_in_loop(loop, partial(_settle, opened, problem))
         rested = True
         while not self._ending:
             wanted = self._wanted
@@ -128,11 +128,11 @@ class InputReader(Generic[T]):
         try:
             item = source.read()
         except InputUnavailable as failure:
-            self._say(str(failure))
+            self._log_problem(str(failure))
             source.close()
             return None
         if item is None:
-            self._say(f"{self.name}: that was all of it")
+            self._log_problem(f"{self.name}: that was all of it")
             with self._condition:
                 while not self._ending:
                     self._condition.wait()
@@ -143,12 +143,12 @@ class InputReader(Generic[T]):
         if full:
             self.dropped += 1
         else:
-            _tell(loop, partial(self._hand, item))
+            _call_in_loop(loop, partial(self._deliver, item))
         if not source.live:
             self._wait_out(self._pause_s())
         return source
 
-    def _hand(self, item: T) -> None:
+    def _deliver(self, item: T) -> None:
         with self._condition:
             self._waiting -= 1
         self._take(item)
@@ -157,17 +157,17 @@ class InputReader(Generic[T]):
         try:
             source = self._open_source()
         except InputUnavailable as failure:
-            self._say(str(failure))
+            self._log_problem(str(failure))
             return None, str(failure)
-        if self._told:
+        if self._last_problem:
             log.info("%s is there again", self.name)
-        self._told = ""
+        self._last_problem = ""
         return source, ""
 
-    def _say(self, problem: str) -> None:
+    def _log_problem(self, problem: str) -> None:
         """A bad state is said once, on entering."""
-        if problem != self._told:
-            self._told = problem
+        if problem != self._last_problem:
+            self._last_problem = problem
             log.warning("%s", problem)
 
     def _wait_while(self, wanted: bool, timeout_s: float | None) -> None:
@@ -192,7 +192,7 @@ def _settle(opened: asyncio.Future[str], outcome: str | BaseException) -> None:
         opened.set_exception(outcome)
 
 
-def _tell(loop: asyncio.AbstractEventLoop, call: Callable[[], object]) -> None:
+def _call_in_loop(loop: asyncio.AbstractEventLoop, call: Callable[[], object]) -> None:
     try:
         loop.call_soon_threadsafe(call)
     except RuntimeError:  # the loop is closed: nobody listens any more

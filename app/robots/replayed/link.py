@@ -100,7 +100,7 @@ class ReplayedLink:
         self._pump: asyncio.Task[None] | None = None
         self._restart: asyncio.Handle | None = None
         self._asleep = False
-        self._told: set[tuple[float, float]] = set()
+        self._warned: set[tuple[float, float]] = set()
         self._failure: asyncio.Future[LinkFailed] | None = None
 
     # --- RobotLink ---------------------------------------------------------------------------------------------------
@@ -187,10 +187,10 @@ class ReplayedLink:
         self._at = math.nextafter(position, math.inf)
         self._passed.clear()
         self._open = {}
-        self._told.clear()
+        self._warned.clear()
         self.finished.clear()
         self.on_seek()
-        self._read_anew()
+        self._restart_reading()
 
     def show(self, channel: str, message: Any) -> None:
         """Give ``message``, recorded on ``channel``, to whoever listens to that channel's stream or feed, now."""
@@ -229,9 +229,9 @@ class ReplayedLink:
     def _rewire(self) -> None:
         self._restart = None
         if self.listened != self._open.keys():
-            self._read_anew()
+            self._restart_reading()
 
-    def _read_anew(self) -> None:
+    def _restart_reading(self) -> None:
         former = self._pump
         if former is None or self._failed:
             return
@@ -309,9 +309,9 @@ class ReplayedLink:
         await self._sleep_until(damage.begin)
         self._asleep = False
         part = (damage.begin, damage.end)
-        if part in self._told:
+        if part in self._warned:
             return
-        self._told.add(part)
+        self._warned.add(part)
         if all(part != (known.begin, known.end) for known in self.damages):
             self.damages.append(damage)
         self.on_damage(damage)

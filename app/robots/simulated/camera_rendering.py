@@ -38,17 +38,17 @@ class CameraRenderer(Protocol):
 class ChangeDetector:
     """Tells whether what a camera sees has changed since it last had."""
 
-    def __init__(self, painter: Renderer, camera: int) -> None:
-        self._painter = painter
+    def __init__(self, renderer: Renderer, camera: int) -> None:
+        self._renderer = renderer
         self._camera = camera
         self._last: tuple[WorldSnapshot, NDArray[np.bool_]] | None = None
 
     def changed(self, snapshot: WorldSnapshot, views: tuple[PerspectiveView, ...]) -> bool:
         """Whether ``snapshot`` looks otherwise in ``views`` than the last one that did."""
-        seen = self._painter.seen(snapshot, self._camera, views)
+        seen = self._renderer.seen(snapshot, self._camera, views)
         if self._last is not None:
             last, seen_before = self._last
-            if not self._painter.differ(last, snapshot, seen_before | seen):
+            if not self._renderer.differ(last, snapshot, seen_before | seen):
                 self._last = last, seen_before | seen
                 return False
         self._last = snapshot, seen
@@ -58,8 +58,8 @@ class ChangeDetector:
 class KinectRenderer:
     """Colour and depth in one perspective picture, drawn at the lower left of the frame buffer."""
 
-    def __init__(self, painter: Renderer, model: mujoco.MjModel, config: KinectConfig, rng: Generator) -> None:
-        self._painter = painter
+    def __init__(self, renderer: Renderer, model: mujoco.MjModel, config: KinectConfig, rng: Generator) -> None:
+        self._renderer = renderer
         self._camera = model.camera(PREFIX + "kinect").id
         self._noise = KinectNoise(config, rng)
         width, height = config.width, config.height
@@ -69,17 +69,17 @@ class KinectRenderer:
         self._color = np.zeros((height, width, 3), dtype=np.uint8)
         self._depth = np.zeros((height, width), dtype=np.float32)
         # The depth buffer is affine in 1/z, with 0 at the far plane and 1 at the near one
-        self._scale = np.float32((painter.far - painter.near) / (painter.far * painter.near))
-        self._offset = np.float32(1.0 / painter.far)
-        self._watch = ChangeDetector(painter, self._camera)
+        self._scale = np.float32((renderer.far - renderer.near) / (renderer.far * renderer.near))
+        self._offset = np.float32(1.0 / renderer.far)
+        self._watch = ChangeDetector(renderer, self._camera)
         self.drawn = 0
-        painter.reserve(width, height)
+        renderer.reserve(width, height)
 
     def draw(self, snapshot: WorldSnapshot) -> Iterator[None]:
         """Draw what is to be seen in ``snapshot``, in one part."""
         if self._watch.changed(snapshot, (self._view,)):
-            self._painter.draw(snapshot, self._camera, self._view)
-            self._painter.read(self.place, self._color, self._depth)
+            self._renderer.draw(snapshot, self._camera, self._view)
+            self._renderer.read(self.place, self._color, self._depth)
             self.drawn += 1
         yield
 
@@ -103,14 +103,14 @@ class FisheyeRenderer:
     """
 
     def __init__(
-        self, painter: Renderer, model: mujoco.MjModel, config: ImvConfig, rng: Generator, base: int = 0
+        self, renderer: Renderer, model: mujoco.MjModel, config: ImvConfig, rng: Generator, base: int = 0
     ) -> None:
-        self._painter = painter
+        self._renderer = renderer
         self._camera = model.camera(PREFIX + "imv").id
         self._config = config
         self._rng = rng
         self._base = base
-        self._watch = ChangeDetector(painter, self._camera)
+        self._watch = ChangeDetector(renderer, self._camera)
         self._tiling: Tiling | None = None
         self.picture = np.zeros((config.height, config.width, 3), dtype=np.uint8)
         self.drawn = 0
@@ -124,9 +124,9 @@ class FisheyeRenderer:
             yield
         if self._watch.changed(snapshot, self._tiling.views):
             for view in self._tiling.views:
-                self._painter.draw(snapshot, self._camera, view)
+                self._renderer.draw(snapshot, self._camera, view)
                 yield
-            self._painter.read(FrameRect(0, self._base, self._tiling.width, self._tiling.height), self._drawn)
+            self._renderer.read(FrameRect(0, self._base, self._tiling.width, self._tiling.height), self._drawn)
             self._tiling.picture(self._drawn, self.picture)
             self.drawn += 1
         yield
@@ -141,21 +141,21 @@ class FisheyeRenderer:
         tiling = tile(fisheye_model(c), base=self._base)
         self._drawn = np.zeros((tiling.height, tiling.width, 3), dtype=np.uint8)
         self._noise = ColorNoise(c.height, c.width, c.color_noise, self._rng)
-        self._painter.reserve(tiling.width, self._base + tiling.height)
+        self._renderer.reserve(tiling.width, self._base + tiling.height)
         return tiling
 
 
 def open_renderers(
-    painter: Renderer, model: mujoco.MjModel, streams: StreamsConfig, rngs: Mapping[str, Generator]
+    renderer: Renderer, model: mujoco.MjModel, streams: StreamsConfig, rngs: Mapping[str, Generator]
 ) -> dict[str, CameraRenderer]:
     """The cameras of ``streams``, by stream, each with its own random numbers; OpenGL is ready when it returns."""
-    eyes: dict[str, CameraRenderer] = {}
+    renderers: dict[str, CameraRenderer] = {}
     kinect, imv = streams.kinect, streams.imv
     if kinect is not None:
-        eye = eyes["kinect"] = KinectRenderer(painter, model, kinect, rngs["kinect"])
-        for _ in eye.draw(WorldSnapshot.initial(model)):  # OpenGL makes itself ready with the first picture
+        kinect_renderer = renderers["kinect"] = KinectRenderer(renderer, model, kinect, rngs["kinect"])
+        for _ in kinect_renderer.draw(WorldSnapshot.initial(model)):  # OpenGL makes itself ready with the first picture
             pass
     if imv is not None:
         base = kinect.height if kinect is not None else 0
-        eyes["imv"] = FisheyeRenderer(painter, model, imv, rngs["imv"], base)
-    return eyes
+        renderers["imv"] = FisheyeRenderer(renderer, model, imv, rngs["imv"], base)
+    return renderers

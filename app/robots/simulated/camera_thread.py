@@ -96,26 +96,26 @@ class CameraThread:
 
     def _run(self) -> None:
         try:
-            painter = Renderer(self._model)
-            eyes = open_renderers(painter, self._model, self._streams, self._rngs)
+            renderer = Renderer(self._model)
+            renderers = open_renderers(renderer, self._model, self._streams, self._rngs)
             self._ready.set()
-            self._serve(eyes)
-            painter.close()
+            self._serve(renderers)
+            renderer.close()
         except BaseException as failure:  # noqa: BLE001  # handed to the control loop, which ends the process with it
             self.failure = failure
             self._ready.set()
             self._wake()
 
-    def _serve(self, eyes: Mapping[str, CameraRenderer]) -> None:
+    def _serve(self, renderers: Mapping[str, CameraRenderer]) -> None:
         jobs: dict[str, _Job] = {}
         while self._wait(bool(jobs)):
             with self._condition:
                 for stream, (snapshot, since) in self._asked.items():
-                    jobs[stream] = _Job(snapshot, eyes[stream].draw(snapshot), since)
+                    jobs[stream] = _Job(snapshot, renderers[stream].draw(snapshot), since)
                 self._asked.clear()
             stream = self._most_urgent(jobs)
             if next(jobs[stream].steps, stream) is stream:
-                self._finish(stream, eyes[stream], jobs.pop(stream).snapshot)
+                self._finish(stream, renderers[stream], jobs.pop(stream).snapshot)
 
     def _wait(self, working: bool) -> bool:
         """Wait for something to do; False at the end."""

@@ -318,7 +318,7 @@ class _Session(asyncio.Protocol):
         for frame in self._reader.feed(data):
             if isinstance(frame, wire.Sample) and not self._running.is_set():
                 self._running.set()
-                self._tell_held()
+                self._notify_held()
             self._receive(frame)
 
     async def _watch_process(self) -> None:
@@ -329,17 +329,17 @@ class _Session(asyncio.Protocol):
             self._last_lines.append(line)
             self._held_lines.append(line)
             if self._running.is_set():
-                self._tell_held()
+                self._notify_held()
         status = await self.process.wait()
         sentence = self._sentence(status)
         if sentence is None:
-            self._tell_held()
-        failure = LinkFailed(sentence or self._epitaph(status))
+            self._notify_held()
+        failure = LinkFailed(sentence or self._exit_reason(status))
         if not self._expected and self._running.is_set():
             log.error("%s", failure)
         self._ended.set_result(failure)
 
-    def _tell_held(self) -> None:
+    def _notify_held(self) -> None:
         for line in self._held_lines:
             log.warning("simulated robot: %s", line)
         self._held_lines.clear()
@@ -352,7 +352,7 @@ class _Session(asyncio.Protocol):
         words = self._words()
         return words[0] if status == 1 and len(words) == 1 else None
 
-    def _epitaph(self, status: int) -> str:
+    def _exit_reason(self, status: int) -> str:
         how = f"was killed by signal {-status}" if status < 0 else f"ended with status {status}"
         words = self._words()
         said = "; its last words: " + " | ".join(words[-3:]) if words else ""

@@ -66,7 +66,7 @@ class LockstepLink:
         self._description = describe(self._robot)
         self._receivers = Receivers(self._description)
         self._e_stop: str | None = None
-        self._living: LockstepWorld | None = None
+        self._simulation: LockstepWorld | None = None
         self._turning: asyncio.Task[None] | None = None
 
     @property
@@ -84,17 +84,17 @@ class LockstepLink:
 
     def true_pose(self) -> Pose2:
         """``X_WB`` now; the start before :meth:`start`."""
-        return self._living.simulation.true_pose() if self._living is not None else self.start_pose
+        return self._simulation.physics.true_pose() if self._simulation is not None else self.start_pose
 
     @property
     def people(self) -> tuple[PersonTruth, ...]:
         """Everybody in the world, as of now."""
-        return self._living.stage.people if self._living is not None else ()
+        return self._simulation.scenario_state.people if self._simulation is not None else ()
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
         """Every time that the body touched something other than the floor, since :meth:`start`."""
-        return self._living.contacts.found if self._living is not None else ()
+        return self._simulation.contacts.found if self._simulation is not None else ()
 
     # app.link.RobotLink
 
@@ -110,24 +110,24 @@ class LockstepLink:
             os.environ.setdefault(name, value)
         # A world takes a second to build, and time need not know
         try:
-            living = await asyncio.to_thread(self._build)
+            simulation = await asyncio.to_thread(self._build)
         except (ConfigError, GlUnavailable) as failure:
             raise LinkFailed(str(failure)) from None
-        living.wanted |= self._receivers.wanted
+        simulation.wanted |= self._receivers.wanted
         if self._e_stop is not None:
-            living.accept(wire.EStop(self._e_stop))
-        self._living = living
-        self._turning = asyncio.create_task(self._turn(self._living), name="world in lockstep")
+            simulation.accept(wire.EStop(self._e_stop))
+        self._simulation = simulation
+        self._turning = asyncio.create_task(self._turn(self._simulation), name="world in lockstep")
 
     async def stop(self) -> None:
         """Stop the wheels, release everything; idempotent."""
         turning, self._turning = self._turning, None
-        living, self._living = self._living, None
+        simulation, self._simulation = self._simulation, None
         if turning is not None:
             turning.cancel()
             await asyncio.wait({turning})
-        if living is not None:
-            living.close()
+        if simulation is not None:
+            simulation.close()
 
     async def wait_failed(self) -> LinkFailed:
         """Wait until the world cannot turn on; return why."""
@@ -168,8 +168,8 @@ class LockstepLink:
         self._accept(wire.ClearEStop())
 
     def _accept(self, frame: object) -> None:
-        if self._living is not None:
-            self._living.accept(frame)
+        if self._simulation is not None:
+            self._simulation.accept(frame)
 
     def _receive(self, stream: str, message: object) -> None:
         if isinstance(message, LaserScan):
@@ -189,12 +189,12 @@ class LockstepLink:
 
         return LockstepWorld(self._robot, self._world, self._scenario, self._receive)
 
-    async def _turn(self, living: LockstepWorld) -> None:
+    async def _turn(self, simulation: LockstepWorld) -> None:
         began, turns = self._clock.now(), 0
         while True:
             turns += 1
-            await self._clock.sleep_until(began + turns * living.turn_s)
-            living.lockstep(self._clock.now(), began)
+            await self._clock.sleep_until(began + turns * simulation.turn_s)
+            simulation.lockstep(self._clock.now(), began)
 
 
 def without_threads(robot: RobotConfig, *, cameras: bool, microphones: bool = False) -> RobotConfig:

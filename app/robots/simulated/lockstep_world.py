@@ -33,13 +33,13 @@ class LockstepWorld(WorldSimulation):
         send: Callable[[str, object], None],
     ) -> None:
         super().__init__(robot, world, scenario, send)
-        self.contacts = ContactMonitor(self.simulation)
+        self.contacts = ContactMonitor(self.physics)
         self._steps = 0
         self._lenses = lenses(robot)
         self._formats = picture_formats(robot)
-        self._painter: Renderer | None = None
+        self._renderer: Renderer | None = None
         self._open: dict[str, CameraRenderer] = {}
-        self._ear: MicrophoneSimulator | None = None
+        self._microphone_simulator: MicrophoneSimulator | None = None
         self._scenes = Schedule(SCENES_HZ)
 
     def lockstep(self, now: float, began: float) -> None:
@@ -51,9 +51,9 @@ class LockstepWorld(WorldSimulation):
     def close(self) -> None:
         """Stop the wheels and let go of the drawing."""
         self.end()
-        if self._painter is not None:
-            self._painter.close()
-            self._painter = None
+        if self._renderer is not None:
+            self._renderer.close()
+            self._renderer = None
 
     def _stamps(self, now: float, began: float) -> Iterator[float]:
         while (stamp := began + (self._steps + 1) * TIMESTEP_S) <= now + 0.5 * TIMESTEP_S:
@@ -66,32 +66,32 @@ class LockstepWorld(WorldSimulation):
             self._hear(stamp, self.soundscape)
 
     def _hear(self, stamp: float, soundscape: Soundscape) -> None:
-        time_s = self.simulation.time_s
+        time_s = self.physics.time_s
         if not self._scenes.due(time_s):
             return
-        if self._ear is None:  # rooms take a second to be made
-            self._ear = MicrophoneSimulator(soundscape.setup)
-        scene = soundscape.scene(time_s, stamp, self.simulation.true_pose(), self.rims(), self.stage)
-        for heard in self._ear.listen([scene]):
+        if self._microphone_simulator is None:  # rooms take a second to be made
+            self._microphone_simulator = MicrophoneSimulator(soundscape.setup)
+        scene = soundscape.scene(time_s, stamp, self.physics.true_pose(), self.rims(), self.scenario_state)
+        for heard in self._microphone_simulator.listen([scene]):
             self.send("microphones", heard.audio, stamp)
 
     def _see(self, stamp: float) -> None:
-        for stream in self.eyes:
+        for stream in self.cameras:
             if (snapshot := self.look(stream, stamp)) is None:
                 continue
-            eye = self._eye(stream)
-            for _ in eye.draw(snapshot):
+            renderer = self._renderer_of(stream)
+            for _ in renderer.draw(snapshot):
                 pass
             size = (self._formats[stream].height, self._formats[stream].width)
             color = np.zeros((*size, 3), dtype=np.uint8)
             depth = np.zeros(size, dtype=np.uint16) if self._formats[stream].has_depth else None
-            eye.measure(color, depth)
+            renderer.measure(color, depth)
             frame, lens = self._lenses[stream]
             self.send(stream, Image(stamp, frame, color, depth, lens, snapshot.X_BC), stamp)
 
-    def _eye(self, stream: str) -> CameraRenderer:
+    def _renderer_of(self, stream: str) -> CameraRenderer:
         """The camera of ``stream``; OpenGL is made ready for the first picture anybody wants."""
-        if self._painter is None:
-            self._painter = Renderer(self.simulation.model)
-            self._open = open_renderers(self._painter, self.simulation.model, self.robot.streams, self.eye_rngs)
+        if self._renderer is None:
+            self._renderer = Renderer(self.physics.model)
+            self._open = open_renderers(self._renderer, self.physics.model, self.robot.streams, self.camera_rngs)
         return self._open[stream]

@@ -35,7 +35,7 @@ class RealtimeLoop:
         robot, streams = start.robot, start.robot.streams
         self._socket = sock
         self._offset = start.clock_offset
-        self._living = WorldSimulation(
+        self._simulation = WorldSimulation(
             robot, start.world, start.scenario, self._send, wanted=start.demanded, e_stop=start.e_stop
         )
         self._log = GuardLog(robot.guard_log) if robot.guard_log is not None else None
@@ -43,15 +43,15 @@ class RealtimeLoop:
         self._wake_read, self._wake_write = os.pipe()
         os.set_blocking(self._wake_read, False)
         os.set_blocking(self._wake_write, False)
-        if self._living.eyes:
+        if self._simulation.cameras:
             rings = ImageRings(memory, picture_formats(robot)).rings
-            model = self._living.simulation.model
-            self._camera = CameraThread(model, streams, rings, self._living.eye_rngs, self._wake)
+            model = self._simulation.physics.model
+            self._camera = CameraThread(model, streams, rings, self._simulation.camera_rngs, self._wake)
             self._camera.wait_ready(_CAMERA_SETUP_S)
         self._acoustics: AcousticsClient | None = None
         self._scenes = Schedule(SCENES_HZ)
-        if self._living.soundscape is not None:
-            self._acoustics = AcousticsClient(self._living.soundscape)
+        if self._simulation.soundscape is not None:
+            self._acoustics = AcousticsClient(self._simulation.soundscape)
         self._ending = False
         self._pacer = Pacer(time.monotonic(), TIMESTEP_S)
 
@@ -65,7 +65,7 @@ class RealtimeLoop:
         with contextlib.suppress(OSError):  # where we may: on a busy computer the guard goes first
             os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _NICENESS)
         self._pacer = Pacer(time.monotonic(), TIMESTEP_S)
-        living = self._living
+        simulation = self._simulation
         while not self._ending:
             self._receive()
             if self._socket.closed:
@@ -78,24 +78,24 @@ class RealtimeLoop:
                 while self._camera.finished:
                     notice = self._camera.finished.popleft()
                     if (
-                        notice.stream in living.wanted
+                        notice.stream in simulation.wanted
                     ):  # else its age would grow for ever, and the guard refuse to drive
-                        living.saw(notice.stream, now + self._offset)
+                        simulation.saw(notice.stream, now + self._offset)
                     self._socket.send(notice)
             if self._acoustics is not None:
-                for audio in self._acoustics.receive(living.simulation.time_s):
-                    if "microphones" in living.wanted:
-                        living.send("microphones", audio, now + self._offset)
+                for audio in self._acoustics.receive(simulation.physics.time_s):
+                    if "microphones" in simulation.wanted:
+                        simulation.send("microphones", audio, now + self._offset)
             self._socket.flush()
             self._sleep()
         self._shut_down()
 
     def _turn(self, now: float) -> None:
-        living = self._living
-        action = living.turn(now + self._offset, self._stamps(now), self._also)
-        living.report(now + self._offset, action, lambda: self._pacer.rate(now))
+        simulation = self._simulation
+        action = simulation.turn(now + self._offset, self._stamps(now), self._also)
+        simulation.report(now + self._offset, action, lambda: self._pacer.rate(now))
         if self._log is not None:
-            applied = living.state.applied
+            applied = simulation.state.applied
             self._log.write(time.monotonic(), applied.linear_mps, applied.angular_radps)
 
     def _stamps(self, now: float) -> Iterator[float]:
@@ -108,21 +108,23 @@ class RealtimeLoop:
             yield self._pacer.stamp + self._offset
 
     def _sensed_late(self) -> bool:
-        camera, living = self._camera, self._living
-        if self._acoustics is not None and self._acoustics.late and "microphones" in living.wanted:
+        camera, simulation = self._camera, self._simulation
+        if self._acoustics is not None and self._acoustics.late and "microphones" in simulation.wanted:
             return True
-        return camera is not None and any(camera.busy(stream) and living.looks(stream) for stream in living.eyes)
+        return camera is not None and any(
+            camera.busy(stream) and simulation.looks(stream) for stream in simulation.cameras
+        )
 
     def _also(self, stamp: float) -> None:
         """Have pictures drawn and sound made of the world as it is after a step."""
-        living, time_s = self._living, self._living.simulation.time_s
+        simulation, time_s = self._simulation, self._simulation.physics.time_s
         if self._camera is not None:
-            for stream in living.eyes:
-                if not self._camera.busy(stream) and (snapshot := living.look(stream, stamp)) is not None:
+            for stream in simulation.cameras:
+                if not self._camera.busy(stream) and (snapshot := simulation.look(stream, stamp)) is not None:
                     self._camera.request(stream, snapshot)
-        if self._acoustics is not None and "microphones" in living.wanted and self._scenes.due(time_s):
-            pose = living.simulation.true_pose()
-            self._acoustics.tell(time_s, stamp, pose, living.rims(), living.stage)
+        if self._acoustics is not None and "microphones" in simulation.wanted and self._scenes.due(time_s):
+            pose = simulation.physics.true_pose()
+            self._acoustics.update(time_s, stamp, pose, simulation.rims(), simulation.scenario_state)
 
     def _receive(self) -> None:
         for frame in self._socket.receive():
@@ -133,7 +135,7 @@ class RealtimeLoop:
                 case wire.Stop():
                     self._ending = True
                 case _:
-                    self._living.accept(frame)
+                    self._simulation.accept(frame)
 
     def _send(self, stream: str, message: object) -> None:
         self._socket.send(wire.Sample(stream, message))
@@ -153,7 +155,7 @@ class RealtimeLoop:
             os.read(self._wake_read, 4096)
 
     def _shut_down(self) -> None:
-        self._living.end()
+        self._simulation.end()
         if self._log is not None:
             self._log.write(time.monotonic(), 0.0, 0.0)
             self._log.close()

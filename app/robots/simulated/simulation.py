@@ -74,14 +74,14 @@ class WorldSimulation:
         rngs = [np.random.default_rng(s) for s in seeds]  # one each, in an order that stays: new ones at the end
         base_rng, odometry_rng, laser_rng, kinect_rng, self._joint_rng, imv_rng = rngs[:6]
         self.robot = robot
-        self.eye_rngs = {"kinect": kinect_rng, "imv": imv_rng}
-        self.stage = ScenarioState(scenario or ScenarioConfig(name="nobody"))
+        self.camera_rngs = {"kinect": kinect_rng, "imv": imv_rng}
+        self.scenario_state = ScenarioState(scenario or ScenarioConfig(name="nobody"))
         self._inhabited = scenario is not None
         self.wanted = set(wanted)
         self._send_out = send
         base = draw_true_base(robot.base, base_rng)
-        self.simulation = build_simulation(robot, world, base, self.stage.actors)
-        self._people = PersonBodies(self.simulation.model, self.stage.actors)
+        self.physics = build_simulation(robot, world, base, self.scenario_state.actors)
+        self._people = PersonBodies(self.physics.model, self.scenario_state.actors)
         self.kinematics = load_model(robot.model)
         self.soundscape: Soundscape | None = None
         if streams.microphones is not None:
@@ -92,7 +92,7 @@ class WorldSimulation:
         self._limits = robot.limits.guard()
         self.state = guard.GuardState(e_stop=e_stop)
         self._odometry = EncoderOdometry(robot.base, odometry_rng)
-        names = self.simulation.joints
+        names = self.physics.joints
         self._wheel_joints = (names.index(robot.base.left_wheel_joint), names.index(robot.base.right_wheel_joint))
         rates = {
             "odometry": streams.odometry.rate_hz,
@@ -104,20 +104,20 @@ class WorldSimulation:
         self._laser: Laser | None = None
         if streams.hokuyo is not None:
             X_BL = self.kinematics.pose(streams.hokuyo.link)
-            self._laser = Laser(self.simulation, streams.hokuyo, X_BL, laser_rng)
+            self._laser = Laser(self.physics, streams.hokuyo, X_BL, laser_rng)
             rates["hokuyo"] = streams.hokuyo.rate_hz
         for stream, camera in (("kinect", streams.kinect), ("imv", streams.imv)):
             if camera is not None:
                 rates[stream] = camera.rate_hz
-        self._eyes = {stream: frame for stream, (frame, _) in lenses(robot).items()}
+        self._camera_frames = {stream: frame for stream, (frame, _) in lenses(robot).items()}
         self._schedules = {name: Schedule(rate) for name, rate in rates.items()}
         self._last_odometry_s = 0.0
         self._last_seen: dict[str, float] = {}
 
     @property
-    def eyes(self) -> tuple[str, ...]:
+    def cameras(self) -> tuple[str, ...]:
         """The streams of the body's cameras."""
-        return tuple(self._eyes)
+        return tuple(self._camera_frames)
 
     def accept(self, frame: object) -> None:
         """Take one of ``wire``'s commands to the guard or demands of streams; anything else is passed over."""
@@ -139,13 +139,13 @@ class WorldSimulation:
         the wheels at once.
         """
         action = guard.decide(now, self.state, self._sensor_ages(now), self._limits)
-        simulation, steps = self.simulation, 0
+        simulation, steps = self.physics, 0
         for stamp in stamps:
             steps += 1
             self.state = guard.step(self.state, action, self._limits, TIMESTEP_S)
             simulation.drive(self.state.applied)
             simulation.step()
-            if self._inhabited and self.stage.advance(simulation.time_s, simulation.true_pose()):
+            if self._inhabited and self.scenario_state.advance(simulation.time_s, simulation.true_pose()):
                 self._people.pose(simulation.data)
             self._sense(stamp)
             also(stamp)
@@ -156,7 +156,7 @@ class WorldSimulation:
 
     def report(self, now: float, action: guard.GuardAction, world_rate: Callable[[], float]) -> None:
         """Send the status if it is due."""
-        if not self._schedules["status"].due(self.simulation.time_s):
+        if not self._schedules["status"].due(self.physics.time_s):
             return
         applied = self.state.applied
         status = LinkStatus(
@@ -172,8 +172,8 @@ class WorldSimulation:
 
     def end(self) -> None:
         """Stop the wheels."""
-        self.simulation.drive(guard.ZERO)
-        self.simulation.step()
+        self.physics.drive(guard.ZERO)
+        self.physics.step()
 
     def send(self, stream: str, message: object, seen: float) -> None:
         """Give out ``message``, its stream last having spoken at ``seen``."""
@@ -186,20 +186,20 @@ class WorldSimulation:
 
     def looks(self, stream: str) -> bool:
         """Whether a picture of ``stream`` is wanted and due."""
-        return stream in self.wanted and self._schedules[stream].ready(self.simulation.time_s)
+        return stream in self.wanted and self._schedules[stream].ready(self.physics.time_s)
 
     def look(self, stream: str, stamp: float) -> WorldSnapshot | None:
         """What the camera of ``stream`` is to draw now, None where no picture is wanted or due."""
-        if stream not in self.wanted or not self._schedules[stream].due(self.simulation.time_s):
+        if stream not in self.wanted or not self._schedules[stream].due(self.physics.time_s):
             return None
-        measured = dict(zip(self.simulation.joints, self._measured_joints(), strict=True))
-        X_BC = self.kinematics.pose(self._eyes[stream], measured)
-        data = self.simulation.data
+        measured = dict(zip(self.physics.joints, self._measured_joints(), strict=True))
+        X_BC = self.kinematics.pose(self._camera_frames[stream], measured)
+        data = self.physics.data
         return WorldSnapshot(stamp, data.qpos.copy(), mocap_poses(data), X_BC)
 
     def rims(self) -> tuple[float, float]:
         """Speeds (m/s) of the left and the right wheel's rim."""
-        base, velocity = self.robot.base, self.simulation.true_velocity()
+        base, velocity = self.robot.base, self.physics.true_velocity()
         turn = velocity.angular_radps * base.track_m / 2
         return velocity.linear_mps - turn, velocity.linear_mps + turn
 
@@ -210,19 +210,19 @@ class WorldSimulation:
         }
 
     def _sense(self, stamp: float) -> None:
-        time_s, schedules, wanted = self.simulation.time_s, self._schedules, self.wanted
+        time_s, schedules, wanted = self.physics.time_s, self._schedules, self.wanted
         if schedules["odometry"].due(time_s):
             self._send_odometry(stamp, time_s)
         if schedules["joints"].due(time_s):
             positions = tuple(float(p) for p in self._measured_joints())
-            self.send("joints", JointState(stamp, self.simulation.joints, positions), stamp)
+            self.send("joints", JointState(stamp, self.physics.joints, positions), stamp)
         if "ground_truth" in wanted and schedules["ground_truth"].due(time_s):
-            speed = self.simulation.true_velocity()
-            truth = GroundTruth(stamp, self.simulation.true_pose(), speed.linear_mps, speed.angular_radps)
+            speed = self.physics.true_velocity()
+            truth = GroundTruth(stamp, self.physics.true_pose(), speed.linear_mps, speed.angular_radps)
             self.send("ground_truth", truth, stamp)
         if "scene_truth" in wanted and schedules["scene_truth"].due(time_s):
-            sounds = () if self.soundscape is None else self.soundscape.truth(time_s, stamp, self.stage)
-            self.send("scene_truth", SceneTruth(stamp, self.stage.people, sounds), stamp)
+            sounds = () if self.soundscape is None else self.soundscape.truth(time_s, stamp, self.scenario_state)
+            self.send("scene_truth", SceneTruth(stamp, self.scenario_state.people, sounds), stamp)
         if self._laser is not None and "hokuyo" in wanted:
             if not self._laser.sweeping and schedules["hokuyo"].due(time_s):
                 self._laser.begin(stamp)
@@ -230,11 +230,11 @@ class WorldSimulation:
                 self.send("hokuyo", scan, stamp)
 
     def _measured_joints(self) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-        true = self.simulation.joint_positions()
+        true = self.physics.joint_positions()
         return true + self.robot.streams.joints.noise_rad * self._joint_rng.standard_normal(true.size)
 
     def _send_odometry(self, stamp: float, time_s: float) -> None:
-        positions = self.simulation.joint_positions()
+        positions = self.physics.joint_positions()
         left, right = (float(positions[index]) for index in self._wheel_joints)
         if not (math.isfinite(left) and math.isfinite(right)):
             return  # broken encoders: the guard sees the stream age

@@ -25,11 +25,11 @@ def crossed(world: str, outcome: str = "success", time_s: float = 3.0, reason: s
 def test_worlds_are_crossed_in_child_processes_and_kept(three: Path, tmp_path: Path) -> None:
     what = plan(three, "1-2", jobs=2)
     kept = ResultsStore(tmp_path / "out", what.of())
-    told: list[tuple[str, int, int]] = []
+    events: list[tuple[str, int, int]] = []
     drive: Drive = straight_on
-    results = run(what, kept, lambda result, number, total: told.append((result.world, number, total)), drive)
+    results = run(what, kept, lambda result, number, total: events.append((result.world, number, total)), drive)
     assert [(result.world, result.outcome) for result in results] == [("1", "success"), ("2", "collision")]
-    assert sorted(number for _, number, _ in told) == [1, 2]
+    assert sorted(number for _, number, _ in events) == [1, 2]
     again = ResultsStore(tmp_path / "out", what.of())
     assert sorted(done(what, again), key=lambda result: result.world) == list(results)
 

@@ -68,10 +68,10 @@ def test_a_summary_counts_what_matters_and_a_table_tells_it() -> None:
     lines = table(results).splitlines()
     assert "| reached | 2 (50 %) |" in lines
     assert "| not reached: missed | 1 |" in lines
-    told = failures(results)
-    assert told[0] == "goal 3 at (1.00, 2.00): given up after 10 s, 0.10 m off (unreachable: no way)"
-    assert told[1] == "goal 3 at (1.00, 2.00): touched person0/trunk, crate3.0"
-    assert len(told) == 3
+    events = failures(results)
+    assert events[0] == "goal 3 at (1.00, 2.00): given up after 10 s, 0.10 m off (unreachable: no way)"
+    assert events[1] == "goal 3 at (1.00, 2.00): touched person0/trunk, crate3.0"
+    assert len(events) == 3
     assert GoalsSummary.of([went(1, outcome="timeout", people_m=None)]).mean_time_s is None
 
 

@@ -38,16 +38,16 @@ class World:
 
     def __init__(self, robot: RobotConfig, people: Sequence[dict[str, Any]]) -> None:
         named = [{"name": f"person {number}", **person} for number, person in enumerate(people)]
-        self.stage = ScenarioState(ScenarioConfig.model_validate({"name": "faces", "people": named}))
-        self._simulation = build_simulation(robot, make_hall(), TrueBase(0.1, 0.1, 0.44), self.stage.actors)
-        self._people = PersonBodies(self._simulation.model, self.stage.actors)
-        self.painter = Renderer(self._simulation.model)
+        self.scenario_state = ScenarioState(ScenarioConfig.model_validate({"name": "faces", "people": named}))
+        self._simulation = build_simulation(robot, make_hall(), TrueBase(0.1, 0.1, 0.44), self.scenario_state.actors)
+        self._people = PersonBodies(self._simulation.model, self.scenario_state.actors)
+        self.renderer = Renderer(self._simulation.model)
         kinect, imv = robot.streams.kinect, robot.streams.imv
         assert kinect is not None
         assert imv is not None
         model, links = self._simulation.model, load_model(robot.model)
-        self._kinect = KinectRenderer(self.painter, model, kinect, np.random.default_rng(1))
-        self._imv = FisheyeRenderer(self.painter, model, imv, np.random.default_rng(2), kinect.height)
+        self._kinect = KinectRenderer(self.renderer, model, kinect, np.random.default_rng(1))
+        self._imv = FisheyeRenderer(self.renderer, model, imv, np.random.default_rng(2), kinect.height)
         self._lenses = {"kinect": camera_model(kinect), "imv": fisheye_model(imv)}
         self._X_BC = {"kinect": links.pose(kinect.link), "imv": links.pose(imv.link)}
         self._initial = WorldSnapshot.initial(model)
@@ -64,13 +64,13 @@ class World:
         for _ in eye.draw(WorldSnapshot(0.0, qpos, mocap_poses(self._simulation.data), X_BC)):
             pass
         eye.measure(color, depth)
-        return Image(self.stage.time_s, camera, color, depth, lens, X_BC)
+        return Image(self.scenario_state.time_s, camera, color, depth, lens, X_BC)
 
     def faces(self, X_WB: Pose2) -> list[NDArray[np.float64]]:
         """Where the middles of the faces truly are (3,), in ``base_link``: 0.02 of the height above the mouth."""
         X_BW = X_WB.to_pose3().inverse()
         above = np.array((0.0, 0.0, 0.02))
-        return [X_BW.transform(np.array(p.mouth) + p.height_m * above) for p in self.stage.people]
+        return [X_BW.transform(np.array(p.mouth) + p.height_m * above) for p in self.scenario_state.people]
 
 
 @pytest.fixture
@@ -80,12 +80,12 @@ def make() -> Iterator[Make]:
 
     def world(*people: dict[str, Any]) -> World:
         worlds.append(World(robot, people))
-        worlds[-1].stage.advance(2.0, HERE)
+        worlds[-1].scenario_state.advance(2.0, HERE)
         return worlds[-1]
 
     yield world
     for made in worlds:
-        made.painter.close()
+        made.renderer.close()
 
 
 @pytest.fixture(scope="module")
@@ -154,7 +154,7 @@ def test_a_walker_keeps_his_number_past_a_bystander_over_both_cameras_while_the_
     errors = []
     for shot in range(18):
         time_s = 2.0 + 0.1 * shot
-        world.stage.advance(time_s, HERE)
+        world.scenario_state.advance(time_s, HERE)
         X_WB = Pose2(HERE.x, HERE.y, 0.3 - 0.04 * shot)
         camera = ("imv", "kinect", "kinect")[shot % 3]
         image = world.look(camera, X_WB)

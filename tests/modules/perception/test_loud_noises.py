@@ -26,8 +26,8 @@ def clap(peak: float) -> NDArray[np.float64]:
 
 
 def begins(energies: NDArray[np.float64], rule: LoudnessRule | None = None) -> list[int]:
-    judge = OnsetDetector(rule)
-    return [number for number, energy in enumerate(energies.tolist()) if judge.judge(energy) is not None]
+    detector = OnsetDetector(rule)
+    return [number for number, energy in enumerate(energies.tolist()) if detector.update(energy) is not None]
 
 
 def with_clap(energies: NDArray[np.float64], at: int, peak: float) -> NDArray[np.float64]:
@@ -41,8 +41,8 @@ def with_clap(energies: NDArray[np.float64], at: int, peak: float) -> NDArray[np
 
 
 def test_a_clap_is_one_noise_at_the_frame_it_begins_with_its_ratio() -> None:
-    judge = OnsetDetector()
-    told = {n: r for n, e in enumerate(with_clap(hum(600), 400, 1e-2)) if (r := judge.judge(float(e))) is not None}
+    detector = OnsetDetector()
+    told = {n: r for n, e in enumerate(with_clap(hum(600), 400, 1e-2)) if (r := detector.update(float(e))) is not None}
     assert list(told) == [400]
     assert told[400] == pytest.approx(1e-2 / FAN, rel=0.05)
 
@@ -69,9 +69,9 @@ def test_scaling_the_whole_sound_changes_nothing_above_the_floor(octaves: int, s
     for place in rng.integers(120, 640, 4):
         energies = with_clap(energies, int(place), 10 ** rng.uniform(-3.5, 0))
     rule = LoudnessRule(floor_db=-75)
-    judge, scaled = OnsetDetector(rule), OnsetDetector(rule)
+    detector, scaled = OnsetDetector(rule), OnsetDetector(rule)
     gain = 4.0**octaves
-    assert [judge.judge(e) for e in energies.tolist()] == [scaled.judge(gain * e) for e in energies.tolist()]
+    assert [detector.update(e) for e in energies.tolist()] == [scaled.update(gain * e) for e in energies.tolist()]
 
 
 @pytest.mark.parametrize("db_per_minute", [-20, -5, 5, 20])
@@ -102,13 +102,13 @@ def test_a_whisper_after_digital_silence_is_none_and_a_clap_is() -> None:
 
 
 def test_one_clap_leaves_the_background_where_it_was() -> None:
-    judge = OnsetDetector()
+    detector = OnsetDetector()
     for energy in hum(400).tolist():
-        judge.judge(energy)
-    before = judge.background
+        detector.update(energy)
+    before = detector.background
     for energy in clap(0.1).tolist():
-        judge.judge(energy)
-    assert judge.background < 3.0 * before
+        detector.update(energy)
+    assert detector.background < 3.0 * before
     plain_mean = (400 * before + clap(0.1).sum()) / 448
     assert plain_mean > 20 * before, "the thesis's own mean would be deaf now"
 
@@ -148,30 +148,30 @@ def test_a_long_noise_is_one() -> None:
 @settings(max_examples=20)
 @given(st.lists(st.floats(1e-9, 0.1), min_size=300, max_size=500))
 def test_the_background_never_leaves_what_was_heard(energies: list[float]) -> None:
-    judge = OnsetDetector()
+    detector = OnsetDetector()
     for energy in energies:
-        judge.judge(energy)
-        assert 0 < judge.background <= max(energies) * (1 + 1e-9)
+        detector.update(energy)
+        assert 0 < detector.background <= max(energies) * (1 + 1e-9)
 
 
 def test_the_rule_changes_in_the_midst() -> None:
-    judge = OnsetDetector()
+    detector = OnsetDetector()
     energies = with_clap(hum(600), 500, 1e-2).tolist()
     for energy in energies[:450]:
-        judge.judge(energy)
-    judge.follow(LoudnessRule(ratio=1e5))
-    assert all(judge.judge(energy) is None for energy in energies[450:])
-    judge.follow(LoudnessRule(window=50, history=20))
-    assert judge.background == 0, "another window begins afresh"
-    assert [n for n, e in enumerate(with_clap(hum(120), 60, 1e-2).tolist()) if judge.judge(e) is not None] == [60]
+        detector.update(energy)
+    detector.follow(LoudnessRule(ratio=1e5))
+    assert all(detector.update(energy) is None for energy in energies[450:])
+    detector.follow(LoudnessRule(window=50, history=20))
+    assert detector.background == 0, "another window begins afresh"
+    assert [n for n, e in enumerate(with_clap(hum(120), 60, 1e-2).tolist()) if detector.update(e) is not None] == [60]
 
 
 def test_a_thud_is_none_however_loud() -> None:
-    judge = OnsetDetector()
+    detector = OnsetDetector()
     for energy in hum(400).tolist():
-        assert judge.judge(energy, lambda: 0.0) is None
-    assert judge.judge(1e-2, lambda: 0.2) is None
-    assert judge.judge(1e-2, lambda: 0.02) is not None
+        assert detector.update(energy, lambda: 0.0) is None
+    assert detector.update(1e-2, lambda: 0.2) is None
+    assert detector.update(1e-2, lambda: 0.02) is not None
 
 
 # --- The band --------------------------------------------------------------------------------------------------------

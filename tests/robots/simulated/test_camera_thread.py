@@ -31,8 +31,8 @@ class Eye:
 
     def __init__(self, robot: RobotConfig, world: WorldConfig) -> None:
         self.simulation: RobotSimulation = build_simulation(robot, world, TrueBase(0.10, 0.10, 0.44))
-        self.painter = Renderer(self.simulation.model)
-        self.camera = KinectRenderer(self.painter, self.simulation.model, CONFIG, np.random.default_rng(2))
+        self.renderer = Renderer(self.simulation.model)
+        self.camera = KinectRenderer(self.renderer, self.simulation.model, CONFIG, np.random.default_rng(2))
         self.X_BC = load_model(robot.model).pose(CONFIG.link)
         self._initial = WorldSnapshot.initial(self.simulation.model)
 
@@ -57,7 +57,7 @@ class Eye:
 def eye(robot: RobotConfig, lab: WorldConfig) -> Iterator[Eye]:
     eye = Eye(robot, lab)
     yield eye
-    eye.painter.close()
+    eye.renderer.close()
 
 
 def test_depth_to_a_known_wall(robot: RobotConfig) -> None:
@@ -73,7 +73,7 @@ def test_depth_to_a_known_wall(robot: RobotConfig) -> None:
             # the wall is flat: the same depth along the axis everywhere
             assert inverse[100:300, 50:590].std() < 1e-3
     finally:
-        eye.painter.close()
+        eye.renderer.close()
 
 
 def in_front_of(eye: Eye, lab: WorldConfig, number: int, distance: float, aside: float = 0.0) -> Pose2:

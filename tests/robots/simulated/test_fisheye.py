@@ -38,8 +38,8 @@ class Eye:
 
     def __init__(self, robot: RobotConfig, world: WorldConfig) -> None:
         simulation = build_simulation(robot, world, TrueBase(0.10, 0.10, 0.44))
-        self.painter = Renderer(simulation.model)
-        self.imv = FisheyeRenderer(self.painter, simulation.model, CONFIG, np.random.default_rng(2))
+        self.renderer = Renderer(simulation.model)
+        self.imv = FisheyeRenderer(self.renderer, simulation.model, CONFIG, np.random.default_rng(2))
         self.X_BC = load_model(robot.model).pose(CONFIG.link)
         self._initial = WorldSnapshot.initial(simulation.model)
         self._base = simulation.base_address
@@ -70,14 +70,14 @@ def hall_with_poster(height: float) -> WorldConfig:
 def hall_eye(robot: RobotConfig) -> Iterator[Eye]:
     eye = Eye(robot, hall_with_poster(1.05))
     yield eye
-    eye.painter.close()
+    eye.renderer.close()
 
 
 @pytest.fixture(scope="module")
 def lab_eye(robot: RobotConfig, lab: WorldConfig) -> Iterator[Eye]:
     eye = Eye(robot, lab)
     yield eye
-    eye.painter.close()
+    eye.renderer.close()
 
 
 def at_azimuth(eye: Eye, poster: PosterConfig, azimuth: float, distance: float) -> Pose2:

@@ -45,11 +45,11 @@ def model() -> mujoco.MjModel:
 
 
 @pytest.fixture
-def painter(model: mujoco.MjModel) -> Iterator[Renderer]:
-    painter = Renderer(model)
-    painter.reserve(PLACE.width, PLACE.height)
-    yield painter
-    painter.close()
+def renderer(model: mujoco.MjModel) -> Iterator[Renderer]:
+    renderer = Renderer(model)
+    renderer.reserve(PLACE.width, PLACE.height)
+    yield renderer
+    renderer.close()
 
 
 def after(snapshot: WorldSnapshot, body: int, y: float, slide: float = 0.0) -> WorldSnapshot:
@@ -61,11 +61,11 @@ def after(snapshot: WorldSnapshot, body: int, y: float, slide: float = 0.0) -> W
 
 @needs_gl
 def test_a_picture_is_drawn_anew_only_where_something_that_may_be_seen_has_moved(
-    model: mujoco.MjModel, painter: Renderer
+    model: mujoco.MjModel, renderer: Renderer
 ) -> None:
     near, far = 0, 1
     start = WorldSnapshot.initial(model)
-    watch = ChangeDetector(painter, 0)
+    watch = ChangeDetector(renderer, 0)
     assert watch.changed(start, (AHEAD,))
     assert not watch.changed(after(start, far, -0.5), (AHEAD,))  # behind the wall
     assert watch.changed(after(start, near, 0.25), (AHEAD,))
@@ -83,22 +83,22 @@ def test_a_picture_is_drawn_anew_only_where_something_that_may_be_seen_has_moved
 
 
 @needs_gl
-def test_creeping_is_noticed_in_the_end(model: mujoco.MjModel, painter: Renderer) -> None:
+def test_creeping_is_noticed_in_the_end(model: mujoco.MjModel, renderer: Renderer) -> None:
     start = WorldSnapshot.initial(model)
-    watch = ChangeDetector(painter, 0)
+    watch = ChangeDetector(renderer, 0)
     watch.changed(start, (AHEAD,))
     assert any(watch.changed(after(start, 0, 0.2, slide=i * 3e-7), (AHEAD,)) for i in range(5))
 
 
 @needs_gl
-def test_what_is_hidden_would_not_have_shown(model: mujoco.MjModel, painter: Renderer) -> None:
+def test_what_is_hidden_would_not_have_shown(model: mujoco.MjModel, renderer: Renderer) -> None:
     color = np.zeros((48, 64, 3), np.uint8)
     start = WorldSnapshot.initial(model)
-    painter.draw(start, 0, AHEAD)
-    painter.read(PLACE, color)
+    renderer.draw(start, 0, AHEAD)
+    renderer.read(PLACE, color)
     with_far = color.copy()
-    painter.draw(after(start, 1, -20.0), 0, AHEAD)
-    painter.read(PLACE, color)
+    renderer.draw(after(start, 1, -20.0), 0, AHEAD)
+    renderer.read(PLACE, color)
     np.testing.assert_array_equal(color, with_far)
 
 

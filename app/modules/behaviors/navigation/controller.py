@@ -152,7 +152,7 @@ class Controller(Protocol):
         """The velocities to command for the next ``period_s`` seconds; within the body's limits and accelerations."""
         ...
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Begin afresh: another goal, another path, or the body was moved by somebody else."""
         ...
 

@@ -94,7 +94,7 @@ class FaceLocator:
         those of a fisheye unrolled to ``px_per_rad``.
         """
         if isinstance(image.camera, FisheyeModel):
-            return self._look_around(image, image.camera, px_per_rad)
+            return self._find_on_panorama(image, image.camera, px_per_rad)
         camera = image.camera
         sightings = []
         for face in self.finder.find(image.color, longest):
@@ -104,7 +104,7 @@ class FaceLocator:
             sightings.append(self._placed(face, np.asarray(camera.rays(at), np.float64), sigma, depth, image.X_BC))
         return sightings
 
-    def _look_around(self, image: Image, camera: FisheyeModel, px_per_rad: float) -> list[FaceSighting]:
+    def _find_on_panorama(self, image: Image, camera: FisheyeModel, px_per_rad: float) -> list[FaceSighting]:
         up_C = np.asarray(image.X_BC.rotation[2], np.float64)
         # To the nearest decimetre: a torso that breathes makes no new strip.
         view = StripView.of_people(round(float(image.X_BC.translation[2]), 1), px_per_rad)

@@ -97,7 +97,7 @@ class FaceTracks:
     ) -> tuple[PlacedFace, ...]:
         """Give each of one image's ``sightings`` its track; ``X_OB`` is the robot's pose at ``stamp``, if known."""
         self._note_image(stamp, camera)
-        self._forget(stamp)
+        self._drop_old(stamp)
         pairs = {} if X_OB is None else self._by_place(stamp, sightings, X_OB)
         pairs |= self._by_overlap(stamp, camera, [sighting.face for sighting in sightings], pairs)
         placed = []
@@ -105,14 +105,14 @@ class FaceTracks:
             track = pairs.get(index)
             if track is None:
                 track = self._new(stamp, camera, sighting.face)
-            placed.append(self._told(track, stamp, camera, sighting, X_OB))
+            placed.append(self._placed(track, stamp, camera, sighting, X_OB))
         self._keep_the_newest()
         return tuple(placed)
 
     def see_in_image(self, stamp: float, camera: str, faces: Sequence[Detection]) -> tuple[int, ...]:
         """The number of each of one image's ``faces``, of a camera that may be anywhere: by their boxes alone."""
         self._note_image(stamp, camera)
-        self._forget(stamp)
+        self._drop_old(stamp)
         pairs = self._by_overlap(stamp, camera, faces, {})
         tracks = [pairs.get(index) or self._new(stamp, camera, face) for index, face in enumerate(faces)]
         for track, face in zip(tracks, faces, strict=True):
@@ -143,7 +143,7 @@ class FaceTracks:
             usual = gap if usual == 0 else usual + 0.3 * (min(gap, 3 * usual) - usual)
         self._images[camera] = (max(stamp, last), usual)
 
-    def _forget(self, stamp: float) -> None:
+    def _drop_old(self, stamp: float) -> None:
         def waited_for(track: _Track) -> bool:
             patience = max(self._model.forget_s, self._model.forget_images * self._images[track.camera][1])
             return stamp - track.seen <= patience
@@ -187,16 +187,18 @@ class FaceTracks:
 
     # --- filter --------------------------------------------------------------------------------------------------
 
-    def _told(self, track: _Track, stamp: float, camera: str, sighting: FaceSighting, X_OB: Pose3 | None) -> PlacedFace:
-        told = PlacedFace(track.number, sighting.p_BF, sighting.covariance)
+    def _placed(
+        self, track: _Track, stamp: float, camera: str, sighting: FaceSighting, X_OB: Pose3 | None
+    ) -> PlacedFace:
+        placed_face = PlacedFace(track.number, sighting.p_BF, sighting.covariance)
         if X_OB is not None:
             self._update(track, stamp, sighting, X_OB)
             if not sighting.measured and track.x is not None and track.P is not None:
                 R_BO = X_OB.rotation.T
                 p_BF = np.asarray(X_OB.inverse().transform(track.x[:3]), np.float64)
-                told = PlacedFace(track.number, p_BF, R_BO @ track.P[:3, :3] @ R_BO.T)
+                placed_face = PlacedFace(track.number, p_BF, R_BO @ track.P[:3, :3] @ R_BO.T)
         self._note_seen(track, stamp, camera, sighting.face)
-        return told
+        return placed_face
 
     def _predicted(self, track: _Track, stamp: float) -> tuple[Vector, Vector]:
         """State and covariance at ``stamp``; those at the last sighting for a camera that comes later than another."""

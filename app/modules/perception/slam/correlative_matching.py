@@ -137,7 +137,7 @@ def _branch_and_bound(
     cells_j = np.empty((angles, count), np.int32)
     most = angles * ((2 * reach) // stride + 2) ** 2
     scores = np.empty(most)
-    places = np.empty((most, 3), np.int32)
+    hypotheses = np.empty((most, 3), np.int32)
     made = 0
     for q in range(angles):
         c = math.cos(theta + (q - each_side) * step)
@@ -150,9 +150,9 @@ def _branch_and_bound(
                 score = _score(levels[top], cells_i[q], cells_j[q], di, dj)
                 if score > threshold:
                     scores[made] = score
-                    places[made, 0] = q
-                    places[made, 1] = di
-                    places[made, 2] = dj
+                    hypotheses[made, 0] = q
+                    hypotheses[made, 1] = di
+                    hypotheses[made, 2] = dj
                     made += 1
     best = threshold
     best_q = best_i = best_j = 0
@@ -165,9 +165,9 @@ def _branch_and_bound(
             break
         depth = 1
         bounds[0] = scores[u]
-        stack[0, 0] = places[u, 0]
-        stack[0, 1] = places[u, 1]
-        stack[0, 2] = places[u, 2]
+        stack[0, 0] = hypotheses[u, 0]
+        stack[0, 1] = hypotheses[u, 1]
+        stack[0, 2] = hypotheses[u, 2]
         stack[0, 3] = top
         while depth > 0:
             depth -= 1

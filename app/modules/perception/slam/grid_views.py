@@ -34,7 +34,7 @@ def state_of(grid: OccupancyGrid) -> SlamState:
     beams = BeamGeometry(angles, 0.02, REACH_M)
     keyframes: list[Keyframe] = []
     poses: list[Pose2] = []
-    for x, y in _places(grid).tolist():
+    for x, y in _free_cells(grid).tolist():
         column, row = (x - grid.origin[0]) / grid.resolution_m, (y - grid.origin[1]) / grid.resolution_m
         ranges = cast_grid(occupied, unknown, column, row, angles, REACH_M / grid.resolution_m) * grid.resolution_m
         scan = prepared(ranges, beams, (0.0, 0.0), 0.0, REACH_M, THINNED_M)
@@ -46,7 +46,7 @@ def state_of(grid: OccupancyGrid) -> SlamState:
     return SlamState(tuple(keyframes), tuple(poses), (), ())
 
 
-def _places(grid: OccupancyGrid) -> NDArray[np.float64]:
+def _free_cells(grid: OccupancyGrid) -> NDArray[np.float64]:
     """x, y (N, 2) of the roomiest place in every square of free floor of APART_M on a side."""
     free = ((grid.cells >= 0) & (grid.cells <= FREE)).astype(np.uint8)
     room = np.asarray(cv2.distanceTransform(np.pad(free, 1), cv2.DIST_L2, cv2.DIST_MASK_PRECISE))[1:-1, 1:-1]
@@ -62,8 +62,8 @@ def _places(grid: OccupancyGrid) -> NDArray[np.float64]:
             rows, columns = np.nonzero(here >= here.max())
             middle = np.argmin(np.hypot(rows - side / 2, columns - side / 2))
             found.append((left + columns[middle] + 0.5, top + rows[middle] + 0.5))
-    places = np.array(found, np.float64).reshape(-1, 2)
-    return np.asarray(places * grid.resolution_m + np.array(grid.origin), np.float64)
+    cells = np.array(found, np.float64).reshape(-1, 2)
+    return np.asarray(cells * grid.resolution_m + np.array(grid.origin), np.float64)
 
 
 @kernel("float32[::1](uint8[:,::1], uint8[:,::1], float64, float64, float64[::1], float64)")

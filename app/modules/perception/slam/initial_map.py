@@ -87,26 +87,41 @@ class InitialMap:
 
 
 def choose_initial_map(
-    legacy: RestartState, shown: LastPublished, library: MapLibrary, new: NewSession, configured: str, extend: bool
+    restart_state: RestartState,
+    last_published: LastPublished,
+    library: MapLibrary,
+    new: NewSession,
+    configured: str,
+    extend: bool,
 ) -> InitialMap:
     """*Behind.* Choose the map; ``configured`` by name if nothing else is known, and to ``extend``."""
     from app.modules.perception.slam.session import MapSession, StoredMap, stored_map
 
-    name, grows, grown = legacy.name(configured), legacy.grows(extend), legacy.grown()
-    if grown is not None and shown.grid is not None:
+    name, grows, grown = restart_state.name(configured), restart_state.grows(extend), restart_state.grown()
+    if grown is not None and last_published.grid is not None:
         # Left once: who fails again before the map grew goes on without what may be the cause.
-        return InitialMap(new(StoredMap("", shown.grid, (), grown), shown.X_MO, True), name, shown.zones, same=True)
+        return InitialMap(
+            new(StoredMap("", last_published.grid, (), grown), last_published.X_MO, True),
+            name,
+            last_published.zones,
+            same=True,
+        )
     refused = ""
     if name:
         try:
             kept = stored_map(library, name)
-            session = new(kept, shown.X_MO, grows and kept.state is not None)
-            return InitialMap(session, name, kept.zones, same=legacy.known())
+            session = new(kept, last_published.X_MO, grows and kept.state is not None)
+            return InitialMap(session, name, kept.zones, same=restart_state.known())
         except MapUnavailable as refusal:
             refused = str(refusal)
-    if shown.grid is not None and shown.place is not None and (shown.grid.cells >= 0).any():
-        session = MapSession(shown.grid, grows=False, X_MO=shown.X_MO)
+    if last_published.grid is not None and last_published.place is not None and (last_published.grid.cells >= 0).any():
+        session = MapSession(last_published.grid, grows=False, X_MO=last_published.X_MO)
         return InitialMap(
-            session, shown.place.map, shown.zones, refused, stopped=grows and legacy.known(), same=legacy.known()
+            session,
+            last_published.place.map,
+            last_published.zones,
+            refused,
+            stopped=grows and restart_state.known(),
+            same=restart_state.known(),
         )
     return InitialMap(new(None, None, True), refused=refused)

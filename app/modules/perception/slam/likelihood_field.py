@@ -84,14 +84,15 @@ class LikelihoodField:
         return descend(self.far, points, pose, self.cell_m, self.origin[0], self.origin[1], rounds)
 
     def explained(
-        self, points: NDArray[np.float64], eye: NDArray[np.float64], pose: NDArray[np.float64]
+        self, points: NDArray[np.float64], sensor_xy: NDArray[np.float64], pose: NDArray[np.float64]
     ) -> NDArray[np.int8]:
-        """What the map says of each of ``points`` seen from ``eye`` (m in ``base_link``) with the body at ``pose``.
+        """How the map explains each of ``points``, seen from ``sensor_xy`` (m in ``base_link``), with the body at
+        ``pose``.
 
         1: something is there, and in sight; 0: nothing is, or something stands before it; −1: nobody knows.
         """
         found: NDArray[np.int8] = explain(
-            self.far, self.known, self.occupied, points, eye, pose, self.cell_m, self.origin[0], self.origin[1]
+            self.far, self.known, self.occupied, points, sensor_xy, pose, self.cell_m, self.origin[0], self.origin[1]
         )
         return found
 
@@ -312,7 +313,7 @@ def explain(
     known: NDArray[np.uint8],
     occupied: NDArray[np.uint8],
     points: NDArray[np.float64],
-    eye: NDArray[np.float64],
+    sensor_xy: NDArray[np.float64],
     pose: NDArray[np.float64],
     cell: float,
     x0: float,
@@ -321,8 +322,8 @@ def explain(
     """See :meth:`LikelihoodField.explained`: rays are followed in half cells up to 0.4 m before their ends."""
     height, width = far.shape
     c, s = math.cos(pose[2]), math.sin(pose[2])
-    ex = pose[0] + c * eye[0] - s * eye[1] - x0
-    ey = pose[1] + s * eye[0] + c * eye[1] - y0
+    ex = pose[0] + c * sensor_xy[0] - s * sensor_xy[1] - x0
+    ey = pose[1] + s * sensor_xy[0] + c * sensor_xy[1] - y0
     said = np.empty(len(points), np.int8)
     for k in range(len(points)):
         x = pose[0] + c * points[k, 0] - s * points[k, 1] - x0

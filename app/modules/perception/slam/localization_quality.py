@@ -54,16 +54,16 @@ class FitMonitor:
         return 0.0 if self._fitted is None else stamp - self._fitted
 
 
-def spread_of(places: Sequence[Pose2], grid: OccupancyGrid | None) -> NDArray[np.float64]:
-    """(3, 3) covariance of x, y (m^2) and heading (rad^2) where the robot may be at any of ``places``, the likeliest
+def spread_of(hypotheses: Sequence[Pose2], grid: OccupancyGrid | None) -> NDArray[np.float64]:
+    """(3, 3) covariance of x, y (m^2) and heading (rad^2) of a robot at any of ``hypotheses``, the likeliest
     first; of the whole map where there is none.
     """
-    if not places:
+    if not hypotheses:
         height, width = (0, 0) if grid is None else grid.cells.shape
         cell = 0.0 if grid is None else grid.resolution_m
         return np.diag([(width * cell) ** 2 / 12, (height * cell) ** 2 / 12, math.pi**2 / 3])
-    best = places[0]
-    off = np.array([(p.x - best.x, p.y - best.y, math.remainder(p.theta - best.theta, math.tau)) for p in places])
+    best = hypotheses[0]
+    off = np.array([(p.x - best.x, p.y - best.y, math.remainder(p.theta - best.theta, math.tau)) for p in hypotheses])
     one = np.diag([_SIGMAS[0] ** 2, _SIGMAS[0] ** 2, _SIGMAS[1] ** 2])
     return np.asarray(off.T @ off / len(off) + one, np.float64)
 

@@ -44,16 +44,16 @@ class MapRenderer:
         self.counts = counts or OccupancyCounts()
         self._drawn: dict[int, _Drawn] = {}
 
-    def glance(self, glance: ExtraView) -> None:
+    def extra_view(self, extra_view: ExtraView) -> None:
         """Add one look; of those from one keyframe the oldest goes. Nothing, where the keyframe is not drawn."""
-        drawn = self._drawn.get(glance.keyframe)
+        drawn = self._drawn.get(extra_view.keyframe)
         if drawn is None:
             return
         if len(drawn.glances) == GLANCES:
             oldest = drawn.glances.popleft()
             self.counts.remove(oldest.view, drawn.pose @ oldest.X_KV)
-        drawn.glances.append(glance)
-        self.counts.add(glance.view, drawn.pose @ glance.X_KV)
+        drawn.glances.append(extra_view)
+        self.counts.add(extra_view.view, drawn.pose @ extra_view.X_KV)
 
     def update(self, keyframes: Mapping[int, Keyframe], poses: Mapping[int, Pose2], most: int = 50) -> bool:
         """Draw up to ``most`` keyframes that are new, gone or more than half a cell from where they were drawn.
@@ -81,14 +81,14 @@ class MapRenderer:
                 self._erase(drawn)
                 drawn.pose = pose
             self.counts.add(drawn.view, pose)
-            for glance in drawn.glances:
-                self.counts.add(glance.view, pose @ glance.X_KV)
+            for extra_view in drawn.glances:
+                self.counts.add(extra_view.view, pose @ extra_view.X_KV)
         return False
 
     def _erase(self, drawn: _Drawn) -> None:
         self.counts.remove(drawn.view, drawn.pose)
-        for glance in drawn.glances:
-            self.counts.remove(glance.view, drawn.pose @ glance.X_KV)
+        for extra_view in drawn.glances:
+            self.counts.remove(extra_view.view, drawn.pose @ extra_view.X_KV)
 
 
 def _moved(before: Pose2, now: Pose2, size_m: float) -> float:

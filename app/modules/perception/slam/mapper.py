@@ -139,14 +139,14 @@ class Slam:
             if distance < _REST and abs(step.theta) < _REST and self._rested < _REST_SCANS:
                 self._rested += 1
                 self._off = (0.0, 0.0)
-                return self._told(stamp, X_OB, added=False)
+                return self._published(stamp, X_OB, added=False)
         self._rested = 0
         scan = prepared(ranges, beams, twist, sweep_s, self.settings.range_max_m, self.settings.thinning_m)
         if not self._keyframes:
             if not len(scan.points):
-                return self._told(stamp, X_OB, added=False)
+                return self._published(stamp, X_OB, added=False)
             self._add_keyframe(stamp, scan, None)
-            return self._told(stamp, X_OB, added=True)
+            return self._published(stamp, X_OB, added=True)
         if self._frozen and self._local is not None:
             gone = self._local.X_MB.inverse() @ self._X_MB
             doubted = self._last_fit is not None and self._last_fit.inliers < self.settings.poor_below
@@ -159,7 +159,7 @@ class Slam:
             self._add_keyframe(stamp, scan, fit)
         else:
             self._X_KB = off
-        return self._told(stamp, X_OB, added)
+        return self._published(stamp, X_OB, added)
 
     def pending(self) -> LoopJob | None:
         """Work that is due (loops to look for, a graph to correct); None while one is out, or nothing is due."""
@@ -382,7 +382,7 @@ class Slam:
             self._in_use(), self._memory, self._optimize, settle,
         )  # fmt: skip
 
-    def _told(self, stamp: float, X_OB: Pose2, added: bool) -> Match:
+    def _published(self, stamp: float, X_OB: Pose2, added: bool) -> Match:
         fit = self._last_fit
         moved, self._moved = self._moved, False
         return Match(

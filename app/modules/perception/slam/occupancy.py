@@ -33,19 +33,19 @@ REACH_M = 12.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScanView:
-    """What one scan saw, in ``base_link``: rays begin at ``eye`` (m) and end at ``ends`` (N, 2) float32 m; ``met`` (N,)
+    """Rays of one scan in ``base_link``: from ``sensor_xy`` (m) to ``ends`` (N, 2) float32 m; ``met`` (N,)
     bool says whether on something.
     """
 
     ends: NDArray[np.float32]
     met: NDArray[np.bool_]
-    eye: tuple[float, float]
+    sensor_xy: tuple[float, float]
 
     @staticmethod
     def of(keyframe: Keyframe) -> ScanView:
         """What was seen at ``keyframe``."""
-        eye = float(keyframe.origin[0]), float(keyframe.origin[1])
-        return ScanView(keyframe.ends, np.require(keyframe.hits, requirements=("C", "W")), eye)
+        sensor_xy = float(keyframe.origin[0]), float(keyframe.origin[1])
+        return ScanView(keyframe.ends, np.require(keyframe.hits, requirements=("C", "W")), sensor_xy)
 
 
 def view_of(scan: LaserScan) -> ScanView:
@@ -57,9 +57,11 @@ def view_of(scan: LaserScan) -> ScanView:
     said = met | (ranges >= scan.range_max)
     ranges, angles, met = np.minimum(ranges, scan.range_max)[said], angles[said], met[said]
     x, y = ranges * np.cos(angles), ranges * np.sin(angles)
-    turn, eye = scan.X_BL.rotation, scan.X_BL.translation
-    ends = np.stack((turn[0, 0] * x + turn[0, 1] * y + eye[0], turn[1, 0] * x + turn[1, 1] * y + eye[1]), axis=1)
-    return ScanView(ends.astype(np.float32), met, (float(eye[0]), float(eye[1])))
+    turn, sensor_xy = scan.X_BL.rotation, scan.X_BL.translation
+    ends = np.stack(
+        (turn[0, 0] * x + turn[0, 1] * y + sensor_xy[0], turn[1, 0] * x + turn[1, 1] * y + sensor_xy[1]), axis=1
+    )
+    return ScanView(ends.astype(np.float32), met, (float(sensor_xy[0]), float(sensor_xy[1])))
 
 
 class OccupancyCounts:
@@ -107,28 +109,28 @@ class OccupancyCounts:
         if not len(view.ends):
             return
         # The lattice's columns and rows of the ends, and of the eye.
-        places = self._places(view, pose)
-        self._cover(places)
+        ray_cells = self._ray_cells(view, pose)
+        self._cover(ray_cells)
         self._mark += 2
-        places -= np.array(self.lowest)
-        cast_rays(self.hits, self.misses, self._marks, self._mark, self._dirty, places, view.met, sign)
+        ray_cells -= np.array(self.lowest)
+        cast_rays(self.hits, self.misses, self._marks, self._mark, self._dirty, ray_cells, view.met, sign)
 
-    def _places(self, view: ScanView, pose: Pose2) -> NDArray[np.int64]:
+    def _ray_cells(self, view: ScanView, pose: Pose2) -> NDArray[np.int64]:
         """(N + 1, 2): columns and rows on the lattice of what :func:`cast_rays` goes to, and of the eye last."""
         x, y = view.ends[:, 0].astype(np.float64), view.ends[:, 1].astype(np.float64)
-        far = np.hypot(x - view.eye[0], y - view.eye[1])
+        far = np.hypot(x - view.sensor_xy[0], y - view.sensor_xy[1])
         share = np.where(view.met | (far <= REACH_M), 1.0, REACH_M / np.maximum(far, 1e-9))
-        x, y = view.eye[0] + share * (x - view.eye[0]), view.eye[1] + share * (y - view.eye[1])
-        x, y = np.append(x, view.eye[0]), np.append(y, view.eye[1])
+        x, y = view.sensor_xy[0] + share * (x - view.sensor_xy[0]), view.sensor_xy[1] + share * (y - view.sensor_xy[1])
+        x, y = np.append(x, view.sensor_xy[0]), np.append(y, view.sensor_xy[1])
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         on_map = np.stack((pose.x + c * x - s * y, pose.y + s * x + c * y), axis=1)
         return np.floor(on_map / self.resolution_m).astype(np.int64)
 
-    def _cover(self, places: NDArray[np.int64]) -> None:
-        """Grow so that ``places`` lie inside."""
+    def _cover(self, ray_cells: NDArray[np.int64]) -> None:
+        """Grow so that ``ray_cells`` lie inside."""
         lowest, shape = np.array(self.lowest), np.array(self.cells.shape)[::-1]
-        below = np.maximum(lowest - places.min(axis=0), 0)
-        above = np.maximum(places.max(axis=0) + 1 - (lowest + shape), 0)
+        below = np.maximum(lowest - ray_cells.min(axis=0), 0)
+        above = np.maximum(ray_cells.max(axis=0) + 1 - (lowest + shape), 0)
         if not (below.any() or above.any()):
             return
         below, above = -(-below // self._block) * self._block, -(-above // self._block) * self._block
@@ -165,26 +167,26 @@ def cast_rays(
     marks: NDArray[np.int32],
     mark: int,
     dirty: NDArray[np.int64],
-    places: NDArray[np.int64],
+    ray_cells: NDArray[np.int64],
     met: NDArray[np.bool_],
     sign: int,
 ) -> None:
     """Count one view, ``sign`` 1, or take it out, −1.
 
-    ``places`` are columns and rows inside the grid, the eye's last. ``mark`` is even, and greater than any in
-    ``marks``, which say which cells the view has met.
+    ``ray_cells``: columns and rows inside the grid, the sensor's own cell last. ``mark``: even, greater than any value
+    of ``marks``; ``marks`` hold the last view that touched each cell.
     """
     count = len(met)
-    i0, j0 = places[count, 0], places[count, 1]
+    i0, j0 = ray_cells[count, 0], ray_cells[count, 1]
     for k in range(count):
-        i, j = places[k, 0], places[k, 1]
+        i, j = ray_cells[k, 0], ray_cells[k, 1]
         dirty[0], dirty[1] = min(dirty[0], i, i0), min(dirty[1], j, j0)
         dirty[2], dirty[3] = max(dirty[2], i, i0), max(dirty[3], j, j0)
         if met[k] and marks[j, i] != mark + 1:
             marks[j, i] = mark + 1
             hits[j, i] = hits[j, i] + sign
     for k in range(count):
-        i1, j1 = places[k, 0], places[k, 1]
+        i1, j1 = ray_cells[k, 0], ray_cells[k, 1]
         # Bresenham's line, without its end.
         di, dj = abs(i1 - i0), -abs(j1 - j0)
         si, sj = (1 if i1 > i0 else -1), (1 if j1 > j0 else -1)

@@ -40,8 +40,8 @@ def redundant(poses: Mapping[int, Pose2], kept: Collection[int], per_m2: int, se
     ids = np.fromiter(poses, dtype=np.int64)
     at = np.array([(p.x, p.y, p.theta) for p in poses.values()])
     sector = np.floor(at[:, 2] % math.tau / math.tau * sectors)
-    places = np.column_stack((np.floor(at[:, :2]), sector)).astype(np.int64)
-    _, place, counts = np.unique(places, axis=0, return_inverse=True, return_counts=True)
+    hypotheses = np.column_stack((np.floor(at[:, :2]), sector)).astype(np.int64)
+    _, place, counts = np.unique(hypotheses, axis=0, return_inverse=True, return_counts=True)
     place = place.reshape(-1)
     removed: list[int] = []
     for full in np.flatnonzero(counts > per_m2):

@@ -37,7 +37,7 @@ class SearchSettings:
     #: Places are kept that score so much, and no more than so much less than the best; at most so many.
     floor: float = 0.45
     margin: float = 0.12
-    most_places: int = 60
+    most_hypotheses: int = 60
     #: Nearer to each other than this, two places are one.
     same_m: float = 0.5
     same_rad: float = 0.3
@@ -58,10 +58,11 @@ class SearchSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SearchScan:
-    """One scan: ``points`` (N, 2) float64, m in ``base_link``, seen from ``eye`` (m) with the body at ``X_OB``."""
+    """One scan of the search: ``points`` (N, 2) float64 m in ``base_link``, the sensor at ``sensor_xy`` (m), the body
+    at ``X_OB``."""
 
     points: NDArray[np.float64]
-    eye: NDArray[np.float64]
+    sensor_xy: NDArray[np.float64]
     X_OB: Pose2
 
 
@@ -92,12 +93,12 @@ class PoseSearch:
         self._travelled = self._turned = 0.0
         self._scans = 0
         #: Every place that is possible by now, the likeliest first.
-        self.places: tuple[PoseHypothesis, ...] = ()
+        self.hypotheses: tuple[PoseHypothesis, ...] = ()
 
     @property
     def overlap(self) -> float:
         """How well all that was seen fits the likeliest place, in [0, 1]; 0 while there is none."""
-        return self.places[0].score if self.places else 0.0
+        return self.hypotheses[0].score if self.hypotheses else 0.0
 
     def see(self, sighting: SearchScan) -> Pose2 | None:
         """Take a scan; returns X_MO once the place is believed.
@@ -116,19 +117,21 @@ class PoseSearch:
         self._scans += 1
         X_OB = sighting.X_OB
         together = self._together(X_OB)
-        places: list[tuple[Pose2, PoseHypothesis | None]] = [(place.X_MO @ X_OB, place) for place in self.places]
+        hypotheses: list[tuple[Pose2, PoseHypothesis | None]] = [
+            (place.X_MO @ X_OB, place) for place in self.hypotheses
+        ]
         if self._search_due(X_OB):
-            places += [(X_MB, None) for X_MB in self._searched_for(together)]
+            hypotheses += [(X_MB, None) for X_MB in self._searched_for(together)]
             self._searched.append(X_OB)
-        self.places = self._judged(places, together, X_OB)
+        self.hypotheses = self._judged(hypotheses, together, X_OB)
         return self._believed()
 
     def _search_due(self, X_OB: Pose2) -> bool:
-        if not self.places:
+        if not self.hypotheses:
             return True
         gone = self._searched[-1].inverse() @ X_OB
         # Twice suffices, unless what was found then fits no more.
-        wanted = len(self._searched) < 2 or self.places[0].score < self._settings.believed
+        wanted = len(self._searched) < 2 or self.hypotheses[0].score < self._settings.believed
         far = math.hypot(gone.x, gone.y) > self._settings.again_m or abs(gone.theta) > self._settings.again_rad
         return wanted and far
 
@@ -140,18 +143,18 @@ class PoseSearch:
     def _searched_for(self, points: NDArray[np.float64]) -> list[Pose2]:
         settings = self._settings
         leaves = self._field.search(spread(points, settings.search_points), settings.floor, settings.margin)
-        return distinct([Pose2(x, y, t) for x, y, t, _ in leaves.tolist()], 0.3, 0.2, 3 * settings.most_places)
+        return distinct([Pose2(x, y, t) for x, y, t, _ in leaves.tolist()], 0.3, 0.2, 3 * settings.most_hypotheses)
 
     def _judged(
-        self, places: Sequence[tuple[Pose2, PoseHypothesis | None]], points: NDArray[np.float64], X_OB: Pose2
+        self, hypotheses: Sequence[tuple[Pose2, PoseHypothesis | None]], points: NDArray[np.float64], X_OB: Pose2
     ) -> tuple[PoseHypothesis, ...]:
-        """``places`` of the body now, each put where all points fit best, the impossible and the doubled left out; with
+        """``hypotheses`` of the body now, each refined on all points, without impossible and duplicate ones; with
         each, what was thought of it before.
         """
         settings = self._settings
         judged: list[tuple[PoseHypothesis, Pose2]] = []
         few = spread(points, 4 * settings.search_points)
-        for X_MB, before in places:
+        for X_MB, before in hypotheses:
             pose = self._field.refine(few, np.array([X_MB.x, X_MB.y, X_MB.theta]))
             if not self._field.is_free(pose):
                 continue
@@ -168,24 +171,24 @@ class PoseSearch:
             elif place.so_far[1] > kept[same[0]][0].so_far[1]:
                 # What was thought of before is found again, a little better.
                 kept[same[0]] = replace(kept[same[0]][0], so_far=place.so_far), kept[same[0]][1]
-        return tuple(place for place, _ in kept[: settings.most_places])
+        return tuple(place for place, _ in kept[: settings.most_hypotheses])
 
     def _place(self, X_MO: Pose2, before: PoseHypothesis | None) -> PoseHypothesis:
-        told: list[NDArray[np.int8]] = []
+        explained_each: list[NDArray[np.int8]] = []
         for seen in self._seen:
             at = X_MO @ seen.X_OB
-            told.append(self._field.explained(seen.points, seen.eye, np.array([at.x, at.y, at.theta])))
-        each = [_share(one) for one in told]
+            explained_each.append(self._field.explained(seen.points, seen.sensor_xy, np.array([at.x, at.y, at.theta])))
+        each = [_share(one) for one in explained_each]
         so_far = (each[-1], 1) if before is None else (before.so_far[0] + each[-1], before.so_far[1] + 1)
         worst = sorted(each)[1 if len(each) > 3 else 0]
-        return PoseHypothesis(X_MO, sum(each) / len(each), worst, np.concatenate(told), so_far)
+        return PoseHypothesis(X_MO, sum(each) / len(each), worst, np.concatenate(explained_each), so_far)
 
     def _believed(self) -> Pose2 | None:
         settings = self._settings
         moved_enough = self._travelled >= settings.motion_m or self._turned >= settings.motion_rad
-        if not self.places or len(self._searched) < 2 or self._scans < settings.scans or not moved_enough:
+        if not self.hypotheses or len(self._searched) < 2 or self._scans < settings.scans or not moved_enough:
             return None
-        best, *others = self.places
+        best, *others = self.hypotheses
         so_far, scans = best.so_far
         # Who searched in vain may be elsewhere than on the map, and must not take the first likeness that comes along.
         if scans < min(settings.scans * (len(self._searched) - 1), settings.scans_most):

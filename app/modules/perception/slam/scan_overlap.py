@@ -59,10 +59,10 @@ def compared(keyframes: Sequence[Keyframe], poses: NDArray[np.float64]) -> Pairs
     counts = np.array([len(points) for points in met], dtype=np.int64)
     points = np.concatenate(met) if met else np.zeros((0, 2))
     starts = np.concatenate((np.zeros(1, np.int64), np.cumsum(counts)))
-    eyes = np.array([keyframe.origin for keyframe in keyframes], dtype=np.float64).reshape(-1, 2)
-    nearest, farthest = _images(points, starts, eyes)
+    sensors_xy = np.array([keyframe.origin for keyframe in keyframes], dtype=np.float64).reshape(-1, 2)
+    nearest, farthest = _images(points, starts, sensors_xy)
     agree, through = _laid_over(
-        points, starts, eyes, np.ascontiguousarray(poses), nearest, farthest, a, b, _SAME_M, _SAME_SHARE
+        points, starts, sensors_xy, np.ascontiguousarray(poses), nearest, farthest, a, b, _SAME_M, _SAME_SHARE
     )
     seen = agree + through
     says = (seen >= _LEAST_POINTS) & (seen >= _LEAST_SHARE * counts[a])
@@ -97,16 +97,16 @@ def _near(poses: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int
 
 @kernel("UniTuple(float32[:, ::1], 2)(float64[:, ::1], int64[::1], float64[:, ::1])")
 def _images(
-    points: NDArray[np.float64], starts: NDArray[np.int64], eyes: NDArray[np.float64]
+    points: NDArray[np.float64], starts: NDArray[np.int64], sensors_xy: NDArray[np.float64]
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """The nearest and the farthest reading (m) of each view in each direction and those beside it; inf and -1: none."""
-    count = len(eyes)
+    count = len(sensors_xy)
     near = np.full((count, _DIRECTIONS), np.inf, np.float32)
     far = np.full((count, _DIRECTIONS), -1.0, np.float32)
     for view in range(count):
         for i in range(starts[view], starts[view + 1]):
-            dx = points[i, 0] - eyes[view, 0]
-            dy = points[i, 1] - eyes[view, 1]
+            dx = points[i, 0] - sensors_xy[view, 0]
+            dy = points[i, 1] - sensors_xy[view, 1]
             reach = np.float32(math.sqrt(dx * dx + dy * dy))
             at = int((math.atan2(dy, dx) + math.pi) / (2.0 * math.pi) * _DIRECTIONS) % _DIRECTIONS
             for beside in range(at - 1, at + 2):
@@ -123,7 +123,7 @@ def _images(
 def _laid_over(
     points: NDArray[np.float64],
     starts: NDArray[np.int64],
-    eyes: NDArray[np.float64],
+    sensors_xy: NDArray[np.float64],
     poses: NDArray[np.float64],
     nearest: NDArray[np.float32],
     farthest: NDArray[np.float32],
@@ -141,8 +141,8 @@ def _laid_over(
         c, s = math.cos(turn), math.sin(turn)
         cb, sb = math.cos(poses[b, 2]), math.sin(poses[b, 2])
         dx, dy = poses[a, 0] - poses[b, 0], poses[a, 1] - poses[b, 1]
-        x0 = cb * dx + sb * dy - eyes[b, 0]
-        y0 = cb * dy - sb * dx - eyes[b, 1]
+        x0 = cb * dx + sb * dy - sensors_xy[b, 0]
+        y0 = cb * dy - sb * dx - sensors_xy[b, 1]
         for i in range(starts[a], starts[a + 1]):
             x = x0 + c * points[i, 0] - s * points[i, 1]
             y = y0 + s * points[i, 0] + c * points[i, 1]

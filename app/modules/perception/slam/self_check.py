@@ -103,16 +103,16 @@ def view_inconsistencies(
     settings = settings or CheckSettings()
     cuts = cuts_of(compared(keyframes, poses), len(keyframes))
     inner = slice(settings.least_keyframes, max(len(keyframes) - settings.least_keyframes + 1, 0))
-    doubts: list[Inconsistency] = []
+    inconsistencies: list[Inconsistency] = []
     agreeing, contradicting = cuts.agreeing[inner], cuts.contradicting[inner]
     if not len(agreeing):
-        return doubts
+        return inconsistencies
     share = contradicting / np.maximum(agreeing + contradicting, 1)
     share[contradicting < settings.least_contradicting] = 0.0
     worst = int(np.argmax(share))
     if share[worst] > settings.contradicting:
         both = int(agreeing[worst] + contradicting[worst])
-        doubts.append(
+        inconsistencies.append(
             Inconsistency(
                 "no",
                 inner.start + worst,
@@ -121,9 +121,9 @@ def view_inconsistencies(
             )
         )
     loose = np.flatnonzero(agreeing < settings.least_agreeing)
-    if loose.size and not doubts:
+    if loose.size and not inconsistencies:
         at = inner.start + int(loose[np.argmin(agreeing[loose])])
-        doubts.append(
+        inconsistencies.append(
             Inconsistency(
                 "unknown", at, "odometry alone holds what was seen before and after together: no view shows both"
             )
@@ -131,7 +131,7 @@ def view_inconsistencies(
     for keyframe, off_m, off_rad in surprises:
         far = off_m > settings.surprising_m or off_rad > settings.surprising_rad
         if far and 0 < keyframe < len(keyframes) and cuts.confirming[keyframe] < settings.least_confirming:
-            doubts.append(
+            inconsistencies.append(
                 Inconsistency(
                     "unknown",
                     keyframe,
@@ -140,7 +140,7 @@ def view_inconsistencies(
                 )
             )
             break
-    return doubts
+    return inconsistencies
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,7 +148,7 @@ class CheckResult:
     """Whether a map is ``intact``, why not in words, and how surely each keyframe is known by the whole graph (m)."""
 
     intact: Intact
-    doubts: tuple[str, ...]
+    inconsistencies: tuple[str, ...]
     sigmas_m: Mapping[int, float]
 
 
@@ -165,21 +165,21 @@ def checked(log: MappedLog, settings: CheckSettings | None = None) -> CheckResul
         for row in log.rows
         if row.off[0] > settings.surprising_m or row.off[1] > settings.surprising_rad
     ]
-    doubts = view_inconsistencies(state.keyframes, poses, surprises, settings)
+    inconsistencies = view_inconsistencies(state.keyframes, poses, surprises, settings)
     sigmas = uncertainties(graph_arrays(dict(zip(ids, state.poses, strict=True)), state.edges))
     unsure = int(np.argmax(sigmas))
     if sigmas[unsure] > settings.unsure_m:
         count = int((sigmas > settings.unsure_m).sum())
         text = f"where {count} of {len(ids)} keyframes are is known to no better than ±{sigmas[unsure]:.1f} m"
-        doubts.append(Inconsistency("unknown", unsure, text))
+        inconsistencies.append(Inconsistency("unknown", unsure, text))
     unmatched = log.unmatched()
     if unmatched > settings.unmatched_share * len(log.rows):
         share = 100 * unmatched / len(log.rows)
-        doubts.append(Inconsistency("unknown", -1, f"{unmatched} scans ({share:.1f} %) did not fit the map"))
+        inconsistencies.append(Inconsistency("unknown", -1, f"{unmatched} scans ({share:.1f} %) did not fit the map"))
     scans = {order[row.keyframe]: row for row in reversed(log.rows) if row.keyframe in order}
     said = []
-    for doubt in doubts:
+    for doubt in inconsistencies:
         row = scans.get(doubt.keyframe)
         said.append(doubt.text if row is None else f"at scan {row.number} ({row.stamp:.1f} s): {doubt.text}")
-    intact: Intact = "no" if any(d.intact == "no" for d in doubts) else "unknown" if doubts else "yes"
+    intact: Intact = "no" if any(d.intact == "no" for d in inconsistencies) else "unknown" if inconsistencies else "yes"
     return CheckResult(intact, tuple(said), dict(zip(ids, sigmas.tolist(), strict=True)))

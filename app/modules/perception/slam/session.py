@@ -83,7 +83,7 @@ class ScanResult:
 
     match: Match
     job: LoopJob | None
-    glance: ExtraView | None
+    extra_view: ExtraView | None
     slam: Slam
     version: int
 
@@ -159,8 +159,8 @@ class MapSession:
         match = slam.add(scan.stamp, scan.ranges, self._beams(scan), X_OB, twist, scan.duration_s)
         self._last = scan.stamp, X_OB, match.covariance
         job = None if self._frozen else slam.pending()
-        glance = None if self._frozen else self._glance(scan, match)
-        return ScanResult(match, job, glance, slam, slam.version)
+        extra_view = None if self._frozen else self._extra_view(scan, match)
+        return ScanResult(match, job, extra_view, slam, slam.version)
 
     def place(self, X_MO: Pose2) -> None:
         """*Ahead.* The robot is about where this ``X_MO`` has it."""
@@ -200,7 +200,7 @@ class MapSession:
         self._slam, self._frozen, self._X_MO = slam, frozen, None
         return slam
 
-    def _glance(self, scan: LaserScan, match: Match) -> ExtraView | None:
+    def _extra_view(self, scan: LaserScan, match: Match) -> ExtraView | None:
         """One more look, if none was taken for a while and something moved not long ago."""
         if match.added:
             self._glanced = scan.stamp
@@ -223,8 +223,8 @@ class MapSession:
         """*Behind.* The grid as drawn, ``glances`` too, if any of its cells changed since the last time."""
         if self._drawing is None:
             return None
-        for glance in glances:
-            self._drawing.glance(glance)
+        for extra_view in glances:
+            self._drawing.extra_view(extra_view)
         counts = self._drawing.counts
         if not counts.refresh():
             return None
@@ -257,7 +257,7 @@ def look(search: PoseSearch, scan: LaserScan, X_OB: Pose2) -> tuple[Pose2 | None
     """*Behind.* Give ``search`` a scan: X_MO if the place is believed now, and all that are possible."""
     view = view_of(scan)
     points = view.ends[view.met].astype(np.float64)
-    return search.see(SearchScan(points, np.array(view.eye), X_OB)), search.places
+    return search.see(SearchScan(points, np.array(view.sensor_xy), X_OB)), search.hypotheses
 
 
 def keep(
@@ -276,7 +276,9 @@ def keep(
         grid.origin[0] + columns.start * grid.resolution_m,
         grid.origin[1] + rows.start * grid.resolution_m,
     )
-    shown = OccupancyGrid(grid.stamp, "map", grid.cells[rows, columns], grid.resolution_m, origin, grid.version)
+    last_published = OccupancyGrid(
+        grid.stamp, "map", grid.cells[rows, columns], grid.resolution_m, origin, grid.version
+    )
 
     def write_graph(path: Path) -> None:
         assert state is not None
@@ -285,6 +287,6 @@ def keep(
             os.fsync(file.fileno())
 
     try:
-        library.keep(name, shown, zones, {**others, **({} if state is None else {GRAPH: write_graph})}, former)
+        library.keep(name, last_published, zones, {**others, **({} if state is None else {GRAPH: write_graph})}, former)
     except OSError as failure:
         raise MapUnavailable(f"the disk refuses the map {name!r}: {failure.strerror or failure}") from None

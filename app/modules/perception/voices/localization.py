@@ -62,8 +62,8 @@ class LocalizerSettings:
     ``follow_memory_s``. Frequencies in Hz. ``points``: directions on the whole sphere, of which those above
     ``lowest_deg`` are looked at. ``range_m``: how far sounds are supposed to be. ``doubt``: how much weight a frequency
     needs before it counts. ``tail``, ``tail_s`` and ``floor``: see :class:`SpectralMask`. ``still_s``: how long what
-    the background is like is remembered. ``least_power``: what is weaker is no peak, nor what is below ``least_share`` of
-    the strongest.
+    the background is like is remembered. ``least_power``: what is weaker is no peak, nor what is below ``least_share``
+    of the strongest.
     """
 
     frame: int = 1024

@@ -23,11 +23,11 @@ _LATE_S = 0.1
 """So far behind the world sound may be, s: before the microphones' process leaves out what it cannot make up for."""
 _PAUSE_S = 0.3
 _RESTART_S = 2.0
-_TELL_S = 10.0
+_UPDATE_S = 10.0
 
 
 class AcousticsClient:
-    """Has ``soundscape`` heard in a process of its own; never waits. Call :meth:`tell` often and :meth:`receive` when
+    """Has ``soundscape`` heard in a process of its own; never waits. Call :meth:`update` often and :meth:`receive` when
     :attr:`descriptors` can be read.
     """
 
@@ -41,7 +41,7 @@ class AcousticsClient:
         self._process: subprocess.Popen[bytes] | None = None
         self._not_before_s = 0.0
         self._lost = 0
-        self._told_s = -_TELL_S
+        self._updated_s = -_UPDATE_S
         self._scene_s = 0.0
         self._heard_s: float | None = None
 
@@ -50,8 +50,8 @@ class AcousticsClient:
         """What to wait for with ``select``; none while nobody listens."""
         return [] if self._socket is None else [self._socket.fileno()]
 
-    def tell(
-        self, time_s: float, stamp: float, X_WB: Pose2, rims_mps: tuple[float, float], stage: ScenarioState
+    def update(
+        self, time_s: float, stamp: float, X_WB: Pose2, rims_mps: tuple[float, float], scenario_state: ScenarioState
     ) -> None:
         """Tell how the world is at ``time_s`` (simulated); starts the process if it does not run."""
         if self._socket is None:
@@ -62,7 +62,7 @@ class AcousticsClient:
         if time_s - self._scene_s > _PAUSE_S:  # nobody listened meanwhile
             self._heard_s = None
         self._scene_s = time_s
-        self._socket.send(self._soundscape.scene(time_s, stamp, X_WB, rims_mps, stage))
+        self._socket.send(self._soundscape.scene(time_s, stamp, X_WB, rims_mps, scenario_state))
         self._socket.flush()
         if self._socket.closed:
             self._lose(time_s)
@@ -83,9 +83,9 @@ class AcousticsClient:
                 frames.append(heard.audio)
                 self._heard_s = (heard.audio.first_sample + len(heard.audio.samples)) / heard.audio.rate
                 self._lost += heard.lost
-        if self._lost and time_s - self._told_s > _TELL_S:
+        if self._lost and time_s - self._updated_s > _UPDATE_S:
             print(f"the microphones lost {self._lost} frames: the computer is too slow", file=sys.stderr, flush=True)
-            self._told_s, self._lost = time_s, 0
+            self._updated_s, self._lost = time_s, 0
         if self._socket.closed:
             self._lose(time_s)
         return frames

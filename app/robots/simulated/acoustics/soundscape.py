@@ -66,31 +66,37 @@ class Soundscape:
         )
 
     def scene(
-        self, time_s: float, stamp: float, X_WB: Pose2, rims_mps: tuple[float, float], stage: ScenarioState
+        self, time_s: float, stamp: float, X_WB: Pose2, rims_mps: tuple[float, float], scenario_state: ScenarioState
     ) -> SoundScene:
         """How the world is at ``time_s`` (simulated, s), ``stamp`` by the robot's clock."""
-        headings = {person.name: person.heading for person in stage.people}
+        headings = {person.name: person.heading for person in scenario_state.people}
         sounds = tuple(
             ActiveSound(
-                cue.name, self._key(cue), cue.begin_s, cue.gain_db, cue.loop, stage.place(cue), _mouth(cue, headings)
+                cue.name,
+                self._key(cue),
+                cue.begin_s,
+                cue.gain_db,
+                cue.loop,
+                scenario_state.place(cue),
+                _mouth(cue, headings),
             )
-            for cue in stage.cues
+            for cue in scenario_state.cues
             if self._heard_still(cue, time_s)
         )
         return SoundScene(time_s, stamp, X_WB, rims_mps, sounds)
 
-    def truth(self, time_s: float, stamp: float, stage: ScenarioState) -> tuple[SoundTruth, ...]:
+    def truth(self, time_s: float, stamp: float, scenario_state: ScenarioState) -> tuple[SoundTruth, ...]:
         """Every scripted sound that is being given off."""
         return tuple(
             SoundTruth(
                 name=cue.name,
                 kind=cue.kind,
                 person=cue.person,
-                p_WS=stage.place(cue),
+                p_WS=scenario_state.place(cue),
                 began=stamp - (time_s - cue.begin_s),
                 active=self._library.at(self._key(cue)).active(time_s - cue.begin_s, cue.loop),
             )
-            for cue in stage.cues
+            for cue in scenario_state.cues
             if self._heard_still(cue, time_s, 0.0)
         )
 

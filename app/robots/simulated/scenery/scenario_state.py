@@ -134,12 +134,12 @@ class ScenarioState:
                 if sound.kind == "clap" and sound.person:
                     self._by_name[sound.person].clap_at(begin)
                 timed.take()
-        self._cues = deque(cue for cue in self._cues if self._still_told(cue, now))
+        self._cues = deque(cue for cue in self._cues if self._still_active(cue, now))
         told = {cue.name for cue in self.cues}
         self._of = {name: sound for name, sound in self._of.items() if name in told}
 
     @staticmethod
-    def _still_told(cue: Cue, now: float) -> bool:
+    def _still_active(cue: Cue, now: float) -> bool:
         return now - cue.begin_s < (STEPS_KEEP_S if cue.kind == "steps" else KEEP_S)
 
 

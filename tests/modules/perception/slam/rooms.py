@@ -56,11 +56,11 @@ def seen(walls: Walls, beams: BeamGeometry, poses: Sequence[Pose2] | Pose2) -> N
     """Ranges (N,) m of all ``beams``, each from its own pose (or all from one); inf where nothing is near enough."""
     each = [poses] * len(beams.angles) if isinstance(poses, Pose2) else poses
     lasers = [pose @ beams.X_BL for pose in each]
-    eyes = np.array([(p.x, p.y) for p in lasers])
+    sensors_xy = np.array([(p.x, p.y) for p in lasers])
     angles = np.array([p.theta for p in lasers]) + beams.angles
     direction = np.stack((np.cos(angles), np.sin(angles)), axis=1)
     start, along = walls[:, :2], walls[:, 2:] - walls[:, :2]
-    to = start[None] - eyes[:, None]
+    to = start[None] - sensors_xy[:, None]
     across = direction[:, None, 0] * along[None, :, 1] - direction[:, None, 1] * along[None, :, 0]
     across = np.where(np.abs(across) < 1e-12, 1e-12, across)
     distance = (to[..., 0] * along[None, :, 1] - to[..., 1] * along[None, :, 0]) / across

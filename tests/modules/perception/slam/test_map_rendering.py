@@ -19,7 +19,7 @@ WAY = way((1.5, 3.0), (10.0, 3.0), step_m=0.5)
 def keyframe(number: int, pose: Pose2) -> Keyframe:
     view = view_of(scan(HALL, pose, seed=number))
     points = np.zeros((0, 4), np.float32)
-    return Keyframe(number, 0.0, points, view.ends, view.met, np.array(view.eye, np.float32), 0.0)
+    return Keyframe(number, 0.0, points, view.ends, view.met, np.array(view.sensor_xy, np.float32), 0.0)
 
 
 KEYFRAMES = {number: keyframe(number, pose) for number, pose in enumerate(WAY)}
@@ -80,8 +80,8 @@ def test_glances_move_with_their_keyframe_and_the_oldest_goes() -> None:
     before = made.counts.hits.sum()
     one = ScanView(np.array([[0.5, 0.0]], np.float32), np.array([True]), (0.0, 0.0))
     for _ in range(GLANCES + 5):
-        made.glance(ExtraView(3, Pose2(0.1), one))
-    made.glance(ExtraView(999, Pose2(), one))
+        made.extra_view(ExtraView(3, Pose2(0.1), one))
+    made.extra_view(ExtraView(999, Pose2(), one))
     assert made.counts.hits.sum() - before == GLANCES
     shifted = {id: Pose2(p.x, p.y + 1.0, p.theta) for id, p in POSES.items()}
     made.update(KEYFRAMES, shifted, 1000)

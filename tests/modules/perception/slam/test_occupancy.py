@@ -81,13 +81,13 @@ def test_who_walked_by_is_gone_after_a_few_looks_and_what_stands_stays() -> None
     counts = OccupancyCounts()
     behind = replace(AHEAD, ends=np.array([[4.0, 0.0]], np.float32))
     counts.add(AHEAD, HERE)
-    shown = []
+    last_published = []
     for _ in range(20):
         counts.add(behind, HERE)
-        shown.append(value(counts, 2.03, 0.025))
-    assert shown == sorted(shown, reverse=True)
-    assert shown[3] < 50
-    assert shown[-1] == 0
+        last_published.append(value(counts, 2.03, 0.025))
+    assert last_published == sorted(last_published, reverse=True)
+    assert last_published[3] < 50
+    assert last_published[-1] == 0
     assert value(counts, 4.03, 0.025) == 100
 
 
@@ -133,7 +133,7 @@ def test_the_view_of_a_scan_is_in_the_bodys_frame_and_leaves_out_what_says_nothi
     view = view_of(replace(seen, ranges=values))
     assert len(view.ends) == len(values) - 2
     assert view.met.tolist() == [False] + [True] * (len(values) - 3)
-    assert view.eye == (0.2, 0.0)
+    assert view.sensor_xy == (0.2, 0.0)
     middle = len(view.ends) // 2
     assert view.ends[middle] + (1.0, 3.0) == pytest.approx((12.0, 3.0), abs=0.1)
 

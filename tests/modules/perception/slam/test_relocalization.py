@@ -22,7 +22,7 @@ X_WO = Pose2(-3.0, 7.0, 2.0)
 def sighting(walls: Sequence[Segment], X_WB: Pose2, seed: int, drift: Pose2 | None = None) -> SearchScan:
     view = view_of(scan(walls, X_WB, seed=seed))
     X_OB = X_WO.inverse() @ X_WB
-    return SearchScan(view.ends[view.met].astype(np.float64), np.array(view.eye), X_OB @ drift if drift else X_OB)
+    return SearchScan(view.ends[view.met].astype(np.float64), np.array(view.sensor_xy), X_OB @ drift if drift else X_OB)
 
 
 def sought(grid: OccupancyGrid, walls: Sequence[Segment], poses: Sequence[Pose2]) -> tuple[float, Pose2] | None:
@@ -70,8 +70,8 @@ def test_nothing_is_believed_before_it_moved(hall: OccupancyGrid) -> None:
     pose = WAYS["along"][0]
     for number in range(50):
         assert search.see(sighting(HALL, pose, number)) is None
-    assert search.places, "though it has an idea"
-    best = search.places[0].X_MO @ (X_WO.inverse() @ pose)
+    assert search.hypotheses, "though it has an idea"
+    best = search.hypotheses[0].X_MO @ (X_WO.inverse() @ pose)
     assert math.dist((best.x, best.y), (pose.x, pose.y)) < 0.1
 
 
@@ -97,7 +97,7 @@ def test_of_two_corridors_that_look_alike_none_is_believed_until_they_differ() -
     search = PoseSearch(LikelihoodField(grid))
     for number, pose in enumerate(westward):
         assert search.see(sighting(TWINS, pose, number)) is None
-    at = [place.X_MO @ (X_WO.inverse() @ westward[-1]) for place in search.places]
+    at = [place.X_MO @ (X_WO.inverse() @ westward[-1]) for place in search.hypotheses]
     assert {round(pose.y) for pose in at[:4]} >= {1, 5}, "both stay possible"
     # Turning round, it sees the far end: there is no box.
     turn = [Pose2(westward[-1].x, 5.0, math.pi - 0.4 * n) for n in range(8)]
@@ -128,7 +128,7 @@ def test_an_empty_map_has_no_places() -> None:
     grid = OccupancyGrid(0.0, "map", np.full((100, 100), -1, np.int8), 0.05, (0.0, 0.0), 1)
     search = PoseSearch(LikelihoodField(grid))
     assert search.see(sighting(HALL, WAYS["along"][0], 0)) is None
-    assert search.places == ()
+    assert search.hypotheses == ()
 
 
 def test_spread_points_stand_for_the_near_and_the_far() -> None:

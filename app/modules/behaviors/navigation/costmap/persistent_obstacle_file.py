@@ -32,11 +32,15 @@ class PersistentObstacles:
         return PersistentObstacles(np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.uint16))
 
 
-def write_obstacles(file: Path, things: PersistentObstacles, resolution_m: float) -> None:
-    """Write ``things``, in cells of ``resolution_m``, so that they are on the disk. Raises OSError."""
+def write_obstacles(file: Path, obstacles: PersistentObstacles, resolution_m: float) -> None:
+    """Write ``obstacles``, in cells of ``resolution_m``, so that they are on the disk. Raises OSError."""
     with file.open("wb") as out:
         np.savez_compressed(
-            out, version=_VERSION, resolution_m=resolution_m, cells=things.cells.astype(np.int32), bands=things.bands
+            out,
+            version=_VERSION,
+            resolution_m=resolution_m,
+            cells=obstacles.cells.astype(np.int32),
+            bands=obstacles.bands,
         )
         out.flush()
         os.fsync(out.fileno())
@@ -47,16 +51,16 @@ def read_obstacles(file: Path, resolution_m: float) -> PersistentObstacles:
     does not have cells of ``resolution_m``."""
     if not file.exists():
         return PersistentObstacles.none()
-    kept = read_arrays(file, "the file of low things")
+    kept = read_arrays(file, "the file of low obstacles")
     try:
         version, resolution, cells, bands = (kept[name] for name in ("version", "resolution_m", "cells", "bands"))
     except KeyError as missing:
-        raise ConfigError(f"the file of low things has no {missing.args[0]}", str(file)) from None
+        raise ConfigError(f"the file of low obstacles has no {missing.args[0]}", str(file)) from None
     if version.shape != () or version != _VERSION or resolution.shape != () or resolution != resolution_m:
-        raise ConfigError("the file of low things is of another version", str(file))
+        raise ConfigError("the file of low obstacles is of another version", str(file))
     fits = cells.ndim == 2 and cells.shape[1] == 2 and bands.shape == (len(cells),)
     if not fits or cells.dtype != np.int32 or bands.dtype != np.uint16:
-        raise ConfigError("the file of low things is damaged: cells and bands do not go together", str(file))
+        raise ConfigError("the file of low obstacles is damaged: cells and bands do not go together", str(file))
     if len(np.unique(cells // TILE, axis=0)) > _MOST_TILES:
-        raise ConfigError("the file of low things is damaged: they are too far apart", str(file))
+        raise ConfigError("the file of low obstacles is damaged: they are too far apart", str(file))
     return PersistentObstacles(cells.astype(np.int64), bands)

@@ -64,11 +64,11 @@ class PersistentObstacleLayer:
         self._inside = np.column_stack((normals, reach - _UNSURE_M))
         #: Grows with every change of what is kept, also to another map's.
         self.version = 0
-        self.forget()
+        self.clear()
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """Another map."""
-        self._tiles = TiledGrid()
+        self._grid = TiledGrid()
         self._epoch: float | None = None
         self._looked_at = -math.inf
         self.version += 1
@@ -76,17 +76,17 @@ class PersistentObstacleLayer:
     @property
     def points(self) -> NDArray[np.float64]:
         """The middles (N, 2) of the cells that are kept, m on the map."""
-        return self._middles(self._tiles.kept())
+        return self._middles(self._grid.kept())
 
     @property
     def cells_held(self) -> int:
         """For how many cells there is memory: what is kept, and around the robot. Tests hold its bound by it."""
-        return len(self._tiles) * TILE**2
+        return len(self._grid) * TILE**2
 
     def near(self, X_MO: Pose2, X_OB: Pose2, within_m: float) -> NDArray[np.float64]:
         """What is kept within a square around the robot: points (N, 2) m in ``odom``, two by two in each cell."""
         place = X_MO @ X_OB
-        middles = self._middles(self._tiles.kept(self._box(place, within_m)))
+        middles = self._middles(self._grid.kept(self._box(place, within_m)))
         if not len(middles):
             return middles
         quarter = 0.25 * self.settings.resolution_m
@@ -108,7 +108,7 @@ class PersistentObstacleLayer:
         now = self._ms(image.stamp)
         box = self._box(X_MB, s.reach_m + 0.5)
         frame = np.array([box[2] * s.resolution_m, box[0] * s.resolution_m, s.resolution_m])
-        former = self._tiles.read(box)
+        former = self._grid.read(box)
         first, last, bands, kept = former.first.copy(), former.last.copy(), former.bands.copy(), former.kept
         lens = np.array([camera.fx, camera.fy, camera.cx, camera.cy])
         X_BC = np.column_stack((image.X_BC.rotation, image.X_BC.translation))
@@ -129,26 +129,26 @@ class PersistentObstacleLayer:
         stands &= last != NEVER
         if (stands != kept).any():
             self.version += 1
-        self._tiles.write(box, CellBlock(first, last, bands, stands))
+        self._grid.write(box, CellBlock(first, last, bands, stands))
 
-    def felt(self, points: NDArray[np.float64], stamp: float) -> None:
+    def add_contacts(self, points: NDArray[np.float64], stamp: float) -> None:
         """The base ran into something at ``points`` (N, 2) m on the map."""
         if not len(points):
             return
         now = self._ms(stamp)
         cells = np.floor(points[:, ::-1] / self.settings.resolution_m).astype(np.int64)
-        self._tiles.keep(cells, np.full(len(cells), _FELT_BANDS, dtype=np.uint16), now)
+        self._grid.keep(cells, np.full(len(cells), _FELT_BANDS, dtype=np.uint16), now)
         self.version += 1
 
     def snapshot(self) -> PersistentObstacles:
         """What is kept."""
-        return PersistentObstacles(self._tiles.kept(), self._tiles.bands())
+        return PersistentObstacles(self._grid.kept(), self._grid.bands())
 
-    def take(self, things: PersistentObstacles) -> None:
+    def take(self, obstacles: PersistentObstacles) -> None:
         """Take what was kept with a map in place of what is known."""
-        self.forget()
-        if len(things.cells):
-            self._tiles.keep(things.cells, things.bands, 0)
+        self.clear()
+        if len(obstacles.cells):
+            self._grid.keep(obstacles.cells, obstacles.bands, 0)
 
     def _middles(self, cells: NDArray[np.int64]) -> NDArray[np.float64]:
         return np.asarray((cells[:, ::-1] + 0.5) * self.settings.resolution_m)
@@ -178,7 +178,7 @@ class PersistentObstacleLayer:
             self._epoch = stamp - 1.0
         if stamp - self._epoch > _COUNTED_S:
             self._epoch = stamp - 1.0
-            self._tiles.count_anew()
+            self._grid.recount()
         return round(1000.0 * (stamp - self._epoch))
 
 

@@ -1,4 +1,4 @@
-"""What the camera knows of a place, kept with its map: ``things.npz`` in the map's folder."""
+"""What the camera knows of a place, kept with its map: ``obstacles.npz`` in the map's folder."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import (
 )
 from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import PersistentObstacleLayer
 
-THINGS = "things.npz"
+OBSTACLES_FILE = "obstacles.npz"
 
 
 class PersistentObstacleStore:
@@ -27,13 +27,13 @@ class PersistentObstacleStore:
 
     def __init__(
         self,
-        things: PersistentObstacleLayer,
+        layer: PersistentObstacleLayer,
         library: MapLibrary,
         compute: Callable[..., Awaitable[Any]],
         behind: Callable[..., Awaitable[Any]],
         log: logging.Logger | logging.LoggerAdapter[logging.Logger],
     ) -> None:
-        self._things = things
+        self._layer = layer
         self._library = library
         self._compute = compute
         self._behind = behind
@@ -43,26 +43,30 @@ class PersistentObstacleStore:
     async def files(self) -> Files:
         """Its file beside the map's."""
         async with self._one:
-            things: PersistentObstacles = await self._compute(self._things.snapshot)
-        return {THINGS: partial(write_obstacles, things=things, resolution_m=self._things.settings.resolution_m)}
+            obstacles: PersistentObstacles = await self._compute(self._layer.snapshot)
+        return {
+            OBSTACLES_FILE: partial(
+                write_obstacles, obstacles=obstacles, resolution_m=self._layer.settings.resolution_m
+            )
+        }
 
     async def load(self, name: str) -> None:
         """Take what was kept; what is damaged or gone is said, and the map is used without. Raises MapUnavailable where
         there is no such map."""
         async with self._one:
             # Whatever comes of it, this is another map.
-            await self._compute(self._things.forget)
+            await self._compute(self._layer.clear)
             try:
-                things = await self._behind(self._read, name)
+                obstacles = await self._behind(self._read, name)
             except (ConfigError, OSError) as failure:
-                self._log.warning("low things on the map %s are not known: %s", name, failure)
+                self._log.warning("low obstacles on the map %s are not known: %s", name, failure)
                 return
-            await self._compute(self._things.take, things)
+            await self._compute(self._layer.take, obstacles)
 
     async def forget(self) -> None:
         """Begin anew."""
         async with self._one:
-            await self._compute(self._things.forget)
+            await self._compute(self._layer.clear)
 
     def _read(self, name: str) -> PersistentObstacles:
-        return read_obstacles(self._library.existing(name) / THINGS, self._things.settings.resolution_m)
+        return read_obstacles(self._library.existing(name) / OBSTACLES_FILE, self._layer.settings.resolution_m)

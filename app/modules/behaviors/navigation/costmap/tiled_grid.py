@@ -41,18 +41,18 @@ class TiledGrid:
     """Cells by row and column, which may be negative. Those that are kept stay; others, while they are looked at."""
 
     def __init__(self) -> None:
-        self._tiles: dict[tuple[int, int], CellBlock] = {}
+        self._grid: dict[tuple[int, int], CellBlock] = {}
         #: Row and column (N, 2) int64 of the kept cells of those tiles that have any.
         self._kept: dict[tuple[int, int], NDArray[np.int64]] = {}
 
     def __len__(self) -> int:
-        return len(self._tiles)
+        return len(self._grid)
 
     def read(self, box: Box) -> CellBlock:
         """A copy of the cells in ``box``."""
         out = CellBlock.empty(box[1] - box[0], box[3] - box[2])
         for key, inside, part in _parts(box):
-            if (tile := self._tiles.get(key)) is not None:
+            if (tile := self._grid.get(key)) is not None:
                 out.first[part], out.last[part] = tile.first[inside], tile.last[inside]
                 out.bands[part], out.kept[part] = tile.bands[inside], tile.kept[inside]
         return out
@@ -62,24 +62,24 @@ class TiledGrid:
         seen = set()
         for key, inside, part in _parts(box):
             seen.add(key)
-            tile = self._tiles.get(key)
+            tile = self._grid.get(key)
             if tile is None:
                 if (cells.last[part] == NEVER).all():
                     continue
-                tile = self._tiles[key] = CellBlock.empty(TILE, TILE)
+                tile = self._grid[key] = CellBlock.empty(TILE, TILE)
             changed = (tile.kept[inside] != cells.kept[part]).any()
             tile.first[inside], tile.last[inside] = cells.first[part], cells.last[part]
             tile.bands[inside], tile.kept[inside] = cells.bands[part], cells.kept[part]
             if changed:
                 self._note(key, tile)
-        for key in [key for key in self._tiles if key not in seen and key not in self._kept]:
-            del self._tiles[key]
+        for key in [key for key in self._grid if key not in seen and key not in self._kept]:
+            del self._grid[key]
 
     def keep(self, cells: NDArray[np.int64], bands: NDArray[np.uint16], stamp: int) -> None:
         """Keep ``cells`` (N, 2), row and column, as hit at ``stamp`` in ``bands`` (N,) too."""
         tiles = cells // TILE
         for i, j in np.unique(tiles, axis=0).tolist():
-            tile = self._tiles.setdefault((i, j), CellBlock.empty(TILE, TILE))
+            tile = self._grid.setdefault((i, j), CellBlock.empty(TILE, TILE))
             here = (tiles == (i, j)).all(axis=1)
             rows, columns = (cells[here] - np.array([i, j]) * TILE).T
             tile.first[rows, columns] = tile.last[rows, columns] = stamp
@@ -87,9 +87,9 @@ class TiledGrid:
             tile.kept[rows, columns] = True
             self._note((i, j), tile)
 
-    def count_anew(self) -> None:
+    def recount(self) -> None:
         """What is kept was hit at 0, all else never."""
-        for tile in self._tiles.values():
+        for tile in self._grid.values():
             tile.first[:] = tile.last[:] = np.where(tile.kept, 0, NEVER)
 
     def kept(self, box: Box | None = None) -> NDArray[np.int64]:
@@ -105,7 +105,7 @@ class TiledGrid:
 
     def bands(self) -> NDArray[np.uint16]:
         """The bands (N,) of all cells that are kept, in the order of :meth:`kept`."""
-        parts = [self._tiles[key].bands[self._tiles[key].kept] for key in sorted(self._kept)]
+        parts = [self._grid[key].bands[self._grid[key].kept] for key in sorted(self._kept)]
         return np.concatenate(parts) if parts else np.empty(0, dtype=np.uint16)
 
     def _note(self, key: tuple[int, int], tile: CellBlock) -> None:

@@ -27,18 +27,18 @@ from app.modules.behaviors.navigation.planning.goal_planning import (
 )
 from app.modules.behaviors.navigation.planning.reference_path import SpeedAt
 
-#: A change of way is worth so much at least (metres in the open).
+#: Least advantage of another plan over the one in force (cost, in metres of open floor).
 _WORTH_M = 0.3
-#: What a metre costs where the body may not be.
+#: Cost per metre through lethal cells.
 _LETHAL = 50.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanRequest:
-    """What a way is wanted for. ``goal`` on the map, heading NaN for any; ``around`` what stands near the body now,
-    None to go by the map alone; ``opened_up``: what is unknown costs nothing, and what was in the way is forgotten;
-    ``kept`` is the plan in force to this goal, ``why`` another is needed anyhow ("": only if it is better). ``things``
-    (N, 2): what the map does not have and is remembered to stand there, m on the map."""
+    """Input of one planning. ``goal``: pose on the map, heading NaN for any; ``around``: the local costmap, None to
+    plan on the map alone; ``opened_up``: unknown cells cost nothing and transient obstacles are ignored; ``kept``: the
+    plan in force to this goal; ``why``: the reason to replace it in any case ("": only by a cheaper one);
+    ``persistent_obstacles`` (N, 2): remembered obstacles that the map does not have, m on the map."""
 
     grid: OccupancyGrid
     zones: tuple[Zone, ...]
@@ -49,13 +49,13 @@ class PlanRequest:
     opened_up: bool = False
     kept: GlobalPlan | None = None
     why: str = ""
-    things: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
+    persistent_obstacles: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlanResult:
-    """The ``plan`` to follow and whether it is another than was kept; ``speed_share`` looks up, at points (N, 2) of the
-    map, the share of the greatest speed that zones allow, in ]0, 1]."""
+    """The ``plan`` to follow; ``changed``: whether it differs from the plan kept so far; ``speed_share``: looks up, at
+    points (N, 2) of the map, the share of the greatest speed that zones allow, in ]0, 1]."""
 
     plan: GlobalPlan
     changed: bool
@@ -92,8 +92,8 @@ class GlobalPlanner:
         if request.around is not None:
             self._temporary = remember(self._temporary, request.around, request.X_MO, field)
         points = self._temporary.points
-        if len(request.things) and not request.opened_up:
-            points = np.concatenate((points, off_map(request.things, field)))
+        if len(request.persistent_obstacles) and not request.opened_up:
+            points = np.concatenate((points, off_map(request.persistent_obstacles, field)))
         live = with_obstacles(field, points) if len(points) else field
         why = request.why
         kept = request.kept

@@ -36,12 +36,12 @@ class StallDetector:
         front = edge[edge[:, 0] > 0.5 * body.front_m]
         lengths = np.linalg.norm(front, axis=1, keepdims=True)
         self._front = front * (1.0 + self._settings.ahead_m / lengths)
-        self._felt: list[tuple[float, NDArray[np.float64]]] = []
+        self._contacts: list[tuple[float, NDArray[np.float64]]] = []
         self._since: float | None = None
         self._before = 0.0
         self._behind_m = 0.0
 
-    def feel(self, now: float, commanded_mps: float, motion: MotionState) -> bool:
+    def update(self, now: float, commanded_mps: float, motion: MotionState) -> bool:
         """Take what the base was given last and how the body moves; whether it just ran into something."""
         s = self._settings
         if commanded_mps <= 0.0 or abs(motion.linear_mps) > s.standing_mps:
@@ -58,24 +58,24 @@ class StallDetector:
         c, d = np.cos(motion.pose.theta), np.sin(motion.pose.theta)
         x, y = self._front[:, 0], self._front[:, 1]
         points = np.stack((motion.pose.x + c * x - d * y, motion.pose.y + d * x + c * y), axis=1)
-        self._felt.append((now, points))
+        self._contacts.append((now, points))
         return True
 
     @property
     def newest(self) -> NDArray[np.float64]:
         """Where it ran into something last: points (N, 2) m in ``odom``."""
-        return self._felt[-1][1] if self._felt else np.empty((0, 2))
+        return self._contacts[-1][1] if self._contacts else np.empty((0, 2))
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """Nothing was there."""
-        self._felt.clear()
+        self._contacts.clear()
 
     def laid_over(self, around: CostmapWindow, now: float) -> CostmapWindow:
         """``around`` with what was run into."""
-        self._felt = [(stamp, points) for stamp, points in self._felt if now - stamp < self._settings.keep_s]
-        if not self._felt:
+        self._contacts = [(stamp, points) for stamp, points in self._contacts if now - stamp < self._settings.keep_s]
+        if not self._contacts:
             return around
-        points = np.concatenate([points for _, points in self._felt])
+        points = np.concatenate([points for _, points in self._contacts])
         rows, columns = around.distance.shape
         distance = around.distance.copy()
         x = around.origin[0] + (np.arange(columns) + 0.5) * around.resolution_m

@@ -59,7 +59,7 @@ class DynamicWindow:
     def __init__(self, settings: DynamicWindowSettings | None = None) -> None:
         self.settings = settings or DynamicWindowSettings()
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """There is nothing to forget: each choice is made anew."""
 
     def choose(

@@ -27,13 +27,13 @@ class LocalizationMonitor:
         self.localization: Localization | None = None
         self._period_s = 0.0
 
-    def feel(self, odometry: Odometry) -> None:
+    def add_odometry(self, odometry: Odometry) -> None:
         """Take odometry."""
         if math.isfinite(odometry.stamp):
             self._buffer.add(odometry.stamp, odometry.X_OB)
         self._odometry = odometry
 
-    def localize(self, localization: Localization) -> None:
+    def add_localization(self, localization: Localization) -> None:
         """Take what localization says."""
         before = self.localization
         if before is not None:
@@ -79,7 +79,7 @@ class LocalizationMonitor:
             case _:
                 return "it is lost: what the laser sees does not fit the map; drive it a little, or say where it is"
 
-    def astray(self, now: float) -> bool:
+    def is_lost(self, now: float) -> bool:
         """Whether all that is wrong is the place on the map: odometry may be driven by, and localization goes on."""
         where = self.localization
         if where is None or where.state not in ("searching", "lost"):

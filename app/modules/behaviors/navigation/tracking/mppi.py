@@ -66,7 +66,7 @@ class Mppi:
         self._plan: NDArray[np.float64] | None = None
         self._cycle = 0
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Forget what was planned last time."""
         self._plan = None
 

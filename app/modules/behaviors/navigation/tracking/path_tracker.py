@@ -99,7 +99,7 @@ class PathTracker:
         self._search = SpinSearch(self.recovery.settings)
         self._body = body
         self._controller = controller
-        self._trail = DrivenArea()
+        self._driven_area = DrivenArea()
         self.goal: Goal | None = None
         self.plan: GlobalPlan | None = None
         self.remaining_m: float | None = None
@@ -122,7 +122,7 @@ class PathTracker:
 
     # --- what it is told ---
 
-    def steer_with(self, controller: Controller) -> None:
+    def use_controller(self, controller: Controller) -> None:
         """Go on with another controller."""
         self._controller = controller
 
@@ -137,7 +137,7 @@ class PathTracker:
         self._held_since = None
         self.recovery.reset()
         self._search.end()
-        self._controller.forget()
+        self._controller.reset()
 
     def take(self, plan: GlobalPlan, now: float, speed_at: SpeedAt | None = None) -> None:
         """A plan to the goal, from about where the body is. ``speed_at``: the greatest speed (m/s) on the map."""
@@ -167,13 +167,13 @@ class PathTracker:
         if self.goal is None:
             return TrackingStep(0.0, 0.0, "idle", "no goal")
         if unfit:
-            self._controller.forget()
+            self._controller.reset()
             self._held_since = None
             return TrackingStep(0.0, 0.0, "waiting", unfit)
         self._search.end()
         self._X_OM = X_MO.inverse()
         if motion.linear_mps > 0.01:
-            self._trail.add(motion.pose)
+            self._driven_area.add(motion.pose)
         if self._arrived:
             return TrackingStep(0.0, 0.0, "arrived", self._arrival())
         if self.plan is None:
@@ -297,12 +297,12 @@ class PathTracker:
 
     # --- recovery ---
 
-    def find_itself(
+    def relocalize(
         self, now: float, motion: MotionState, field: DistanceField, period_s: float, lost: str
     ) -> TrackingStep:
         """One cycle in place of :meth:`step` while the body does not know where it is on the map; ``lost`` says so to
         people. ``field`` is what its sensors see."""
-        self._controller.forget()
+        self._controller.reset()
         self._held_since = None
         if self.goal is not None and self._search.turns(now):
             turn = self._turn(self._turn_sign, motion, field, period_s)
@@ -342,7 +342,7 @@ class PathTracker:
         state = "waiting" if measure in (RecoveryAction.WAIT, RecoveryAction.ASK) else "recovering"
         if self.recovery.over(now, driven_m=driven, turned_rad=self._turned, barred=barred):
             self.recovery.end()
-            self._controller.forget()
+            self._controller.reset()
             self._held_since = None
             return TrackingStep(
                 0.0, 0.0, state, measure.value, clear=measure is RecoveryAction.CLEAR, replan=f"after {measure.value}"
@@ -350,7 +350,7 @@ class PathTracker:
         return TrackingStep(linear, angular, state, measure.value)
 
     def _back_off(self, motion: MotionState, field: DistanceField, period_s: float) -> tuple[float, float, bool]:
-        past = self._trail.back_from(motion.pose)
+        past = self._driven_area.back_from(motion.pose)
         if past is None:
             return 0.0, 0.0, True
         speed = min(self.settings.back_mps, self._body.limits[1])

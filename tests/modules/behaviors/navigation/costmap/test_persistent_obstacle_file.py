@@ -16,23 +16,23 @@ from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import (
 )
 
 RNG = np.random.default_rng(0)
-THINGS = PersistentObstacles(RNG.integers(-200, 200, (40, 2)), RNG.integers(1, 999, 40).astype(np.uint16))
+OBSTACLES_FILE = PersistentObstacles(RNG.integers(-200, 200, (40, 2)), RNG.integers(1, 999, 40).astype(np.uint16))
 
 
 def test_it_is_read_as_it_was_written_and_none_is_nothing(tmp_path: Path) -> None:
-    file = tmp_path / "things.npz"
-    write_obstacles(file, THINGS, 0.05)
+    file = tmp_path / "obstacles.npz"
+    write_obstacles(file, OBSTACLES_FILE, 0.05)
     back = read_obstacles(file, 0.05)
-    assert (back.cells == THINGS.cells).all()
-    assert (back.bands == THINGS.bands).all()
+    assert (back.cells == OBSTACLES_FILE.cells).all()
+    assert (back.bands == OBSTACLES_FILE.bands).all()
     assert not len(read_obstacles(tmp_path / "none.npz", 0.05).cells)
     with pytest.raises(ConfigError, match=r"things\.npz.*another version"):
         read_obstacles(file, 0.1)
 
 
 def test_whatever_byte_is_wrong_it_is_read_or_refused_in_words(tmp_path: Path) -> None:
-    file = tmp_path / "things.npz"
-    write_obstacles(file, THINGS, 0.05)
+    file = tmp_path / "obstacles.npz"
+    write_obstacles(file, OBSTACLES_FILE, 0.05)
     whole, refused = file.read_bytes(), 0
     for at in range(0, len(whole), 5):
         file.write_bytes(whole[:at] + bytes([whole[at] ^ 0xFF]) + whole[at + 1 :])

@@ -101,7 +101,7 @@ def test_neither_who_stands_there_nor_a_wall_is_kept_nor_what_passes() -> None:
 def test_what_was_felt_is_kept_and_where_the_body_stands_nothing_is() -> None:
     things, empty = memory(), World(())
     here = Pose2(1.0, 1.0, 0.3)
-    things.felt(np.array([[1.3, 1.1], [1.31, 1.17], [-9.0, -9.0]]), 5.0)
+    things.add_contacts(np.array([[1.3, 1.1], [1.31, 1.17], [-9.0, -9.0]]), 5.0)
     look(things, empty, [here] * 5, 6.0)
     assert about(things, 1.3, 1.1, 0.2) >= 2
     assert about(things, -9.0, -9.0, 0.1) == 1
@@ -133,7 +133,7 @@ def test_a_year_of_uptime_loses_nothing() -> None:
 def test_it_costs_no_more_far_from_the_maps_origin_nor_in_a_large_building() -> None:
     things = memory()
     far = np.array([2.0e4, 3.0e4])
-    things.felt(np.array([far, [0.0, 0.0]]), 1.0)
+    things.add_contacts(np.array([far, [0.0, 0.0]]), 1.0)
     stamp = look(things, World(()), [Pose2(*(far + 1.0), 0.0)], 2.0)
     look(things, World(()), [Pose2(0.0, 100.0, 0.0)], stamp)
     assert things.cells_held < 10 * 64**2

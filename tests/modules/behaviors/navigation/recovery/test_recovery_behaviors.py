@@ -64,30 +64,30 @@ def test_a_measure_is_over_when_it_has_done_what_it_can(
 
 
 def test_the_way_back_is_the_way_it_came_and_ends() -> None:
-    trail = DrivenArea(length_m=1.0)
+    driven_area = DrivenArea(length_m=1.0)
     for k in range(60):
-        trail.add(Pose2(0.05 * k, 0.0, 0.0))
-    back = trail.back_from(Pose2(2.95, 0.0, 0.0), 0.3)
+        driven_area.add(Pose2(0.05 * k, 0.0, 0.0))
+    back = driven_area.back_from(Pose2(2.95, 0.0, 0.0), 0.3)
     assert back is not None
     assert 2.55 <= back.x <= 2.65
     pose, steps = Pose2(2.95, 0.0, 0.0), 0
-    while (past := trail.back_from(pose, 0.3)) is not None and steps < 100:
+    while (past := driven_area.back_from(pose, 0.3)) is not None and steps < 100:
         pose = Pose2(pose.x - 0.05, 0.0, 0.0)
         assert past.x >= 1.6, "no further than what it remembers"
         steps += 1
-    assert trail.back_from(pose, 0.3) is None
+    assert driven_area.back_from(pose, 0.3) is None
 
 
 @pytest.mark.parametrize("seen_there", [False, True])
 def test_ground_that_the_body_was_brought_away_from_is_no_way_back(*, seen_there: bool) -> None:
-    trail = DrivenArea()
+    driven_area = DrivenArea()
     for k in range(40):
-        trail.add(Pose2(0.05 * k, 0.0, 0.0))
+        driven_area.add(Pose2(0.05 * k, 0.0, 0.0))
     carried = Pose2(2.0, 8.0, 0.0)
     if seen_there:
-        trail.add(carried)
-    assert trail.back_from(carried, 0.3) in (None, carried)
-    assert trail.back_from(Pose2(1.95, 0.0, 0.0), 0.3) is None, "nor if it comes by there again"
+        driven_area.add(carried)
+    assert driven_area.back_from(carried, 0.3) in (None, carried)
+    assert driven_area.back_from(Pose2(1.95, 0.0, 0.0), 0.3) is None, "nor if it comes by there again"
 
 
 @given(st.floats(0.2, 1.0), st.floats(-0.8, 0.8), st.floats(-3, 3))

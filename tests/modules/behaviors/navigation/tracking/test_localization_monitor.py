@@ -25,8 +25,8 @@ def localization(stamp: float) -> Localization:
 
 def watch(moved: float = NOW, placed: float = NOW) -> LocalizationMonitor:
     poses = LocalizationMonitor()
-    poses.feel(odometry(moved))
-    poses.localize(localization(placed))
+    poses.add_odometry(odometry(moved))
+    poses.add_localization(localization(placed))
     return poses
 
 
@@ -43,13 +43,13 @@ def test_poses_of_another_clock_may_not(off_s: float) -> None:
 def test_a_stamp_that_is_no_number_leaves_the_place_one() -> None:
     poses = watch(moved=math.nan)
     assert poses.X_MB(NOW) == Pose2()
-    poses.feel(odometry(NOW))
+    poses.add_odometry(odometry(NOW))
     assert poses.at(NOW) == Pose2()
 
 
 def test_one_bad_stamp_does_not_make_the_next_ones_last_longer() -> None:
     poses = watch(placed=math.nan)
-    poses.localize(localization(NOW - 1.2))
+    poses.add_localization(localization(NOW - 1.2))
     assert poses.problem(NOW)
 
 
@@ -71,8 +71,8 @@ def test_old_poses_may_not_and_the_words_stay() -> None:
     ],
 )
 def test_a_body_is_astray_where_its_place_on_the_map_alone_is_not_known(
-    state: str, moved: float, placed: float, astray: bool
+    state: str, moved: float, placed: float, is_lost: bool
 ) -> None:
     poses = watch(moved=moved)
-    poses.localize(replace(localization(placed), state=state))
-    assert poses.astray(NOW) is astray
+    poses.add_localization(replace(localization(placed), state=state))
+    assert poses.is_lost(NOW) is is_lost
