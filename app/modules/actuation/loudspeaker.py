@@ -4,7 +4,8 @@
     │ Loudspeaker    in   voice  Audio, one channel, frames of at most 40 ms, as they come      │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
-Computes nothing: what comes is given to the robot link at once, which plays it in order and drops what waits too long.
+Computes nothing: each frame goes to the robot link at once, which plays frames in order and drops those that wait too
+long.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from app.runtime.module import Module, ModuleContext
 
 
 class Loudspeaker(Module):
-    """Plays what people say through the robot."""
+    """Plays the operator's voice on the robot."""
 
     title = "Loudspeaker"
 
@@ -26,17 +27,17 @@ class Loudspeaker(Module):
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
         self._mute = False
-        # Half a second of the shortest frames that a page would send.
+        # Half a second of the shortest frames that a page sends.
         self.voice = self.input("voice", Audio, capacity=50, lossless=True)
         self.on(self.voice, self._play)
 
     async def start(self) -> None:
-        """Find the body's loudspeaker; a body without one swallows everything."""
+        """Look up the body's loudspeaker; a body without one discards the frames."""
         self._link = robot_link(self)
         self._mute = not self._link.description.loudspeaker
 
     def overflowed(self, port: str, loss: InboxOverflow) -> None:
-        """What was not played in time is not played."""
+        """Frames that are not played in time are dropped."""
         self.log.info("%s", loss)
 
     async def _play(self, audio: Audio) -> None:

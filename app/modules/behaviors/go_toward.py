@@ -9,9 +9,9 @@
     │           out  status        NavigationStatus, when it changes, or every 0.5 s       │
     └─────────────────────────────────────────────────────────────────────────────────────┘
 
-No map, no plan, no memory, no depth: every ``period_s`` the Dynamic Window Approach follows the straight line from here
-to the goal in a field made of the newest scan alone. It costs little and gets round what stands in the open; out of a
-dead end it does not find, nor does it see what is lower than the laser. Where it does not get on it stands and says so.
+No map, plan, memory or depth: every ``period_s`` the Dynamic Window Approach follows the straight line to the goal in a
+distance field of the newest scan alone. It costs little CPU and passes single obstacles. It does not leave a dead end
+and does not see obstacles lower than the laser. Without progress it stands and publishes the reason.
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ from app.modules.stream_module import robot_link
 from app.runtime.errors import ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
 
-#: The straight line is drawn anew so often, s.
+#: Period of a new straight line, s.
 _AIM_S = 1.0
-#: Fewer samples than where the whole computer is spent on it; and the line is only where to look for the goal.
+#: Fewer samples than in PlanAndFollowPath, to save CPU; the straight line is only a rough path.
 _CHEAP = DynamicWindowSettings(samples=(7, 15), horizon_s=2.0, ahead_m=2.5, weights=(0.05, 1.0, 0.03, 0.25))
 
 
@@ -57,7 +57,7 @@ class GoTowardSettings(Settings):
 
 
 class GoToward(Module):
-    """Heads straight for a place on the map."""
+    """Drives straight toward a place on the map."""
 
     title = "Go toward"
     Settings = GoTowardSettings
@@ -87,7 +87,7 @@ class GoToward(Module):
         self._aimed_at = -math.inf
 
     async def start(self) -> None:
-        """Learn what the body is. Raises ModuleFailed for one that does not drive."""
+        """Look up the body. Raises ModuleFailed for a body that does not drive."""
         description = robot_link(self).description
         await self.compute(load_kernels)
         self._zones = (None if self.zones.channel is None else self.zones.channel.latest) or self._zones
@@ -95,15 +95,15 @@ class GoToward(Module):
             body = BodyModel.of(description.footprint, description.limits)
         except ValueError as error:
             raise ModuleFailed(f"{self.name} cannot drive {description.name}: {error}") from None
-        # It has no way to recover by: it stands and says so.
+        # No recovery actions: the robot stands and publishes the reason.
         self._path_tracker = PathTracker(body, DynamicWindow(_CHEAP), recovery=RecoverySettings(stuck_s=math.inf))
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take the goal from the desire; without ``x`` and ``y`` nobody wants to go anywhere."""
+        """Take the goal from the desire; without ``x`` and ``y`` there is no goal."""
         self._goal = goal_of(parameters, self._goal)
 
     def last_word(self, port: str) -> Twist | None:
-        """A stop, when attention takes the wheel away."""
+        """A stop, for the moment when attention closes the output."""
         return Twist(self.clock.now(), 0.0, 0.0) if port == "twist" else None
 
     async def _see(self, scan: LaserScan) -> None:
@@ -123,7 +123,7 @@ class GoToward(Module):
         if goal is None and self._status_publisher.idle:
             self._status_publisher.update(NavigationStatus(now, self.name, "idle", "no goal"))
             return
-        # Places of one scan stay where they were in odom: localization that moves does not move them.
+        # Points of one scan keep their place in odom: a correction of the localization does not move them.
         scan = self._scan
         if scan is not None and (X_OB := self._poses.at(scan.stamp)) is not None:
             self._scan, self._seen = None, (scan.stamp, points_of(scan, X_OB))
@@ -158,7 +158,7 @@ class GoToward(Module):
         seen: np.ndarray[Any, np.dtype[np.float64]],
         zones: Zones,
     ) -> TrackingStep:
-        """One cycle, in the module's thread; everything on the map."""
+        """One cycle, in the module's thread; all poses on the map."""
         path_tracker = self._path_tracker
         X_MB = X_MO @ motion.pose
         if goal is not path_tracker.goal or now - self._aimed_at >= _AIM_S:

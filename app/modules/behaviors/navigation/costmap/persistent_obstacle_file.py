@@ -1,4 +1,4 @@
-"""What the camera knows of a place, in a file: NumPy's npz."""
+"""File format of persistent obstacles: NumPy's npz."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from app.base.npz_source import read_arrays
 from app.modules.behaviors.navigation.costmap.tiled_grid import TILE
 
 _VERSION = 1
-#: More tiles (of 3.2 m) than that with something low in them has no building: whoever takes them runs out of memory.
+#: Greatest number of tiles (3.2 m square) with low obstacles; more would exhaust memory, and no building has them.
 _MOST_TILES = 10_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PersistentObstacles:
-    """Rows and columns ``cells`` (N, 2) int64, on the map, of cells where something stands, and in which ``bands`` (N,)
-    uint16 of height."""
+    """Cells with a persistent obstacle: rows and columns ``cells`` (N, 2) int64 on the map, and occupied height
+    ``bands`` (N,) uint16."""
 
     cells: NDArray[np.int64]
     bands: NDArray[np.uint16]
 
     @staticmethod
     def none() -> PersistentObstacles:
-        """Nothing is known."""
+        """No obstacles."""
         return PersistentObstacles(np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.uint16))
 
 
 def write_obstacles(file: Path, obstacles: PersistentObstacles, resolution_m: float) -> None:
-    """Write ``obstacles``, in cells of ``resolution_m``, so that they are on the disk. Raises OSError."""
+    """Write ``obstacles``, in cells of ``resolution_m``, and sync the file. Raises OSError."""
     with file.open("wb") as out:
         np.savez_compressed(
             out,
@@ -47,8 +47,8 @@ def write_obstacles(file: Path, obstacles: PersistentObstacles, resolution_m: fl
 
 
 def read_obstacles(file: Path, resolution_m: float) -> PersistentObstacles:
-    """What is in ``file``; nothing where there is none. Raises ConfigError for one that cannot be read, is damaged, or
-    does not have cells of ``resolution_m``."""
+    """The obstacles in ``file``; none where there is no file. Raises ConfigError for a file that is unreadable,
+    damaged, or of another cell size than ``resolution_m``."""
     if not file.exists():
         return PersistentObstacles.none()
     kept = read_arrays(file, "the file of low obstacles")

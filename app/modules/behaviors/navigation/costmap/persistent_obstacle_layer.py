@@ -1,11 +1,12 @@
-"""What the camera saw and the laser never will: low and overhanging things, kept on the map until seen to be gone.
+"""Persistent obstacles: low and overhanging objects that the camera sees and the laser does not, kept on the map.
 
-A camera at head height that looks straight ahead sees a low box from 3 m on and looks over it from there: whoever turns
-beside one, or comes back to it from elsewhere, must have kept it. The costmap, which rolls along in ``odom``, forgets
-what it leaves behind; this lies in ``map``, for the whole of it, and is kept with the map.
+A camera at head height that looks straight ahead sees a low box up to a distance of 3 m and looks over it from there
+on. A robot that turns beside the box, or comes back to it, needs the earlier observation. The local costmap rolls along
+in ``odom`` and drops cells behind it; this layer is in ``map``, covers all of it, and is saved with the map.
 
-What stands where the laser sees something needs no memory: walls and furniture the map has, and people go away. So
-nothing is taken within ``laser_m`` of what the laser sees just then, nor what was not seen to stand for ``steady_s``.
+Obstacles that the laser sees are not kept: walls and furniture are on the map, and people leave. A cell is not taken
+within ``laser_m`` of the current scan's points, nor before it was hit for ``steady_s``. It is removed when the camera
+looks through it.
 """
 
 from __future__ import annotations
@@ -23,19 +24,19 @@ from app.modules.behaviors.navigation.costmap.footprint import Footprint
 from app.modules.behaviors.navigation.costmap.persistent_obstacle_file import PersistentObstacles
 from app.modules.behaviors.navigation.costmap.tiled_grid import NEVER, TILE, Box, CellBlock, TiledGrid
 
-#: Times are kept in ms of 32 bits, counted anew after this long (s).
+#: Times are int32 ms, with a new epoch after this long (s).
 _COUNTED_S = 1e6
-#: Where the body has been, nothing stands; so much (m) of its edge is left to what its place on the map is unsure by.
+#: The robot's own path is free of obstacles; this much (m) of the footprint's edge is left out, for the error of its
+#: pose.
 _UNSURE_M = 0.04
-#: The bands of height (of 16) that something felt by the base is taken to stand at.
+#: Height bands (of 16) of an obstacle that the base touched.
 _FELT_BANDS = 0b111
 
 
 @dataclass(frozen=True, slots=True)
 class PersistentObstacleSettings:
-    """Depth counts as in ``CostmapSettings``, within ``reach_m`` of the camera; each cell of ``resolution_m`` is kept
-    once it was hit for ``steady_s`` with no gap of ``again_s``. Pictures closer together than ``every_s`` are passed
-    over."""
+    """Depth counts as in ``CostmapSettings``, within ``reach_m`` of the camera. A cell of ``resolution_m`` is kept once
+    it was hit for ``steady_s`` without a gap of ``again_s``. Images less than ``every_s`` apart are skipped."""
 
     resolution_m: float = 0.05
     every_s: float = 0.15
@@ -50,7 +51,7 @@ class PersistentObstacleSettings:
 
 
 class PersistentObstacleLayer:
-    """Keeps things on the map. Not for two threads at once; every method computes for a few ms at most."""
+    """Persistent obstacles on the map. Used by one thread at a time; every method computes for a few ms at most."""
 
     def __init__(
         self, footprint: Footprint, height_m: float, settings: PersistentObstacleSettings | None = None
@@ -62,12 +63,12 @@ class PersistentObstacleLayer:
         reach = (normals * footprint.corners).sum(axis=1)
         self._itself = np.column_stack((normals, reach))
         self._inside = np.column_stack((normals, reach - _UNSURE_M))
-        #: Grows with every change of what is kept, also to another map's.
+        #: Incremented with every change of the kept cells, and with a change of the map.
         self.version = 0
         self.clear()
 
     def clear(self) -> None:
-        """Another map."""
+        """Drop all cells, for another map."""
         self._grid = TiledGrid()
         self._epoch: float | None = None
         self._looked_at = -math.inf
@@ -75,7 +76,7 @@ class PersistentObstacleLayer:
 
     @property
     def points(self) -> NDArray[np.float64]:
-        """The middles (N, 2) of the cells that are kept, m on the map."""
+        """The middles (N, 2) of the kept cells, m on the map."""
         return self._middles(self._grid.kept())
 
     @property
@@ -84,7 +85,7 @@ class PersistentObstacleLayer:
         return len(self._grid) * TILE**2
 
     def near(self, X_MO: Pose2, X_OB: Pose2, within_m: float) -> NDArray[np.float64]:
-        """What is kept within a square around the robot: points (N, 2) m in ``odom``, two by two in each cell."""
+        """Kept cells within a square around the robot: points (N, 2) m in ``odom``, four in each cell."""
         place = X_MO @ X_OB
         middles = self._middles(self._grid.kept(self._box(place, within_m)))
         if not len(middles):
@@ -94,8 +95,8 @@ class PersistentObstacleLayer:
         return X_MO.inverse().transform((middles[:, None, :] + corners).reshape(-1, 2))
 
     def look(self, image: Image, X_MB: Pose2, laser: NDArray[np.float64]) -> None:
-        """Take a depth picture, the robot being at ``X_MB`` at its stamp; ``laser`` (N, 2): what the laser sees about
-        then, m on the map. Raises ValueError for a picture without depth or from a camera that is not a pinhole."""
+        """Take a depth image; ``X_MB``: the robot at its stamp; ``laser`` (N, 2): points of a scan of about that time,
+        m on the map. Raises ValueError for an image without depth or from a camera that is not a pinhole."""
         from app.modules.behaviors.navigation.costmap.depth_kernels import clear, mark
         from app.modules.behaviors.navigation.costmap.raytrace_kernels import free_body
 
@@ -132,7 +133,7 @@ class PersistentObstacleLayer:
         self._grid.write(box, CellBlock(first, last, bands, stands))
 
     def add_contacts(self, points: NDArray[np.float64], stamp: float) -> None:
-        """The base ran into something at ``points`` (N, 2) m on the map."""
+        """Take places (N, 2), m on the map, where the base was stopped by an obstacle."""
         if not len(points):
             return
         now = self._ms(stamp)
@@ -141,11 +142,11 @@ class PersistentObstacleLayer:
         self.version += 1
 
     def snapshot(self) -> PersistentObstacles:
-        """What is kept."""
+        """The kept cells."""
         return PersistentObstacles(self._grid.kept(), self._grid.bands())
 
     def take(self, obstacles: PersistentObstacles) -> None:
-        """Take what was kept with a map in place of what is known."""
+        """Replace all cells by those saved with a map."""
         self.clear()
         if len(obstacles.cells):
             self._grid.keep(obstacles.cells, obstacles.bands, 0)
@@ -156,7 +157,7 @@ class PersistentObstacleLayer:
     def _beside(
         self, points: NDArray[np.float64], frame: NDArray[np.float64], shape: tuple[int, ...]
     ) -> NDArray[np.bool_]:
-        """Which cells of a window lie within ``laser_m`` of ``points``."""
+        """Which cells of a window are within ``laser_m`` of ``points``."""
         there = np.zeros(shape, dtype=np.uint8)
         cells = np.floor((points - frame[:2]) / frame[2]).astype(np.int64)
         cells = cells[((cells >= 0) & (cells < np.array(shape)[::-1])).all(axis=1)]
@@ -173,7 +174,7 @@ class PersistentObstacleLayer:
         )  # fmt: skip
 
     def _ms(self, stamp: float) -> int:
-        """Counted from a picture not too long ago; what was kept before the first one is as old as that."""
+        """Milliseconds since the epoch; cells kept before the first image are at the epoch."""
         if self._epoch is None:
             self._epoch = stamp - 1.0
         if stamp - self._epoch > _COUNTED_S:

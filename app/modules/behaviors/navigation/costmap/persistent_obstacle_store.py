@@ -1,4 +1,4 @@
-"""What the camera knows of a place, kept with its map: ``obstacles.npz`` in the map's folder."""
+"""Saving of persistent obstacles with their map: ``obstacles.npz`` in the map's folder."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ OBSTACLES_FILE = "obstacles.npz"
 
 
 class PersistentObstacleStore:
-    """Implements :class:`app.maps.control.MapLayer` for a memory that one thread uses: ``compute`` calls in it, and
-    ``behind`` in another, where the disk may take its time."""
+    """Implements :class:`app.maps.control.MapLayer` for a layer that one thread uses: ``compute`` calls in that thread,
+    ``behind`` in another, where the disk may block."""
 
     def __init__(
         self,
@@ -41,7 +41,7 @@ class PersistentObstacleStore:
         self._one = asyncio.Lock()
 
     async def files(self) -> Files:
-        """Its file beside the map's."""
+        """The layer's file, for the folder of the map."""
         async with self._one:
             obstacles: PersistentObstacles = await self._compute(self._layer.snapshot)
         return {
@@ -51,10 +51,10 @@ class PersistentObstacleStore:
         }
 
     async def load(self, name: str) -> None:
-        """Take what was kept; what is damaged or gone is said, and the map is used without. Raises MapUnavailable where
-        there is no such map."""
+        """Load the obstacles of map ``name``. A damaged or missing file is logged, and the map is used without. Raises
+        MapUnavailable where there is no such map."""
         async with self._one:
-            # Whatever comes of it, this is another map.
+            # The map changed, whether or not its file can be read.
             await self._compute(self._layer.clear)
             try:
                 obstacles = await self._behind(self._read, name)
@@ -64,7 +64,7 @@ class PersistentObstacleStore:
             await self._compute(self._layer.take, obstacles)
 
     async def forget(self) -> None:
-        """Begin anew."""
+        """Drop all obstacles, for an empty map."""
         async with self._one:
             await self._compute(self._layer.clear)
 

@@ -1,4 +1,4 @@
-"""What one scan shows, as a field to drive in, without memory: cheap, and blind where the laser does not look now."""
+"""Distance field of one scan, without memory: cheap, and blind outside the current field of view."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from app.modules.behaviors.navigation.costmap.zone_layer import rasterize
 
 
 def points_of(scan: LaserScan, X_FB: Pose2) -> NDArray[np.float64]:
-    """Where in F the scan's rays ended (N, 2), ``X_FB`` being the body at its stamp; those that met nothing are left
+    """End points (N, 2) of the scan's rays in F, ``X_FB`` being the body at its stamp; rays without a return are left
     out."""
     angles = scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
     hit = (scan.ranges >= scan.range_min) & (scan.ranges < scan.range_max)
@@ -31,7 +31,7 @@ def scan_field(
     size_m: float = 4.0,
     resolution_m: float = 0.05,
 ) -> DistanceField:
-    """Distances to ``points`` (N, 2) and to zones to keep out of, all on the map, in a window around ``middle``."""
+    """Distances to ``points`` (N, 2) and to keep-out zones, all on the map, in a window around ``middle``."""
     cells = round(size_m / resolution_m)
     frame = GridFrame(middle.x - size_m / 2, middle.y - size_m / 2, resolution_m, cells, cells)
     free = np.ones((cells, cells), dtype=np.uint8)

@@ -1,4 +1,4 @@
-"""A grid without an edge, of tiles: what it costs grows with what is kept and with where the robot is, with no map."""
+"""An unbounded grid of tiles: memory grows with the kept cells and the robot's surroundings, not with the map."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-#: When a cell was never hit, in its ms.
+#: Time of a cell that was never hit, ms.
 NEVER = -(2**30)
 #: Cells along a tile's side.
 TILE = 64
@@ -19,8 +19,8 @@ Box = tuple[int, int, int, int]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CellBlock:
-    """Cells of a rectangle, (rows, columns) each: when each was hit ``first`` and ``last`` (int32, ms), in which
-    ``bands`` of height (uint16, a bit each), and whether it is ``kept`` (bool)."""
+    """Cells of a rectangle, (rows, columns) each: times of the ``first`` and ``last`` hit (int32, ms), occupied height
+    ``bands`` (uint16, a bit each), and whether the cell is ``kept`` (bool)."""
 
     first: NDArray[np.int32]
     last: NDArray[np.int32]
@@ -29,7 +29,7 @@ class CellBlock:
 
     @staticmethod
     def empty(rows: int, columns: int) -> CellBlock:
-        """Never hit."""
+        """Cells that were never hit."""
         shape = (rows, columns)
         return CellBlock(
             np.full(shape, NEVER, dtype=np.int32), np.full(shape, NEVER, dtype=np.int32),
@@ -38,7 +38,7 @@ class CellBlock:
 
 
 class TiledGrid:
-    """Cells by row and column, which may be negative. Those that are kept stay; others, while they are looked at."""
+    """Cells by row and column, which may be negative. Kept cells stay; others only while their tile is in use."""
 
     def __init__(self) -> None:
         self._grid: dict[tuple[int, int], CellBlock] = {}
@@ -58,7 +58,7 @@ class TiledGrid:
         return out
 
     def write(self, box: Box, cells: CellBlock) -> None:
-        """``cells`` are in ``box`` now. What lies in other tiles and is not kept is gone: it was hit too long ago."""
+        """Replace the cells in ``box``. Cells of other tiles that are not kept are dropped: their hits are too old."""
         seen = set()
         for key, inside, part in _parts(box):
             seen.add(key)
@@ -76,7 +76,7 @@ class TiledGrid:
             del self._grid[key]
 
     def keep(self, cells: NDArray[np.int64], bands: NDArray[np.uint16], stamp: int) -> None:
-        """Keep ``cells`` (N, 2), row and column, as hit at ``stamp`` in ``bands`` (N,) too."""
+        """Keep ``cells`` (N, 2), row and column, with a hit at ``stamp`` in ``bands`` (N,)."""
         tiles = cells // TILE
         for i, j in np.unique(tiles, axis=0).tolist():
             tile = self._grid.setdefault((i, j), CellBlock.empty(TILE, TILE))
@@ -88,12 +88,12 @@ class TiledGrid:
             self._note((i, j), tile)
 
     def recount(self) -> None:
-        """What is kept was hit at 0, all else never."""
+        """Set the times of kept cells to 0, of all others to never, for a new epoch."""
         for tile in self._grid.values():
             tile.first[:] = tile.last[:] = np.where(tile.kept, 0, NEVER)
 
     def kept(self, box: Box | None = None) -> NDArray[np.int64]:
-        """Row and column (N, 2) int64 of the cells that are kept, in ``box`` or anywhere."""
+        """Row and column (N, 2) int64 of the kept cells, in ``box`` or of all tiles."""
         if box is None:
             parts = [self._kept[key] for key in sorted(self._kept)]
             return np.concatenate(parts) if parts else np.empty((0, 2), dtype=np.int64)
@@ -104,7 +104,7 @@ class TiledGrid:
         return cells[((cells >= box[::2]) & (cells < box[1::2])).all(axis=1)]
 
     def bands(self) -> NDArray[np.uint16]:
-        """The bands (N,) of all cells that are kept, in the order of :meth:`kept`."""
+        """The bands (N,) of all kept cells, in the order of :meth:`kept`."""
         parts = [self._grid[key].bands[self._grid[key].kept] for key in sorted(self._kept)]
         return np.concatenate(parts) if parts else np.empty(0, dtype=np.uint16)
 
@@ -117,7 +117,7 @@ class TiledGrid:
 
 
 def _parts(box: Box) -> Iterator[tuple[tuple[int, int], tuple[slice, slice], tuple[slice, slice]]]:
-    """Each tile that ``box`` reaches into: its key, what of it is in the box, and where in the box that is."""
+    """Each tile that overlaps ``box``: its key, the overlap in the tile, and the overlap in the box."""
     r0, r1, c0, c1 = box
     for i in range(r0 // TILE, -(-r1 // TILE)):
         for j in range(c0 // TILE, -(-c1 // TILE)):

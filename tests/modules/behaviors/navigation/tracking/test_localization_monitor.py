@@ -60,7 +60,7 @@ def test_old_poses_may_not_and_the_words_stay() -> None:
 
 
 @pytest.mark.parametrize(
-    ("state", "moved", "placed", "astray"),
+    ("state", "moved", "placed", "is_lost"),
     [
         ("lost", NOW, NOW, True),
         ("searching", NOW, NOW, True),
