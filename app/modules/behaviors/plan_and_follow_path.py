@@ -1,4 +1,4 @@
-"""PlanAndFollowPath: goes to a place on the map, around what stands in the way (thesis 4.2).
+"""PlanAndFollowPath: drives to a place on the map, around obstacles (thesis 4.2).
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────────┐
     │ PlanAndFollowPath  in   scans         LaserScan, 40 Hz / φ                                   │
@@ -11,18 +11,19 @@
     │                    out  twist         Twist, each period while there is a goal               │
     │                    out  path          PlannedPath (map), when another way is taken           │
     │                    out  status        NavigationStatus, when it changes, or every 0.5 s      │
-    │                    out  costmap       OccupancyGrid (odom), at most 5 Hz, if anybody listens  │
+    │                    out  costmap       OccupancyGrid (odom), at most 5 Hz, while subscribed   │
     └─────────────────────────────────────────────────────────────────────────────────────────────┘
 
-Every ``period_s`` (10 Hz as in the thesis), in the module's thread: the newest scan and picture enter the costmap, and
-the controller chooses velocities along the way (``navigation/follower.py``). Ways are planned in the second thread
-(``navigation/wayfinder.py``): once a second, and at once where something is in the way or localization jumped.
+Every ``period_s`` (10 Hz as in the thesis), in the module's thread: the newest scan and image enter the costmap, and
+the controller chooses velocities along the path (``navigation/tracking/path_tracker.py``). Paths are planned in the
+second thread (``navigation/planning/global_planner.py``): once a second, and at once where an obstacle blocks the path
+or localization jumped.
 
-It does not drive, and says so, without a pose it can trust, with a scan or picture older than ``fresh_s``, or with
-depth pictures that are dead. What the camera sees and the laser does not is remembered on the map and kept with it
-(``navigation/memory.py``), while others drive as well, if the inputs are open. The goal is the parameters of the desire
-GoTo; which controller follows is one of the strategy: ``mppi``, ``pursuit``, ``dwa`` or ``dwa_published`` (the baseline
-of the BARN challenge).
+It stands still, and publishes the reason, without a trusted pose, with a scan or image older than ``fresh_s``, or with
+dead depth images. Obstacles that the camera sees and the laser does not are kept with the map
+(``navigation/costmap/persistent_obstacle_layer.py``), also while another behavior drives, if the inputs are open. The
+goal is given by the parameters of the desire GoTo, the controller by the strategy: ``mppi``, ``pursuit``, ``dwa`` or
+``dwa_published`` (the baseline of the BARN challenge).
 """
 
 from __future__ import annotations
@@ -76,44 +77,44 @@ from app.runtime.errors import ModuleFailed
 from app.runtime.module import Module, ModuleContext, Settings
 from app.runtime.realtime import go_first
 
-#: Between two costmaps published, s.
+#: Least period of published costmaps, s.
 _COSTMAP_S = 0.2
-#: Localization that moved the robot further than that (m, rad) calls for another way at once.
+#: A jump of localization by more than this (m, rad) triggers planning at once.
 _JUMP = (0.15, 0.1)
 
 
 class PlanAndFollowPathSettings(Settings):
-    """Settings of PlanAndFollowPath; what a body's speed asks for is set here, its sizes and limits come from it."""
+    """Settings of PlanAndFollowPath; they depend on the body's speed, while its sizes and limits come from the body."""
 
     period_s: float = Field(0.1, gt=0, le=0.2, description="one control cycle")
     controller: str = Field(
-        "mppi", pattern=f"^({'|'.join(CONTROLLERS)})$", description="while no strategy says another"
+        "mppi", pattern=f"^({'|'.join(CONTROLLERS)})$", description="unless the strategy gives another"
     )
-    fresh_s: float = Field(0.3, gt=0, le=1, description="an older scan or picture is not driven by")
-    replan_s: float = Field(1.0, gt=0, le=10, description="a better way is looked for this often")
-    blocked_replan_s: float = Field(0.3, gt=0, le=10, description="... and this often where something is in the way")
+    fresh_s: float = Field(0.3, gt=0, le=1, description="greatest age of a scan or image to drive by")
+    replan_s: float = Field(1.0, gt=0, le=10, description="period of planning")
+    blocked_replan_s: float = Field(
+        0.3, gt=0, le=10, description="period of planning while an obstacle blocks the path"
+    )
     costmap_m: float = Field(4.0, ge=2, le=20, description="side of the costmap around the robot")
     costmap_resolution_m: float = Field(0.025, ge=0.01, le=0.1)
-    keep_s: float = Field(45.0, gt=0, description="what stood still is remembered so long where nothing looks")
-    unknown: str = Field("costly", pattern="^(free|costly|blocked)$", description="ways through unknown space")
+    keep_s: float = Field(45.0, gt=0, description="how long an unseen stationary obstacle is kept")
+    unknown: str = Field("costly", pattern="^(free|costly|blocked)$", description="cost of paths through unknown space")
     closeness: float = Field(
-        6.0, ge=0, description="what a metre of way beside an obstacle costs more than in the open"
+        6.0, ge=0, description="surcharge per metre of path beside an obstacle, in metres of open floor"
     )
-    reach_m: float = Field(0.75, gt=0, le=3, description="further off than that an obstacle costs nothing")
-    stuck_s: float = Field(2.0, gt=0, description="standing that long on the way calls for a recovery")
-    wait_s: float = Field(2.0, ge=0, description="the first recovery: waiting for the way to clear")
-    ask_s: float = Field(15.0, gt=0, description="people have so long to help, before it tries again")
-    corner_share: float = Field(
-        0.6, gt=0, le=1, description="of its speed, beside what it cannot see, as behind corners; 1: it does not care"
-    )
+    reach_m: float = Field(0.75, gt=0, le=3, description="distance beyond which an obstacle adds no cost")
+    stuck_s: float = Field(2.0, gt=0, description="time without progress before recovery")
+    wait_s: float = Field(2.0, ge=0, description="duration of the first recovery action, waiting")
+    ask_s: float = Field(15.0, gt=0, description="time for people to help before the next round of recovery")
+    corner_share: float = Field(0.6, gt=0, le=1, description="share of the speed beside blind corners; 1: no reduction")
     people_m: float = Field(
-        0.0, ge=0, le=0.3, description="kept clear around what may be a leg that the map does not have; 0: nothing more"
+        0.0, ge=0, le=0.3, description="radius kept clear around leg candidates that the map does not have; 0: none"
     )
-    rounds: int = Field(2, ge=1, description="of all recoveries, before people are asked")
+    rounds: int = Field(2, ge=1, description="rounds of all recovery actions before people are asked")
 
 
 class PlanAndFollowPath(Module):
-    """Plans ways to goals on the map and follows them."""
+    """Plans paths to goals on the map and follows them."""
 
     title = "Plan and follow path"
     Settings = PlanAndFollowPathSettings
@@ -166,7 +167,7 @@ class PlanAndFollowPath(Module):
         self._periods = CommandJitter()
 
     async def start(self) -> None:
-        """Load what is compiled, and learn what the body is. Raises ModuleFailed for one that does not drive."""
+        """Load the compiled kernels and look up the body. Raises ModuleFailed for a body that does not drive."""
         description = robot_link(self).description
         await self.compute(load_kernels)
         await self.compute(go_first)
@@ -193,7 +194,7 @@ class PlanAndFollowPath(Module):
         self._global_planner = GlobalPlanner(self._control.footprint, costs)
         if self._control.persistent_obstacles is not None:
             await self._keep_with_map(self._control.persistent_obstacles)
-        # What was said before a restart still holds.
+        # Messages from before a restart still hold.
         self._grid = None if self.map.channel is None else self.map.channel.latest
         self._zones = (None if self.zones.channel is None else self.zones.channel.latest) or self._zones
 
@@ -201,28 +202,27 @@ class PlanAndFollowPath(Module):
         try:
             control, library = self.service(MapControl), self.service(MapLibrary)
         except ModuleFailed:
-            return  # where no maps are kept, what is remembered lasts as long as the module
+            return  # without a map library, obstacles last as long as the module
         layer = PersistentObstacleStore(things, library, self.compute, self.compute_behind, self.log)
         self._leave_map = await control.add(layer)
 
     async def stop(self) -> None:
-        """Look for no way any more."""
+        """Cancel planning and leave the map control."""
         if self._leave_map is not None:
             self._leave_map()
         if self._planning is not None:
             self._planning.cancel()
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Take the desire's goal, and the strategy's ``controller``; without ``x`` and ``y`` nobody wants to go
-        anywhere."""
+        """Take the desire's goal, and the strategy's ``controller``; without ``x`` and ``y`` there is no goal."""
         self._controller = str(parameters.get("controller", self.settings.controller))
         self._goal = goal_of(parameters, self._goal)
 
     def last_word(self, port: str) -> Twist | None:
-        """A stop, when attention takes the wheel away."""
+        """A stop, for the moment when attention closes the output."""
         return Twist(self.clock.now(), 0.0, 0.0) if port == "twist" else None
 
-    # --- what comes in ---
+    # --- inputs ---
 
     async def _see(self, scan: LaserScan) -> None:
         self._scan = scan
@@ -250,7 +250,7 @@ class PlanAndFollowPath(Module):
 
     @property
     def _given(self) -> Goal | None:
-        """The goal, while attention has it go there: none where its output is closed, as another behavior drives."""
+        """The goal while the output is open; None where attention closed it because another behavior drives."""
         return self._goal if self.twist.filter.is_open else None
 
     async def _cycle(self) -> None:
@@ -282,7 +282,7 @@ class PlanAndFollowPath(Module):
             await self.compute(self._control.use_controller, self._controller)
         output = await self.compute(self._control.run, inputs, self.settings.period_s)
         if self._given is not goal:
-            # Another desire came while this was decided: what was decided is not for it.
+            # The desire changed during the computation: the result is for another goal.
             goal = None
         self._publish(now, output, goal, answer)
         if goal is not None and not problem and output.step.state != "arrived":
@@ -291,7 +291,7 @@ class PlanAndFollowPath(Module):
             await self.compute(self._control.remember, inputs)
 
     async def _observe(self, now: float) -> None:
-        """Remember what is seen while others drive, by a body that sees what is worth it."""
+        """Enter persistent obstacles while another behavior drives, on a body with a depth camera."""
         if self._control.persistent_obstacles is None:
             return
         motion, scan, image = self._poses.motion(now), self._scan_with_poses(), self._image_with_pose()
@@ -361,7 +361,7 @@ class PlanAndFollowPath(Module):
     def _publish_path(self, now: float, poses: Any) -> None:
         self.path.publish(PlannedPath(now, "map", read_only(np.array(poses, dtype=np.float64).reshape(-1, 3))))
 
-    # --- planning, behind ---
+    # --- planning, in the second thread ---
 
     def _plan_if_wanted(self, now: float, goal: Goal, output: CycleOutput) -> None:
         if self._planning is not None:
@@ -386,7 +386,7 @@ class PlanAndFollowPath(Module):
         self._planning.add_done_callback(self._planned)
 
     def _why_plan(self, now: float, goal: Goal, output: CycleOutput) -> str | None:
-        """Why a way is looked for now: "" for a better one alone; None if it is not the time."""
+        """Reason for planning now: "" for a possibly better path only; None for no planning."""
         since = now - self._planned_at
         if self._planned_for is not goal:
             return "another goal"
@@ -395,7 +395,8 @@ class PlanAndFollowPath(Module):
             return "localization corrected itself"
         wanted = output.step.replan or self._wanted_plan
         if wanted and since >= self.settings.blocked_replan_s:
-            # What blocks the controller may not block the way: another is taken only if it is better or the old is not.
+            # An obstacle for the controller need not block the path: it is replaced only by a better one or if it is
+            # bad.
             return (
                 "" if self._plan is not None and len(self._plan.poses) and output.step.state == "following" else wanted
             )

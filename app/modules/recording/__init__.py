@@ -1,1 +1,1 @@
-"""The Recorder: what the robot lives, on disk."""
+"""The Recorder: writes the program's channels to disk."""

@@ -1,13 +1,13 @@
-"""Recorder: what the robot lives, on disk (thesis 4.4: every experiment was recorded).
+"""Recorder: writes channels to disk (thesis 4.4: every experiment was recorded).
 
 ┌─────────────────────────────────────────────────────────────────────────────────────────┐
 │ Recorder    in   <channel>  every channel whose `log` is not `never`, or those named    │
 │             out  status     RecorderStatus, 1 Hz and at every change                    │
 └─────────────────────────────────────────────────────────────────────────────────────────┘
 
-It records while the intention gives it parameters (desire class Record): into one file, or, with ``keep_minutes``,
-into a ring of the last minutes. Strategies may thin pictures and scans; what no strategy names is taken whole. While
-it does not record it takes and forgets. Disk and encoding are the writer's thread's; see docs/recording.md.
+It records while the intention gives it parameters (desire class Record): into one file, or, with ``keep_minutes``, into
+a ring of the last minutes. Strategies may decimate images and scans; channels that no strategy names are recorded in
+full. While idle, messages are discarded. Encoding and disk writes run in the writer's thread; see docs/recording.md.
 """
 
 from __future__ import annotations
@@ -38,19 +38,19 @@ from app.runtime.errors import InboxOverflow
 from app.runtime.module import Module, ModuleContext, Settings
 from app.runtime.ports import Input
 
-#: Closing a file takes less than this (s); a disk that needs longer is left to finish in its own thread.
+#: Time allowed for closing a file (s); on a slower disk its thread finishes alone.
 CLOSING_S = 0.4
 
 
-#: Room (messages) for what comes in one go after the loop stood still; what finds none is counted as dropped.
+#: Inbox capacity (messages) for a burst after a stall of the event loop; the rest is counted as dropped.
 INBOX = 1024
-#: ... of messages of a megabyte and more.
+#: The same for messages of a megabyte and more.
 LARGE_INBOX = 32
 LARGE = (Image, PointCloud)
 
 
 class EventPattern(BaseModel):
-    """Events of the timeline: of this kind, and of this subject if one is named."""
+    """A pattern of timeline events: their kind, and their subject if one is named."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -58,7 +58,7 @@ class EventPattern(BaseModel):
     subject: str | None = None
 
     def matches(self, event: EventRecord) -> bool:
-        """Whether ``event`` is one of them."""
+        """Whether ``event`` matches."""
         return event.kind == self.kind and self.subject in (None, event.subject)
 
 
@@ -79,7 +79,7 @@ class Recorder(Module):
     """Writes every message it is given into a log."""
 
     title = "Recorder"
-    #: How files are made; tests put a disk that fails in its place.
+    #: Opens files; tests replace it by a disk that fails.
     open_file: ClassVar[OpenFile] = staticmethod(create)
     Settings = RecorderSettings
     settings: RecorderSettings
@@ -96,10 +96,10 @@ class Recorder(Module):
         self._writer: RecordingWriter | None = None
         self._ending: list[RecordingWriter] = []
         self._reported: list[RecordingWriter] = []
-        #: Whether what is written now is a ring.
+        #: Whether the current recording is a ring.
         self._turns = False
         self._wanted: dict[str, Any] = {}
-        #: Newest message of each standing state, by what it is the state of.
+        #: Newest message of each channel that carries state, by the state's key.
         self._standing: dict[str, tuple[str, Message]] = {}
         self._tasks: set[asyncio.Task[None]] = set()
         self._saving_on_event = False
@@ -107,17 +107,17 @@ class Recorder(Module):
 
     @classmethod
     def default_inputs(cls, channels: Mapping[str, ChannelSpec]) -> Mapping[str, str]:
-        """Everything that may be recorded, on ports named as the channels."""
+        """All channels that may be recorded, on ports named as the channels."""
         return {name: name for name, spec in channels.items() if spec.log != "never"}
 
     def accept(self, name: str, message_type: type[Message]) -> None:
-        """Take any channel, losing nothing while the loop comes round every second or two."""
+        """Take any channel, without loss while the event loop stalls for at most a second or two."""
         capacity = LARGE_INBOX if message_type in LARGE else INBOX
         port = self.input(name, message_type, capacity=capacity, lossless=True)
         self.on(port, self._taker(port))
 
     async def start(self) -> None:
-        """Be there for who wants the ring saved, and look for what a killed program left of its ring."""
+        """Register as RecorderControl, and look for rings that a killed program left."""
         self._loop = asyncio.get_running_loop()
         self._library = self.service(RecordingLibrary)
         self._manifest = self.service(Manifest)
@@ -133,12 +133,12 @@ class Recorder(Module):
         for task in self._tasks:
             task.cancel()
         self._end(discard=False)
-        # Closing goes on in its own thread whether it is waited for or not.
+        # The thread finishes closing whether or not it is awaited.
         await self.compute(_join, self._ending, CLOSING_S)
         self._publish()
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Record as ``parameters`` say; without any, do not."""
+        """Record as ``parameters`` say; stop without any."""
         if dict(parameters) == self._wanted:
             return
         before, self._wanted = self._wanted, dict(parameters)
@@ -148,7 +148,7 @@ class Recorder(Module):
             ring.call(lambda sink: _keep_for(sink, keep_s))
         else:
             ended = self._writer
-            # Only who wants no recording any more wants the ring thrown away; another recording takes nothing from it.
+            # Only the end of all recording discards a ring; a change to another recording keeps it.
             self._end(discard=not self._wanted)
             if self._wanted:
                 self._begin()
@@ -156,11 +156,11 @@ class Recorder(Module):
         self._publish()
 
     def overflowed(self, port: str, loss: InboxOverflow) -> None:
-        """Say it, and go on: what was lost is counted in the status."""
+        """Log it and go on: the loss is counted in the status."""
         self.log.warning("%s", loss)
 
     async def save_ring(self, minutes: float | None, name: str | None) -> str:
-        """See ``RecorderControl.save_ring``; also raises ValueError for a name that may not be."""
+        """See ``RecorderControl.save_ring``; also raises ValueError for an invalid name."""
         writer = self._ring_writer()
         if writer is None or writer.reason:
             raise RecorderUnavailable(NO_RING)
@@ -170,12 +170,12 @@ class Recorder(Module):
 
     @property
     def queued_bytes(self) -> int:
-        """About how many bytes of memory wait for the disk, of recordings that end too."""
+        """About how many bytes wait for the disk, including recordings that are closing."""
         return sum(writer.queued_bytes for writer in (*self._ending, self._writer) if writer is not None)
 
     @property
     def writing(self) -> bool:
-        """Whether a recording is not on disk to its end yet."""
+        """Whether a recording is not completely on disk yet."""
         return self._writer is not None or any(not writer.over for writer in self._ending)
 
     @property
@@ -210,7 +210,7 @@ class Recorder(Module):
             self._writer.put(at, channel, message)
 
     def _open(self, at: float, keep_s: float, name: str, open_file: OpenFile) -> Sink:
-        # Before anything is made: a disk that is nearly full is not to gather files of nothing, one for each try.
+        # Checked before a file is made: a nearly full disk must not collect empty files, one for each try.
         least_free = int(self.settings.least_free_mb * MEGABYTE)
         check_room(self._library.folder, self._library.free_bytes(), least_free)
         if keep_s:
@@ -254,7 +254,7 @@ class Recorder(Module):
         return f"{channel}/{message.module}" if isinstance(message, ModuleRecord) else channel
 
     def _states(self) -> dict[str, tuple[str, Message]]:
-        """What stands now, whether it came by here or before this instance: a log begins with the whole state."""
+        """The current state messages, also from before this instance: a log starts with the whole state."""
         states = dict(self._standing)
         for port in self._inputs.values():
             if port.channel is not None and (latest := port.channel.latest) is not None:
@@ -263,13 +263,13 @@ class Recorder(Module):
                     states[key] = (port.channel.name, latest)
         return states
 
-    # --- telling ---
+    # --- status ---
 
     async def _beat(self) -> None:
         self._publish()
 
     def _changed_in_thread(self) -> None:
-        with suppress(RuntimeError):  # the loop is closed: nobody is told any more
+        with suppress(RuntimeError):  # the loop is closed: no subscriber is left
             self._loop.call_soon_threadsafe(self._publish)
 
     def _publish(self) -> None:
@@ -300,7 +300,7 @@ class Recorder(Module):
         )
 
     def _lost(self) -> int:
-        """Messages that found no room in an inbox, ever."""
+        """Number of messages dropped by full inboxes, since the start."""
         return sum(port.subscription.statistics().dropped for port in self._inputs.values() if port.connected)
 
     # --- saving ---
@@ -313,7 +313,7 @@ class Recorder(Module):
             self._keep(self._save_after(event), "save the ring")
 
     async def _rescue_after(self, ended: RecordingWriter | None) -> None:
-        """Save what ended rings hold, that of ``ended`` too, once its thread is done with it."""
+        """Save ended rings, including ``ended`` once its thread has finished."""
         if ended is not None:
             await asyncio.to_thread(ended.join)
         await self._saver.rescue()
@@ -336,7 +336,7 @@ class Recorder(Module):
     def _kept(self, task: asyncio.Task[None]) -> None:
         self._tasks.discard(task)
         if not task.cancelled() and (error := task.exception()) is not None:
-            # A mistake of ours, beside what is being recorded, which goes on.
+            # A programming error here must not end the recording in progress.
             self.log.error("%s failed", task.get_name(), exc_info=error)
 
 

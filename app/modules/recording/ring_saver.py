@@ -1,4 +1,4 @@
-"""Making recordings of rings: of one that turns, and of one that an earlier run left behind. Copies in threads."""
+"""Saving of rings as recordings: the running ring, and rings of earlier runs. Copies in threads."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class RingSaver:
         log: logging.Logger,
         charge: Callable[..., Any],
     ) -> None:
-        """Never leaves less than ``least_free_bytes`` of the disk free; ``charge(function, *args)`` calls it."""
+        """Keeps at least ``least_free_bytes`` of the disk free; ``charge(function, *args)`` runs the work."""
         self._library = library
         self._least_free_bytes = least_free_bytes
         self._log = log
@@ -39,10 +39,10 @@ class RingSaver:
         self._none_saving.set()
 
     async def save(self, writer: RecordingWriter, now: float, minutes: float | None, name: str | None) -> str:
-        """Keep the last ``minutes`` (None: all) of the ring that ``writer`` writes; returns the recording's name.
+        """Save the last ``minutes`` (None: all) of the ring that ``writer`` writes; returns the recording's name.
 
-        Raises ValueError for a name that may not be, RecorderUnavailable where it writes no ring, LogError where it
-        cannot be written.
+        Raises ValueError for an invalid name, RecorderUnavailable where ``writer`` writes no ring, LogError where the
+        recording cannot be written.
         """
         self._library.path(name or default_name(now))
         seconds = None if minutes is None else 60 * minutes
@@ -64,12 +64,12 @@ class RingSaver:
         return path.stem
 
     async def rescue(self) -> None:
-        """Make a recording of each ring that has ended but was not thrown away, here or in a program that is gone.
+        """Make a recording of each ring that has ended but was not discarded, here or by a program that is gone.
 
-        What cannot be made one is told and left.
+        Rings that cannot be saved are logged and left.
         """
         for home in await self._in_thread(leftovers, self._library.ring_folder):
-            # One that has just ended may still be read by who asked for it before.
+            # A ring that has just ended may still be read for an earlier request.
             await self._none_saving.wait()
             try:
                 saved = await self._in_thread(self._rescue, home)
@@ -107,7 +107,7 @@ class RingSaver:
         return progress
 
     async def _in_thread(self, function: Callable[..., Any], *args: Any) -> Any:
-        """As ``Module.compute``, but beside it: what takes long here holds up nothing else of the module."""
+        """As ``Module.compute``, but in a separate thread: a long copy does not delay the module."""
         return await asyncio.to_thread(self._charge, function, *args)
 
 
@@ -118,7 +118,7 @@ def _hold(sink: Sink, at: float, seconds: float | None) -> Hold:
 
 
 async def _held(held: Future[Hold]) -> Hold:
-    """Wait for it; a hold that nobody waits for any more when it comes is released, or its segments stayed for ever."""
+    """Wait for a hold; a hold whose waiter was cancelled is released, or its segments would stay for ever."""
     try:
         return await asyncio.shield(asyncio.wrap_future(held))
     except asyncio.CancelledError:

@@ -93,7 +93,7 @@ class DrivenWorld:
         """Perfect: the map is the world."""
         return Localization(stamp, Pose2(), self.pose, read_only(np.eye(3) * 1e-6), state, 1.0, "test")
 
-    async def live(self, bench: Bench, *, scans: bool = True, add_localization: bool = True) -> None:
+    async def live(self, bench: Bench, *, scans: bool = True, localize: bool = True) -> None:
         """Feed the module under test, and drive after its newest twist, until cancelled."""
         twists = bench.listen("twist")
         tick = 0
@@ -105,7 +105,7 @@ class DrivenWorld:
             bench.feed("odometry", self.odometry(now))
             if tick % 5 == 0 and scans:
                 bench.feed("scans", self.scan(now))
-            if tick % 5 == 0 and add_localization:
+            if tick % 5 == 0 and localize:
                 bench.feed("localization", self.localization(now))
             tick += 1
             await bench.clock.sleep(TICK_S)

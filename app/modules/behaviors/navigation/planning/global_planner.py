@@ -1,6 +1,6 @@
-"""Ways over the map as it is now: keeps what a way costs, plans, and keeps to a plan until another is clearly better.
+"""Global planner: keeps the cost field up to date, plans, and keeps a plan until another is clearly better.
 
-Used by one thread, beside the one that controls: planning may take longer than a control cycle.
+Runs in a thread of its own beside the control cycle: planning may take longer than a cycle.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class PlanResult:
 
 
 class GlobalPlanner:
-    """Plans for one body. A plan in force is replaced by one that costs less by the share ``better``."""
+    """Plans for one body. A plan in force is replaced by one whose cost is lower by the share ``better``."""
 
     def __init__(
         self,
@@ -85,7 +85,7 @@ class GlobalPlanner:
         self._temporary = TransientObstacles.none()
 
     def find(self, request: PlanRequest) -> PlanResult:
-        """A way for ``request``, or the plan that says why there is none."""
+        """A path for ``request``, or a plan without path that gives the reason."""
         field = self._field_for(request)
         if request.opened_up or request.around is None:
             self._temporary = TransientObstacles.none()
@@ -135,8 +135,8 @@ class GlobalPlanner:
 
 
 def _cost_along(field: CostField, poses: NDArray[np.float64]) -> float:
-    """What a way (N, 3) costs, in metres in the open; what leads through the lethal, as out of a tight place, as
-    there."""
+    """Cost of the path (N, 3), in metres of open floor; lethal cells, as on the way out of a tight place, cost
+    ``_LETHAL``."""
     if len(poses) < 2:
         return 0.0
     cells, inside = field.frame.cells(poses[:, :2])

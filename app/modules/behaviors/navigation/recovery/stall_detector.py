@@ -1,7 +1,7 @@
-"""What the body ran into without having seen it: it is commanded forward and does not move.
+"""Stall detection: the base is commanded forward and does not move, so it touches an obstacle that no sensor sees.
 
-Nothing else tells of what is lower than the laser and nearer than the camera sees. The place before the body is taken
-for occupied for a while, by the controller and by whoever plans, so that the way leads around it.
+No sensor covers obstacles lower than the laser and nearer than the camera's field of view. The area before the body is
+marked occupied for a limited time, for the controller and the planner, so that the path leads around it.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from app.modules.behaviors.navigation.costmap.local_costmap import CostmapWindow
 
 @dataclass(frozen=True, slots=True)
 class StallSettings:
-    """Going at most ``standing_mps`` for ``stalled_s`` and falling behind by ``behind_m`` what is commanded forward is
-    running into something ``ahead_m`` before the body's edge; it is believed for ``keep_s``."""
+    """A stall: speed at most ``standing_mps`` for ``stalled_s``, with a lag of ``behind_m`` behind the commanded
+    forward motion. The obstacle is placed ``ahead_m`` before the body's edge and kept for ``keep_s``."""
 
     behind_m: float = 0.04
     standing_mps: float = 0.02
@@ -28,7 +28,7 @@ class StallSettings:
 
 
 class StallDetector:
-    """Remembers, in ``odom``, where the body ran into something."""
+    """Detects stalls and keeps their places, in ``odom``."""
 
     def __init__(self, body: BodyModel, settings: StallSettings | None = None) -> None:
         self._settings = settings or StallSettings()
@@ -42,14 +42,14 @@ class StallDetector:
         self._behind_m = 0.0
 
     def update(self, now: float, commanded_mps: float, motion: MotionState) -> bool:
-        """Take what the base was given last and how the body moves; whether it just ran into something."""
+        """Take the last forward command of the base and the body's motion; returns whether a stall was detected now."""
         s = self._settings
         if commanded_mps <= 0.0 or abs(motion.linear_mps) > s.standing_mps:
             self._since = None
             return False
         if self._since is None:
             self._since, self._before, self._behind_m = now, now, 0.0
-        # Not how much at once: against something, commands begin anew from standing again and again.
+        # The sum counts, not a single difference: against an obstacle, commands restart from zero again and again.
         self._behind_m += (commanded_mps - abs(motion.linear_mps)) * (now - self._before)
         self._before = now
         if now - self._since < s.stalled_s or self._behind_m < s.behind_m:
@@ -63,15 +63,15 @@ class StallDetector:
 
     @property
     def newest(self) -> NDArray[np.float64]:
-        """Where it ran into something last: points (N, 2) m in ``odom``."""
+        """Place of the last stall: points (N, 2) m in ``odom``."""
         return self._contacts[-1][1] if self._contacts else np.empty((0, 2))
 
     def clear(self) -> None:
-        """Nothing was there."""
+        """Drop all places."""
         self._contacts.clear()
 
     def laid_over(self, around: CostmapWindow, now: float) -> CostmapWindow:
-        """``around`` with what was run into."""
+        """``around`` with the places of stalls marked occupied."""
         self._contacts = [(stamp, points) for stamp, points in self._contacts if now - stamp < self._settings.keep_s]
         if not self._contacts:
             return around
@@ -80,7 +80,7 @@ class StallDetector:
         distance = around.distance.copy()
         x = around.origin[0] + (np.arange(columns) + 0.5) * around.resolution_m
         y = around.origin[1] + (np.arange(rows) + 0.5) * around.resolution_m
-        # Every third: they stand closer than cells.
+        # Every third point: their spacing is below a cell.
         for px, py in points[::3]:
             np.minimum(distance, np.hypot(x[None, :] - px, y[:, None] - py), out=distance, casting="same_kind")
         low = np.array(around.known_from)

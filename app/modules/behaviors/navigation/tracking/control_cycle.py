@@ -29,8 +29,8 @@ from app.modules.behaviors.navigation.tracking.sensor_health import DepthHealth,
 
 #: Names that a strategy may give as ``controller``.
 CONTROLLERS = ("mppi", "pursuit", "dwa", "dwa_published")
-#: The published baseline pads a smaller body than the true one to 0.62 x 0.53 m: 0.05 m around the true one, of which
-#: the margin within which a rollout counts as touching is a part.
+#: The published baseline pads a footprint smaller than the true one to 0.62 x 0.53 m: 0.05 m around the true one, which
+#: includes the margin of contact of its rollouts.
 _PUBLISHED_PADDING_M = 0.03
 
 

@@ -1,4 +1,4 @@
-"""Where the body is, by odometry and localization, and whether that may be driven by."""
+"""Checks of odometry and localization before driving by them."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from app.base.pose_buffer import PoseBuffer
 from app.messages import Localization, Odometry
 from app.modules.behaviors.navigation.controller import MotionState
 
-#: Odometry older than that is none, s.
+#: Greatest age of odometry, s.
 _ODOMETRY_S = 0.3
-#: A localization may be so old (s), and so many of its own periods on top, as it is given at the rate attention grants.
+#: Greatest age of a localization: this (s), plus this many of its own periods, since attention chooses its rate.
 _LOCALIZATION_S = 1.0
 _PERIODS = 1.5
 _LONGEST_S = 5.0
@@ -19,7 +19,7 @@ _NO_ODOMETRY = "there is no odometry: the wheels' encoders give nothing"
 
 
 class LocalizationMonitor:
-    """Keeps the newest poses; see :meth:`problem` for what they are worth."""
+    """Keeps the newest poses; :meth:`problem` tests them."""
 
     def __init__(self) -> None:
         self._buffer = PoseBuffer(span_s=5.0, tolerance_s=0.015)
@@ -28,13 +28,13 @@ class LocalizationMonitor:
         self._period_s = 0.0
 
     def add_odometry(self, odometry: Odometry) -> None:
-        """Take odometry."""
+        """Take an odometry message."""
         if math.isfinite(odometry.stamp):
             self._buffer.add(odometry.stamp, odometry.X_OB)
         self._odometry = odometry
 
     def add_localization(self, localization: Localization) -> None:
-        """Take what localization says."""
+        """Take a localization message."""
         before = self.localization
         if before is not None:
             period_s = localization.stamp - before.stamp
@@ -42,16 +42,17 @@ class LocalizationMonitor:
         self.localization = localization
 
     def at(self, stamp: float) -> Pose2 | None:
-        """``X_OB`` at ``stamp``; None where odometry has not come that far."""
+        """``X_OB`` at ``stamp``; None before odometry reaches it."""
         return self._buffer.at(stamp)
 
     @property
     def X_MO(self) -> Pose2 | None:
-        """Where ``odom`` is on the map, as of the newest localization."""
+        """Pose of ``odom`` on the map by the newest localization."""
         return None if self.localization is None else self.localization.X_MO
 
     def motion(self, now: float) -> MotionState | None:
-        """The body now, carried on from the newest odometry by its twist; None before the first."""
+        """The body's state now: the newest odometry, extrapolated by its twist for at most 0.1 s; None before the
+        first."""
         newest = self._odometry
         if newest is None:
             return None
@@ -65,7 +66,7 @@ class LocalizationMonitor:
         return None if motion is None or X_MO is None else X_MO @ motion.pose
 
     def problem(self, now: float) -> str:
-        """Why the poses must not be driven by, in words for people; "" if they may."""
+        """Reason not to drive by the poses, in words for people; "" if there is none."""
         if problem := self._odometry_problem(now):
             return problem
         where = self.localization
@@ -80,7 +81,7 @@ class LocalizationMonitor:
                 return "it is lost: what the laser sees does not fit the map; drive it a little, or say where it is"
 
     def is_lost(self, now: float) -> bool:
-        """Whether all that is wrong is the place on the map: odometry may be driven by, and localization goes on."""
+        """Whether only the pose on the map is unusable: odometry is good, and localization continues."""
         where = self.localization
         if where is None or where.state not in ("searching", "lost"):
             return False
@@ -89,7 +90,7 @@ class LocalizationMonitor:
     def _odometry_problem(self, now: float) -> str:
         if self._odometry is None:
             return _NO_ODOMETRY
-        # One that is not a number is neither old nor ahead.
+        # Written so that a NaN stamp fails the test.
         if not now - self._odometry.stamp >= -_ODOMETRY_S:
             return "odometry's stamps are not of the robot's clock"
         return _NO_ODOMETRY if now - self._odometry.stamp > _ODOMETRY_S else ""

@@ -1,4 +1,4 @@
-"""Following a plan to its goal: what is commanded in each cycle, and what is said about it.
+"""Path tracker: follows a plan to its goal; each cycle gives a command and a state for NavigationStatus.
 
     planning ─▶ following ─▶ (at the target) turning ─▶ arrived        waiting: something it needs is missing
                    │  ▲
@@ -28,23 +28,23 @@ from app.modules.behaviors.navigation.recovery.recovery_behaviors import (
     SpinSearch,
 )
 
-#: Slower than that a body stands (m/s, rad/s).
+#: Speeds (m/s, rad/s) below which the body counts as standing.
 STANDING = (0.03, 0.06)
-#: So much nearer to the goal is progress, m.
+#: Decrease of the distance to the goal that counts as progress, m.
 _NEARER_M = 0.02
-#: So much nearer is getting on: to creep is not, m.
+#: Decrease that resets the time without progress, m: creeping does not.
 _GETTING_ON_M = 0.1
-#: So much nearer, and what was wrong is over, m.
+#: Decrease that ends the recovery, m.
 _OUT_OF_TROUBLE_M = 0.3
-#: A plan may lengthen the way that remains so often without counting as a step back.
+#: Number of longer plans that do not count as a step back.
 _DETOURS = 12
-#: Plans from which a way may come yet, by themselves.
+#: Codes of plans without a path that may succeed later without a change of the goal.
 _MAY_PASS = frozenset({"in_the_way", "start_stuck", "start_outside"})
 
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """Where to go on the map; ``pose.theta`` NaN for any heading. ``speed`` is the share of the body's speeds."""
+    """A goal on the map; ``pose.theta`` NaN for any heading. ``speed``: share of the body's speeds."""
 
     pose: Pose2
     tolerance_m: float = 0.25
@@ -54,10 +54,9 @@ class Goal:
 
 @dataclass(frozen=True, slots=True)
 class PathTrackerSettings:
-    """``look_ahead_s`` of driving at full speed is the way given to the controller. ``aim`` is the share of a tolerance
-    that is driven to before the body stops. ``spare_m`` is kept between body and obstacles when a turn or a measure is
-    checked. Beside what it cannot see, as behind a corner, it drives at ``corner_share`` of its speed (1: it does not
-    care), and at all of it from ``corner_m`` on."""
+    """``look_ahead_s``: the local path covers this time at full speed. ``aim``: share of a tolerance within which the
+    body stops. ``spare_m``: clearance for turns and recovery actions. ``corner_share``: share of the speed beside blind
+    corners (1: no reduction), which ends at ``corner_m`` from them."""
 
     look_ahead_s: float = 3.0
     least_ahead_m: float = 2.5
@@ -71,10 +70,8 @@ class PathTrackerSettings:
 
 @dataclass(frozen=True, slots=True)
 class TrackingStep:
-    """What one cycle decided: the velocities to command, what is said about it, and what else is wanted.
-
-    ``clear``: the costmap is to forget. ``replan``: why a way should be planned now, "" if it need not.
-    """
+    """Result of one cycle: velocities, state and reason. ``clear``: the costmap must be cleared. ``replan``: reason for
+    a new plan now, "" for none."""
 
     linear_mps: float
     angular_radps: float
@@ -85,7 +82,7 @@ class TrackingStep:
 
 
 class PathTracker:
-    """Brings one body to one goal after another."""
+    """Drives one body to one goal after another."""
 
     def __init__(
         self,
@@ -104,7 +101,7 @@ class PathTracker:
         self.plan: GlobalPlan | None = None
         self.remaining_m: float | None = None
         self.progress_stamp: float | None = None
-        #: Plans should take what is unknown, and what was in the way once, for free.
+        #: Plans may cross unknown cells and transient obstacles at no extra cost.
         self.opened_up = False
         self._track: ReferencePath | None = None
         self._least = math.inf
@@ -120,10 +117,10 @@ class PathTracker:
         self._turn_sign = 1.0
         self._left_to_turn = 0.0
 
-    # --- what it is told ---
+    # --- inputs ---
 
     def use_controller(self, controller: Controller) -> None:
-        """Go on with another controller."""
+        """Replace the controller."""
         self._controller = controller
 
     def go(self, goal: Goal | None, now: float) -> None:
@@ -140,7 +137,8 @@ class PathTracker:
         self._controller.reset()
 
     def take(self, plan: GlobalPlan, now: float, speed_at: SpeedAt | None = None) -> None:
-        """A plan to the goal, from about where the body is. ``speed_at``: the greatest speed (m/s) on the map."""
+        """Take a plan to the goal, from about the body's pose. ``speed_at``: the greatest speed (m/s) by place on the
+        map."""
         self.plan = plan
         if len(plan.poses) == 0:
             self._track, self.remaining_m = None, None
@@ -155,15 +153,15 @@ class PathTracker:
 
     @property
     def target(self) -> Pose2 | None:
-        """Where the plan in force leads, on the map; heading NaN for any."""
+        """End of the plan in force, on the map; heading NaN for any."""
         return None if self.plan is None else self.plan.target
 
-    # --- what it decides ---
+    # --- decisions ---
 
     def step(
         self, now: float, motion: MotionState, X_MO: Pose2, field: DistanceField, period_s: float, *, unfit: str = ""
     ) -> TrackingStep:
-        """One cycle. ``unfit``: why the robot must not be driven; then the pose and the field may mean nothing."""
+        """One cycle. ``unfit``: reason not to drive; the pose and the field may then be meaningless."""
         if self.goal is None:
             return TrackingStep(0.0, 0.0, "idle", "no goal")
         if unfit:
@@ -223,7 +221,7 @@ class PathTracker:
         if field.hidden is not None:
             way = careful(way, field, field.hidden, body.limits[1], self.settings.corner_share, self.settings.corner_m)
         choice = self._controller.choose(motion, field, way, body, period_s)
-        # Whether it cannot go, or is commanded to and does not.
+        # Either no motion is admissible, or the body does not move as commanded.
         still = choice.blocked or (abs(motion.linear_mps) < 0.02 and abs(motion.angular_radps) < 0.05)
         if self._held(now, still=still):
             if near:
@@ -239,10 +237,10 @@ class PathTracker:
         )  # fmt: skip
 
     def _held(self, now: float, *, still: bool) -> bool:
-        """Whether the body has not got on for so long that something must be done."""
+        """Whether the body has made no progress for so long that recovery must begin."""
         if self._held_since is None:
             self._held_since, self._held_at = now, self._least
-        # Standing still is seen at once; going to and fro takes longer to tell from going round something.
+        # A standstill is detected at once; oscillation takes longer to distinguish from a detour.
         patience = self.recovery.settings.stuck_s * (1.0 if still else 4.0)
         return now - self._held_since >= patience
 
@@ -274,7 +272,7 @@ class PathTracker:
         return self.plan.reason if self.plan is not None and self.plan.code == "near" else ""
 
     def _turn(self, error: float, motion: MotionState, field: DistanceField, period_s: float) -> float | None:
-        """The turn (rad/s) on the spot towards an ``error`` (rad) less; None if something is in the body's way."""
+        """Rate (rad/s) of a turn on the spot that reduces ``error`` (rad); None if an obstacle bars it."""
         _, _, turn, _, angular_mps2, _ = self._driven_body().limits
         rate = min(
             self.settings.turn_radps, turn, math.sqrt(2.0 * 0.4 * angular_mps2 * abs(error)), 1.5 * abs(error) + 0.05
@@ -300,8 +298,8 @@ class PathTracker:
     def relocalize(
         self, now: float, motion: MotionState, field: DistanceField, period_s: float, lost: str
     ) -> TrackingStep:
-        """One cycle in place of :meth:`step` while the body does not know where it is on the map; ``lost`` says so to
-        people. ``field`` is what its sensors see."""
+        """One cycle in place of :meth:`step` while the pose on the map is unknown; ``lost``: the reason, for people.
+        ``field``: the current sensors' distances."""
         self._controller.reset()
         self._held_since = None
         if self.goal is not None and self._search.turns(now):
@@ -320,7 +318,7 @@ class PathTracker:
         self._begin, self._turned = motion, 0.0
         self._turn_sign = 1.0
         if self._track is not None and measure is RecoveryAction.TURN:
-            # Towards the way; if that is where it looks already, to the left.
+            # Toward the path; if the body faces it already, to the left.
             way = self._track.ahead(self._X_OM, 0.5)
             bearing = wrap_angle(float(way.points[-1, 2]) - motion.pose.theta)
             self._turn_sign = math.copysign(1.0, bearing)

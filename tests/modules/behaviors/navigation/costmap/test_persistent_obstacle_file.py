@@ -26,7 +26,7 @@ def test_it_is_read_as_it_was_written_and_none_is_nothing(tmp_path: Path) -> Non
     assert (back.cells == OBSTACLES_FILE.cells).all()
     assert (back.bands == OBSTACLES_FILE.bands).all()
     assert not len(read_obstacles(tmp_path / "none.npz", 0.05).cells)
-    with pytest.raises(ConfigError, match=r"things\.npz.*another version"):
+    with pytest.raises(ConfigError, match=r"obstacles\.npz.*another version"):
         read_obstacles(file, 0.1)
 
 
