@@ -1,4 +1,4 @@
-"""How what moves on the sphere moves on: constant velocity, as a Kalman filter knows it."""
+"""Kalman filter of a direction with constant velocity on the sphere."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DirectionState:
-    """Constant velocity on the sphere: both tangents have the one covariance (rad^2, rad^2/s, rad^2/s^2)."""
+    """Constant velocity on the sphere; both tangent axes share one covariance (rad^2, rad^2/s, rad^2/s^2)."""
 
     direction: Vector
     velocity: Vector
@@ -26,8 +26,8 @@ class DirectionState:
         return along(self.direction, self.velocity, seconds)
 
     def predicted(self, seconds: float, jerk: float, rest_s: float = math.inf) -> DirectionState:
-        """After ``seconds`` in which its velocity may have changed by ``jerk`` (rad/s in one second, standard
-        deviation, random walk), and in which it is supposed to come to rest with the time constant ``rest_s``."""
+        """The state after ``seconds``. ``jerk``: change of the velocity in one second (rad/s, standard deviation,
+        random walk); ``rest_s``: time constant with which the velocity decays (inf: constant)."""
         direction, velocity = self.ahead(seconds)
         noise = jerk**2
         keep = math.exp(-seconds / rest_s)
@@ -41,7 +41,7 @@ class DirectionState:
         )
 
     def corrected(self, seen: Vector, variance: float) -> DirectionState:
-        """After a sighting of ``variance`` (rad^2) on each tangent."""
+        """The state after a measured direction of ``variance`` (rad^2) on each tangent axis."""
         offset = seen - (seen @ self.direction) * self.direction
         gain = self.position_variance / (self.position_variance + variance)
         gain_velocity = self.covariance / (self.position_variance + variance)
@@ -58,7 +58,8 @@ class DirectionState:
         )
 
     def going_on_as(self, old: DirectionState) -> DirectionState:
-        """Here, as ``old`` (near by) went: what was lost for a while is seen again, too briefly to say how it moves."""
+        """This direction with the velocity of ``old`` (near by), for a track found again: too few measurements for a
+        velocity of its own."""
         velocity = carried(old.velocity, old.direction, self.direction)
         return DirectionState(self.direction, velocity, self.position_variance, 0.0, old.velocity_variance)
 
@@ -85,5 +86,5 @@ def angle_deg(a: Vector, b: Vector) -> float:
 
 
 def angular_speed(velocity: Vector) -> float:
-    """Its length, rad/s."""
+    """Norm of ``velocity``, rad/s."""
     return math.sqrt(float(velocity @ velocity))
