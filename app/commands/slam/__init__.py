@@ -66,7 +66,7 @@ def run(args: argparse.Namespace) -> int:
         from app.modules.perception.slam.offline_mapping import mapped
         from app.modules.perception.slam.self_check import checked
 
-        log = mapped(source.sweeps, phi=args.phi, tell=lambda done, text: progress(done, source.count, text))
+        log = mapped(source.sweeps, phi=args.phi, on_progress=lambda done, text: progress(done, source.count, text))
     if not log.rows:
         raise ConfigError(f"{args.log}: has no scan with odometry to it that shows anything")
     check = checked(log)

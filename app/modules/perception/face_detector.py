@@ -1,4 +1,4 @@
-"""FaceDetector: whose faces the robot sees, and where (thesis 4.2).
+"""FaceDetector: detection, position and tracking of faces (thesis 4.2).
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────────┐
     │ FaceDetector   in   images     Image with depth, 15 Hz / φ                                   │
@@ -7,13 +7,13 @@
     │                out  faces      Faces, with each image taken, px and m in base_link           │
     └─────────────────────────────────────────────────────────────────────────────────────────────┘
 
-Finds faces with YuNet, in the fisheye's image unrolled (``faces/yunet.py``, ``faces/panorama.py``); places them by
-depth, or where there is none by their direction and how tall people are (``faces/placing.py``, ``height.py``); and
-gives each a number that it keeps while it is visible, in either camera (``faces/tracks.py``). Both cameras are
-optional, and either may be closed.
+Detects faces with YuNet, in the fisheye's image after unrolling (``faces/yunet.py``, ``faces/panorama.py``). Positions
+come from depth, or without depth from the direction and the distribution of people's heights
+(``faces/face_position.py``, ``height_prior.py``). Each face has a track number for as long as it is visible in either
+camera (``faces/face_tracks.py``). Both cameras are optional, and either may be closed.
 
-``min_score`` is a parameter of the desire LocateFaces. ``fine`` is one of its strategies: without it images are looked
-at reduced, for a third of the computing time, and faces are found to about half the distance.
+``min_score`` is a parameter of the desire LocateFaces. ``fine`` is a parameter of its strategies: without it images are
+reduced first, which takes a third of the CPU time and halves the range of detection.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from app.modules.perception.opencv import use_calling_thread
 from app.modules.perception.pose_at import PoseAt
 from app.runtime.module import Module, ModuleContext, Settings
 
-#: Kept over restarts, so that nobody is taken for who was there before.
+#: Kept over restarts, so that track numbers are not reused.
 _NEXT_TRACK = "next track"
 
 
@@ -53,7 +53,7 @@ class FaceDetectorSettings(Settings):
 
 
 class FaceDetector(Module):
-    """Finds, places and follows faces."""
+    """Detects, places and tracks faces."""
 
     title = "Face detector"
     Settings = FaceDetectorSettings
@@ -76,7 +76,7 @@ class FaceDetector(Module):
         self.on(self.odometry, self._remember)
 
     async def start(self) -> None:
-        """Load the model; after a restart, go on with numbers no face has had. Raises ModuleFailed."""
+        """Load the model; after a restart, continue with unused track numbers. Raises ModuleFailed."""
         use_calling_thread()
         people = HeightPrior(self.settings.height_mean_m, self.settings.height_sigma_m)
         self._looker = await self.compute(FaceLocator, self._min_score, people)

@@ -1,4 +1,4 @@
-"""QRCodeDetector: which QR codes the cameras see, and where they hang (thesis 4.2).
+"""QRCodeDetector: detection and positions of QR codes (thesis 4.2).
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────┐
     │ QRCodeDetector    in   images     Image with depth, 15 Hz / φ                            │
@@ -14,11 +14,11 @@ camera's pose X_BC and into ``odom`` by X_OB, both of the image's own stamp, and
 
     p_OQ = X_OB X_BC p_CQ        p ← p + P / (P + R) · (p_OQ − p)        σ(r) = σ₀ + k r²
 
-A fisheye's images are read in undistorted patches. A code of an image without depth hangs where the ray towards its
-centre meets the wall that the laser saw within ``scan_age_s`` of the image; it has no place where that is not clear
-(``laser_ray``), or where a code of the size seen would be larger than ``largest_code_m`` there.
+A fisheye's images are read in undistorted patches. A code in an image without depth is placed where the ray through its
+centre meets a wall of the scan within ``scan_age_s`` of the image; it has no position where that is ambiguous
+(``laser_ray``), or where its size would exceed ``largest_code_m``.
 
-Landmarks that stay where they are, are told again once a second while they are seen, for their counts. ``upscale`` (a
+Unmoved landmarks are published once a second while they are seen, for their counts. ``upscale`` (a
 second try on the enlarged image, not for a fisheye's) is a parameter of the desire FindQRCodes.
 """
 
@@ -44,7 +44,7 @@ from app.modules.perception.pose_at import PoseAt
 from app.modules.perception.qr_codes import central_ray, corner_rays, detect, detect_panorama, edge_angle
 from app.runtime.module import Module, ModuleContext, Settings
 
-#: Scans kept: as many as the laser sends while the slowest image is read.
+#: Number of kept scans: those of the time the slowest image takes.
 _SCANS = 16
 
 
@@ -67,7 +67,7 @@ class QRCodeDetectorSettings(Settings):
 
 
 class QRCodeDetector(Module):
-    """Reads codes and remembers where they hang."""
+    """Reads codes and keeps their positions."""
 
     title = "QR code detector"
     aids = frozenset({"scans"})
@@ -95,7 +95,7 @@ class QRCodeDetector(Module):
         self.on(self.odometry, self._remember)
 
     async def start(self) -> None:
-        """Keep OpenCV's work where it is measured, and go on with the landmarks known before a restart."""
+        """Keep OpenCV's work in the module's thread, and continue with the landmarks from before a restart."""
         use_calling_thread()
         channel = self.landmarks.channel
         self._published = None if channel is None else channel.latest
@@ -176,7 +176,7 @@ class QRCodeDetector(Module):
             self._publish_landmarks(image.stamp)
 
     async def _walls(self, stamp: float) -> tuple[NDArray[np.float64], tuple[float, float], float] | None:
-        """The scan nearest to ``stamp``: its points in odom, where its laser was, the angle between its rays."""
+        """The scan nearest to ``stamp``: its points in odom, the laser's position, the angle between its rays."""
         scan = min(self._scans, key=lambda s: abs(s.stamp + 0.5 * s.duration_s - stamp))
         if abs(scan.stamp + 0.5 * scan.duration_s - stamp) > self.settings.scan_age_s:
             return None
@@ -188,7 +188,7 @@ class QRCodeDetector(Module):
         return scan_points(scan, begin, end), (x, y), scan.angle_increment
 
     def _publish_landmarks(self, stamp: float) -> None:
-        # Two cameras take turns, and the slower to read of them may come later with an earlier stamp.
+        # The images of two cameras are processed in turn, and one may come later with an earlier stamp.
         stamp = stamp if self._published is None else max(stamp, self._published.stamp)
         known = Landmarks(stamp, self._map.landmarks)
         if self._is_news(known):

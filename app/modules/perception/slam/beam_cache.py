@@ -1,4 +1,4 @@
-"""How the laser of a message looks, as mapping takes it: in the plane, whichever way up it hangs."""
+"""Beam geometry of a scan message, projected into the plane, whichever way up the laser is mounted."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from app.modules.perception.slam.scans import BeamGeometry
 
 
 class BeamCache:
-    """The geometry of scans, made once for those alike."""
+    """Caches the geometry of consecutive scans with equal parameters."""
 
     def __init__(self) -> None:
         self._key: tuple[float, ...] = ()
@@ -32,7 +32,7 @@ class BeamCache:
 
 
 def planar(X_BL: Pose3) -> tuple[Pose2, int]:
-    """A laser's pose in the plane, and which way it counts angles: −1 for one mounted upside down."""
+    """A laser's pose in the plane, and its sense of rotation: −1 for one mounted upside down."""
     x, y = float(X_BL.translation[0]), float(X_BL.translation[1])
     theta = math.atan2(X_BL.rotation[1, 0], X_BL.rotation[0, 0])
     return Pose2(x, y, theta), 1 if X_BL.rotation[2, 2] >= 0 else -1

@@ -1,4 +1,4 @@
-"""The map drawn from its keyframes, and kept drawn: only what is new, gone or elsewhere is drawn again."""
+"""Rendering of the occupancy grid from keyframes, incrementally: only new, removed and moved keyframes are drawn."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from app.base.geometry import Pose2
 from app.modules.perception.slam.occupancy import OccupancyCounts, ScanView
 from app.modules.perception.slam.types import Keyframe
 
-#: Glances kept of one keyframe: what was seen from there meanwhile, so that people who stood by fade, too.
+#: Greatest number of extra views per keyframe: later views clear people who stood there.
 GLANCES = 8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ExtraView:
-    """One more look from near a keyframe: ``X_KV`` is where the body was, in the keyframe's frame."""
+    """A further view from near a keyframe; ``X_KV``: pose of the body in the keyframe's frame."""
 
     keyframe: int
     X_KV: Pose2
@@ -28,24 +28,24 @@ class ExtraView:
 
 @dataclass(slots=True, eq=False)
 class _Drawn:
-    """A keyframe as it stands in the grid."""
+    """A keyframe as drawn in the grid."""
 
     view: ScanView
     pose: Pose2
-    #: How far most of what it saw is from it (m): by that a turn moves it.
+    #: Distance (m) within which most of its readings are: the lever arm of a rotation.
     size: float
     glances: deque[ExtraView] = field(default_factory=deque)
 
 
 class MapRenderer:
-    """Draws keyframes and glances into ``counts``. Used by one thread at a time."""
+    """Draws keyframes and extra views into ``counts``. Used by one thread at a time."""
 
     def __init__(self, counts: OccupancyCounts | None = None) -> None:
         self.counts = counts or OccupancyCounts()
         self._drawn: dict[int, _Drawn] = {}
 
     def extra_view(self, extra_view: ExtraView) -> None:
-        """Add one look; of those from one keyframe the oldest goes. Nothing, where the keyframe is not drawn."""
+        """Add one view and drop the oldest of its keyframe; no effect where the keyframe is not drawn."""
         drawn = self._drawn.get(extra_view.keyframe)
         if drawn is None:
             return
@@ -56,9 +56,9 @@ class MapRenderer:
         self.counts.add(extra_view.view, drawn.pose @ extra_view.X_KV)
 
     def update(self, keyframes: Mapping[int, Keyframe], poses: Mapping[int, Pose2], most: int = 50) -> bool:
-        """Draw up to ``most`` keyframes that are new, gone or more than half a cell from where they were drawn.
+        """Draw up to ``most`` keyframes that are new, removed or more than half a cell from their drawn place.
 
-        Returns whether more of that is left.
+        Returns whether more are left.
         """
         left = most
         for id in [id for id in self._drawn if id not in poses]:
@@ -92,7 +92,7 @@ class MapRenderer:
 
 
 def _moved(before: Pose2, now: Pose2, size_m: float) -> float:
-    """How far (m) most of what was seen is from where it was."""
+    """Displacement (m) of most of the readings."""
     turn = math.remainder(now.theta - before.theta, math.tau)
     return math.hypot(now.x - before.x, now.y - before.y) + abs(turn) * size_m
 

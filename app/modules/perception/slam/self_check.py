@@ -1,9 +1,9 @@
-"""Whether a map is whole, as far as its own data can say: no truth is needed.
+"""Self check of a map: consistency by its own data, without ground truth.
 
-Keyframes are in the order of time. The map is split between each two of them: what was seen before
-is compared with what was seen after (``views``). Where the map broke, at a slip, a hole in the log, a scan that was
-matched in the wrong place, views from both sides contradict each other wherever they meet again; where they do not
-meet at all, nothing but odometry holds the two parts together, and how they lie to each other is not known.
+Keyframes are in the order of time. At each cut between consecutive keyframes, views from before are compared with views
+from after (``scan_overlap``). After a break of the map (wheel slip, a gap in the log, a wrong match) views from both
+sides contradict wherever they overlap; without overlap only odometry connects the two parts, and their relative pose is
+unknown.
 """
 
 from __future__ import annotations
@@ -20,37 +20,37 @@ from app.modules.perception.slam.pose_graph import graph_arrays, uncertainties
 from app.modules.perception.slam.scan_overlap import Pairs, compared
 from app.modules.perception.slam.types import Keyframe
 
-#: ``yes``: nothing speaks against it; ``no``: the data contradict the map; ``unknown``: they cannot say.
+#: ``yes``: no inconsistency; ``no``: the data contradict the map; ``unknown``: not decidable.
 Intact = Literal["yes", "no", "unknown"]
 
 
 @dataclass(frozen=True, slots=True)
 class CheckSettings:
-    """From where on a map is doubted."""
+    """Thresholds of the self check."""
 
-    #: Of the pairs of views from both sides of a cut that agree or contradict, more than this share contradict: the
-    #: map is broken. On whole maps of the public logs it is at most 0.3, on broken ones at least 0.6.
+    #: Share of contradicting among deciding pairs across a cut from which the map is broken. Intact maps of the public
+    #: logs have at most 0.3, broken ones at least 0.6.
     contradicting: float = 0.4
-    #: ... where so many pairs do: a few are moved furniture.
+    #: Least number of contradicting pairs: a few are moved furniture.
     least_contradicting: int = 10
-    #: Fewer agreeing pairs than this across a cut: nothing holds the two parts together.
+    #: Agreeing pairs across a cut below which the two parts are unconnected.
     least_agreeing: int = 5
-    #: A part of fewer keyframes than this is not worth a word.
+    #: Least number of keyframes of a reported part.
     least_keyframes: int = 5
-    #: More scans than this share did not fit: of where they were, little is known.
+    #: Share of misfitting scans from which the poses are doubtful.
     unmatched_share: float = 0.01
-    #: A scan matched farther than this (m, rad) from where odometry led, ...
+    #: A match farther than this (m, rad) from odometry ...
     surprising_m: float = 1.0
     surprising_rad: float = 0.5
-    #: ... must be confirmed by so many pairs of views, from both sides, that are not neighbours on the way.
+    #: ... needs this many agreeing pairs across it that are not neighbours in time.
     least_confirming: int = 5
-    #: A keyframe is less surely known than this (m, standard deviation, by the whole graph).
+    #: Standard deviation of a keyframe (m, by the whole graph) from which it is doubtful.
     unsure_m: float = 1.0
 
 
 @dataclass(frozen=True, slots=True)
 class Inconsistency:
-    """What speaks against a map, before ``keyframe`` by number in their order; −1: in no one place."""
+    """One finding against a map, before the keyframe of index ``keyframe``; −1: not at one place."""
 
     intact: Intact
     keyframe: int
@@ -59,21 +59,20 @@ class Inconsistency:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cuts:
-    """Of the cut before each keyframe (N,): pairs of views from both sides that agree, that contradict, and that agree
-    though the way between them is long.
-    """
+    """For the cut before each keyframe (N,): numbers of pairs of views across it that agree, that contradict, and that
+    agree although far apart in time."""
 
     agreeing: NDArray[np.int64]
     contradicting: NDArray[np.int64]
     confirming: NDArray[np.int64]
 
 
-#: Keyframes farther apart than this on the way are no neighbours: they lie in no common submap.
+#: Distance in keyframes beyond which two are no neighbours: no submap contains both.
 _NEIGHBOURS = 48
 
 
 def cuts_of(pairs: Pairs, keyframes: int) -> Cuts:
-    """How many of ``pairs`` reach over each cut."""
+    """Number of ``pairs`` across each cut."""
     apart = pairs.second - pairs.first > _NEIGHBOURS
     return Cuts(
         _across(pairs, pairs.agree, keyframes),
@@ -96,9 +95,9 @@ def view_inconsistencies(
     surprises: Sequence[tuple[int, float, float]] = (),
     settings: CheckSettings | None = None,
 ) -> list[Inconsistency]:
-    """What views say against ``keyframes`` at ``poses`` (N, 3), of the whole the worst place.
+    """Findings of the views of ``keyframes`` at ``poses`` (N, 3): the worst place of each kind.
 
-    ``surprises``: keyframe before which a scan was matched so far (m, rad) from where odometry led.
+    ``surprises``: by keyframe, distance (m, rad) of a match from odometry just before it.
     """
     settings = settings or CheckSettings()
     cuts = cuts_of(compared(keyframes, poses), len(keyframes))
@@ -145,7 +144,8 @@ def view_inconsistencies(
 
 @dataclass(frozen=True, slots=True)
 class CheckResult:
-    """Whether a map is ``intact``, why not in words, and how surely each keyframe is known by the whole graph (m)."""
+    """Whether a map is ``intact``, the reasons in words, and each keyframe's standard deviation by the whole graph
+    (m)."""
 
     intact: Intact
     inconsistencies: tuple[str, ...]
@@ -153,13 +153,13 @@ class CheckResult:
 
 
 def checked(log: MappedLog, settings: CheckSettings | None = None) -> CheckResult:
-    """Check the map of a whole log, of which at least one scan was taken."""
+    """Check the map of a whole log with at least one used scan."""
     settings = settings or CheckSettings()
     state = log.slam.state()
     ids = [keyframe.id for keyframe in state.keyframes]
     order = {id: number for number, id in enumerate(ids)}
     poses = np.array([(p.x, p.y, p.theta) for p in state.poses])
-    # Keyframes that were removed since count with the next that was not.
+    # Removed keyframes count with the next remaining one.
     surprises = [
         (int(np.searchsorted(ids, row.keyframe)), *row.off)
         for row in log.rows

@@ -1,7 +1,7 @@
-"""The pose graph in a file, ``graph.npz``: keyframes with what they saw, where they are, and what joins them.
+"""File format of the pose graph, ``graph.npz``: keyframes with their views, their poses, and edges.
 
-An archive of arrays, as numpy writes them, without pickles. Rows of keyframes stand one after another in ``points``,
-``ends`` and ``hits``; ``points_of`` and ``ends_of`` (N + 1) say where each begins and the last ends.
+An archive of arrays, as numpy writes them, without pickles. Rows of all keyframes are concatenated in ``points``,
+``ends`` and ``hits``; ``points_of`` and ``ends_of`` (N + 1) hold where each begins and the last ends.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from app.modules.perception.slam.information import matrices, packed
 from app.modules.perception.slam.types import Edge, Keyframe, SlamState
 
 FORMAT = 2
-#: Of which information was a diagonal.
+#: Format with diagonal information.
 _DIAGONAL_FORMAT = 1
 
 
@@ -53,7 +53,7 @@ def write_state(path: Path, state: SlamState) -> None:
 
 
 def read_state(path: Path) -> SlamState:
-    """The state in the file ``path``. Raises ConfigError for one that is damaged or of another format."""
+    """The state in the file ``path``. Raises ConfigError for a damaged file or another format."""
     arrays = read_arrays(path, "the map's graph")
     try:
         if int(arrays["format"]) not in (_DIAGONAL_FORMAT, FORMAT):
@@ -119,7 +119,7 @@ def _joined(parts: list[NDArray[Any]], empty: tuple[int, ...], dtype: type[np.ge
 
 
 def _offsets(parts: Any) -> NDArray[np.int64]:
-    """Where each part begins in their sequence, and where the last ends."""
+    """Offset of each part in the concatenation, and the end of the last."""
     return np.cumsum([0, *(len(part) for part in parts)], dtype=np.int64)
 
 
