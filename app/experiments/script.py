@@ -1,8 +1,7 @@
-"""A scenario's teleoperation script, driven by an operator's hands: the trial of the thesis's figure 4.8, unattended.
-
-The hands only move the sticks: their commands go the way of every operator's, through Teleop, attention and the guard.
-Like an operator who watches the robot they know where it is (the world's truth where it is offered, else odometry) and
-see what stands in its way; they let go of the sticks before it, and give up when it stays.
+"""Simulated operator: drives a scenario's teleoperation script, as in the trial of the thesis's figure 4.8, unattended.
+It publishes stick commands like any operator, through Teleop, attention and the guard. Like an operator who watches the
+robot it uses the robot's true pose (else odometry) and the scan; it releases the sticks before an obstacle, and gives
+up if the obstacle stays.
 """
 
 from __future__ import annotations
@@ -29,13 +28,13 @@ Waypoint = WaypointConfig
 
 PERIOD_S = 0.05
 PATIENCE_S = 20.0
-"""So long something may stand in the way, or the robot not do what the sticks say, before the script is given up."""
+"""Time (s) of an obstacle in the way, or without motion, after which the script is given up."""
 REACHED_M, FACED_RAD = 0.08, 0.03
 TURN_FIRST_RAD, TURNED_RAD = 0.45, 0.12
 LANE_M, STOP_M = 0.34, 0.55
-"""Half the width that the robot needs, and how far before its laser it stops."""
+"""Half the width of the checked corridor, and stopping distance before the laser (m)."""
 SHY_M, SHY_AHEAD_M, SHY_PER_M, SHY_MOST = 0.60, 1.1, 2.0, 0.35
-"""It leans away from what is nearer aside than the first, up to the second ahead."""
+"""Evasion: lateral distance (m) of an object to steer away from, and greatest distance ahead (m)."""
 STALE_S = 0.5
 _OPERATOR = "script"
 
@@ -46,7 +45,7 @@ class ScriptBlocked(Exception):
 
 @dataclass(frozen=True, slots=True)
 class StickCommand:
-    """What the hands do now: ``linear``, ``angular`` in [-1, 1]; ``done`` where the leg is at its end."""
+    """Stick position: ``linear``, ``angular`` in [-1, 1]; ``done`` at the end of the leg."""
 
     linear: float = 0.0
     angular: float = 0.0
@@ -55,7 +54,7 @@ class StickCommand:
 
 
 def load_script(scenario: Path | None = None) -> tuple[Waypoint, ...]:
-    """The drive of a scenario (default: the thesis's trial). Raises ConfigError where there is none."""
+    """The drive of a scenario (default: the thesis's trial). Raises ConfigError for a scenario without one."""
     path = scenario or paths.config_dir() / "scenarios" / "trial.yaml"
     script = load_scenario(path).drive
     if not script:
@@ -64,9 +63,9 @@ def load_script(scenario: Path | None = None) -> tuple[Waypoint, ...]:
 
 
 def steer(leg: Waypoint, X_WB: Pose2, turning: bool) -> StickCommand:
-    """How to hold the sticks for ``leg`` with the robot at ``X_WB``; ``turning``: whether it turned on the spot before.
+    """Stick position for ``leg`` with the robot at ``X_WB``; ``turning``: whether it turned on the spot before.
 
-    A leg to a point turns on the spot first if the point lies far aside, then drives, slower near the end.
+    A leg to a point starts with a turn on the spot if the point is far aside, then drives, slower near the end.
     """
     if leg.face is not None:
         error = wrap_angle(math.radians(leg.face) - X_WB.theta)
@@ -86,14 +85,14 @@ def steer(leg: Waypoint, X_WB: Pose2, turning: bool) -> StickCommand:
 
 
 def in_the_way(scan: LaserScan) -> float | None:
-    """How far before the laser (m) the first thing stands that the robot would drive into; None if it is far enough."""
+    """Distance (m) before the laser of the first object in the robot's corridor; None if it is far enough."""
     ahead, aside = _points(scan)
     near = (ahead > 0.02) & (ahead < STOP_M) & (np.abs(aside) < LANE_M)
     return float(ahead[near].min()) if near.any() else None
 
 
 def lean(scan: LaserScan) -> float:
-    """How to turn away (stick, left positive) from what is near aside: what an operator does who sees a wall come."""
+    """Stick deflection (left positive) away from a near object aside."""
     ahead, aside = _points(scan)
     beside = (ahead > 0.02) & (ahead < SHY_AHEAD_M) & (np.abs(aside) < SHY_M)
     left, right = (float((SHY_M - side * aside[beside & (side * aside > 0)]).max(initial=0.0)) for side in (1, -1))
@@ -101,7 +100,7 @@ def lean(scan: LaserScan) -> float:
 
 
 def _points(scan: LaserScan) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """How far ahead and aside (m, left positive) of the laser each thing is that a ray has met."""
+    """Position ahead and aside (m, left positive) of the laser of each return."""
     met = np.isfinite(scan.ranges)
     angles = (scan.angle_min + scan.angle_increment * np.arange(scan.ranges.size))[met]
     ranges = scan.ranges[met].astype(np.float64)
@@ -111,10 +110,9 @@ def _points(scan: LaserScan) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 async def drive_script(
     system: System, waypoints: Sequence[Waypoint], progress: Callable[[int, Waypoint], None] | None = None
 ) -> None:
-    """Drive ``system``'s robot along ``waypoints`` and let go of the sticks, however it ends.
-
-    ``progress(i, leg)`` is told each leg that begins. Raises ScriptBlocked when something stays in the way or the robot
-    does not follow for ``PATIENCE_S``, KeyError if the program has no channel ``operator_drive``.
+    """Drive ``system``'s robot along ``waypoints``; the sticks are released in any case. ``progress(i, leg)`` is called
+    at the begin of each leg. Raises ScriptBlocked when an obstacle stays in the way or the robot does not move for
+    ``PATIENCE_S``, KeyError if the program has no channel ``operator_drive``.
     """
     async with contextlib.AsyncExitStack() as stack:
         operator = _ScriptOperator(system, stack)
@@ -126,7 +124,7 @@ async def drive_script(
 
 
 class _ScriptOperator:
-    """The operator at the sticks."""
+    """The simulated operator."""
 
     def __init__(self, system: System, stack: contextlib.AsyncExitStack) -> None:
         self._clock = system.clock
@@ -158,7 +156,7 @@ class _ScriptOperator:
         self._scan = scan
 
     async def ready(self) -> None:
-        """Wait until it is known where the robot is."""
+        """Wait for the first pose of the robot."""
         until = self._clock.now() + PATIENCE_S
         while self._pose is None:
             if self._clock.now() > until:
@@ -166,7 +164,7 @@ class _ScriptOperator:
             await self._clock.sleep(PERIOD_S)
 
     async def do(self, leg: Waypoint) -> None:
-        """One leg, to its end."""
+        """Drive one leg to its end."""
         if leg.pause is not None:
             until = self._clock.now() + leg.pause
             while self._clock.now() < until:
@@ -201,7 +199,7 @@ class _ScriptOperator:
         if not self._truth_scan:
             return False
         if self._scan is None or now - self._scan.stamp > STALE_S:
-            # Others may have said that nobody wants it; without it the hands do not drive ahead.
+            # The desire may have been removed by others; without it Teleop does not drive.
             self._link.demand("hokuyo", True)
             return True
         return in_the_way(self._scan) is not None
@@ -216,7 +214,7 @@ class _ScriptOperator:
 
 
 class _LegProgress:
-    """Whether a leg makes progress."""
+    """Progress of one leg."""
 
     def __init__(self, now: float) -> None:
         self._moved = now
@@ -224,7 +222,7 @@ class _LegProgress:
         self._blocked = False
 
     def look(self, now: float, X_WB: Pose2, blocked: bool, leg: Waypoint) -> None:
-        """Note where the robot is; raises ScriptBlocked where it has not moved for too long."""
+        """Note the robot's pose; raises ScriptBlocked if it has not moved for too long."""
         last = self._last
         moved = last is None or math.dist((last.x, last.y), (X_WB.x, X_WB.y)) > 0.05
         if moved or (last is not None and abs(wrap_angle(last.theta - X_WB.theta)) > 0.05):

@@ -1,4 +1,4 @@
-"""The tour-guide trial of the thesis (4.4.2, figure 4.8), once, with attention: driven by its script, and told."""
+"""The tour-guide trial of the thesis (4.4.2, figure 4.8), once, with attention: driven by its script."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ _OPERATOR = Source("operator", "the experiment")
 
 @dataclass(frozen=True, slots=True)
 class TrialEvent:
-    """An event of the trial: seconds since its begin, what it is about, in words."""
+    """An event of the trial: seconds since its begin, its kind, its text."""
 
     at: float
     subject: str
     text: str
 
 
-#: How often it is looked whether the file is closed (real s).
+#: Period (real s) of the check whether the file is closed.
 _LOOK_S = 0.05
-#: What of the timeline tells the trial's story.
+#: Kinds of timeline events that are reported.
 _KINDS = ("desire", "intention", "guard", "module", "overload")
 
 
@@ -45,10 +45,10 @@ def run(
     *,
     virtual: bool = False,
 ) -> tuple[Outcome, list[TrialEvent]]:
-    """Drive the script to its end; ``leg(number, of, label)`` is told each of its legs as it begins.
+    """Drive the script to its end; ``leg(number, of, label)`` is called at the begin of each leg.
 
     ``record``: name of a recording of it, at the fullest rate there is a strategy for. In ``virtual`` time every sensor
-    keeps its rate and nothing is late, however slow the computer; nothing then tells what it cost. Raises LinkFailed,
+    keeps its rate and nothing is late, however slow the computer; CPU figures are meaningless then. Raises LinkFailed,
     ConfigError, ScriptBlocked.
     """
     if not virtual:

@@ -1,4 +1,4 @@
-"""What the body senses."""
+"""Messages of sensors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The BARN worlds crossed one after another, a few at a time, and kept so that a broken run goes on where it ended."""
+"""The BARN experiment: worlds crossed in parallel trials, with stored results so that a broken run can be resumed."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ OnResult = Callable[[WorldResult, int, int], None]
 
 @dataclass(frozen=True, slots=True)
 class BarnPlan:
-    """What to run: the ``chosen`` worlds of a file by the program of ``config``, ``jobs`` at a time.
+    """What to run: the ``chosen`` worlds of a file with the program of ``config``, ``jobs`` at a time.
 
-    ``digest`` tells whether it is the same program.
+    ``digest``: identifies the program.
     """
 
     worlds: Worlds
@@ -35,7 +35,7 @@ class BarnPlan:
     overrides: dict[str, dict[str, object]] = field(default_factory=dict)
 
     def of(self) -> dict[str, object]:
-        """What results are of: equal where they may be put together."""
+        """Identity of the results: results may be combined if it is equal."""
         return {
             "experiment": "barn",
             "worlds": self.worlds.digest,
@@ -65,15 +65,15 @@ def plan(
 
 
 def run(what: BarnPlan, kept: ResultsStore, on_result: OnResult, drive: Drive = desire_goal) -> tuple[WorldResult, ...]:
-    """Cross what has not been crossed yet, and return the results of all that is planned, in the plan's order.
+    """Run the worlds without a result, and return the results of the whole plan, in its order.
 
-    Raises ConfigError, TrialLost, and any mistake of the program's own.
+    Raises ConfigError, TrialLost, and any programming error.
     """
     results = _done(kept, what.chosen)
     left = [world for world in what.chosen if world.name not in results]
     trials = [Trial(what.config, world, what.worlds.max_mps, what.seed, what.overrides) for world in left]
     if trials:
-        compiled.make_ready()  # before any child wants it
+        compiled.make_ready()  # before the children start
     for _, result in Trials(functools.partial(cross, drive=drive), trials, what.jobs):
         kept.add(result.document())
         results[result.world] = result
@@ -82,7 +82,7 @@ def run(what: BarnPlan, kept: ResultsStore, on_result: OnResult, drive: Drive = 
 
 
 def done(what: BarnPlan, kept: ResultsStore) -> tuple[WorldResult, ...]:
-    """The results that are there already, of the worlds planned."""
+    """The stored results of the planned worlds."""
     return tuple(_done(kept, what.chosen).values())
 
 

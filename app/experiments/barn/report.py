@@ -1,4 +1,4 @@
-"""The challenge's table, and pictures of worlds with the way that was driven."""
+"""The BARN challenge's table, and pictures of worlds with the driven path."""
 
 from __future__ import annotations
 

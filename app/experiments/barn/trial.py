@@ -1,4 +1,4 @@
-"""One world crossed by the whole program in lockstep: mapped, planned and driven by what the configuration says."""
+"""One trial: the whole program crosses a world in lockstep, with the configured mapping, planning and driving."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from app.robots.config import RobotConfig
 from app.robots.factory import load_body
 
 SETTLE_S = 1.0
-"""The robot stands for so long, and sees where it is, before it is given its goal."""
+"""Time (s) at rest before the goal is given, for the first scans."""
 LOOK_S = 0.02
 TRACE_S = 0.1
 _STORY = 60
@@ -33,9 +33,9 @@ _EXPERIMENT = Source("operator", "the experiment")
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """What to run: the program of ``config`` in ``world``; ``max_mps`` is the speed that T* is reckoned with.
+    """What to run: the program of ``config`` in ``world``; ``max_mps``: speed used for T*.
 
-    ``overrides`` are settings of modules, by module, that stand in for the configuration's.
+    ``overrides``: settings of modules, by module, in place of the configured ones.
     """
 
     config: Path
@@ -46,7 +46,7 @@ class Trial:
 
 
 Drive = Callable[[WorldRun, Pose2], Awaitable[None]]
-"""Gives the robot its goal (m, on its map); what it awaits goes on beside the trial."""
+"""Gives the robot its goal (m, on its map); runs beside the trial."""
 
 
 async def desire_goal(run: WorldRun, goal: Pose2) -> None:
@@ -55,7 +55,7 @@ async def desire_goal(run: WorldRun, goal: Pose2) -> None:
 
 
 def cross(trial: Trial, drive: Drive = desire_goal) -> WorldResult:
-    """Run ``trial`` to its end. Raises ConfigError, and any mistake of the program's own."""
+    """Run ``trial`` to its end. Raises ConfigError, and any programming error."""
     began = time.monotonic()
     world = trial.world
     configuration = with_settings(load_configuration(trial.config), trial.overrides)
@@ -72,13 +72,13 @@ def cross(trial: Trial, drive: Drive = desire_goal) -> WorldResult:
 
 
 def goal_on_the_map(world: BarnWorld) -> Pose2:
-    """The goal (m) on the map of a robot that begins its map where it starts."""
+    """The goal (m) on the map of a robot whose map begins at its start pose."""
     back = world.X_WO.inverse() @ Pose2(*world.goal)
     return Pose2(back.x, back.y)
 
 
 class _CrossingObserver:
-    """Looks on at one crossing, and knows the truth."""
+    """Observes one crossing with the ground truth."""
 
     def __init__(self, world: BarnWorld, optimal_s: float) -> None:
         self._world = world
@@ -93,7 +93,7 @@ class _CrossingObserver:
         self._wanted = False
 
     async def observe(self, run: WorldRun, drive: Drive) -> None:
-        """Settle, give the goal, and look until it is reached, something is hit or time is over."""
+        """Settle, give the goal, and observe until it is reached, an object is hit or the time is over."""
         channel = run.system.graph.channels.get("navigation")
         if channel is not None:
             channel.observe(self._take_status)
@@ -112,7 +112,7 @@ class _CrossingObserver:
             await asyncio.wait({driving})
 
     def result(self, wall_s: float) -> WorldResult:
-        """What came of it."""
+        """The result of the crossing."""
         said, trace = self._said, self._trace
         return WorldResult(
             world=self._world.name,
@@ -150,7 +150,7 @@ class _CrossingObserver:
         return True
 
     def _gave_up(self, run: WorldRun) -> bool:
-        """Whether the program has ended the desire that there was."""
+        """Whether the program has removed the goal's desire."""
         wanted = any(desire.cls == "GoTo" for desire in run.system.workspace.desires())
         self._wanted |= wanted
         return self._wanted and not wanted
@@ -161,7 +161,7 @@ class _CrossingObserver:
     def _take_status(self, message: NavigationStatus) -> None:
         before = self._said
         if message.goal is None:
-            return  # before there is one, or after it was given up: what counts is what was said about it
+            return  # statuses before or after the goal do not count
         self._said = message
         if len(self._story) >= _STORY:
             return

@@ -1,4 +1,4 @@
-"""Goals in the lab among people: drawn at random, given in goal_runs of some, kept so that a broken run goes on."""
+"""The goals experiment: random goals in the lab among people, in runs of several, with stored results for resuming."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from app.experiments.results_store import ResultsStore, program_digest
 from app.program.config import load_configuration
 from app.robots.factory import simulated_parts
 
-#: A shift's goals are given one after another in one life of the program; goal_runs run beside each other. One that was
-#: broken off begins anew, so that it is the same as an unbroken one: a few goals are soon repeated.
+#: Goals per run, given one after another to one instance of the program; runs are parallel. An interrupted run restarts
+#: from its begin, so that its results equal those of an uninterrupted one.
 SHIFT_GOALS = 5
-#: Goals lie where the robot has so much room (m) beyond its outermost corner, and so far (m) from the one before.
+#: Least clearance (m) of a goal beyond the robot's outermost corner, and least distance (m) from the goal before.
 SPARE_M, LEAST_M = 0.12, 2.0
 TOLERANCE_M, TOLERANCE_RAD, SLACK_M = 0.25, 0.2, 0.05
 PATIENCE_S = 300.0
@@ -46,7 +46,8 @@ class GoalsPlan:
     digest: str
 
     def of(self) -> dict[str, object]:
-        """What results are of: equal where they may be put together. More goals of one seed begin with the fewer."""
+        """Identity of the results: results may be combined if it is equal. A larger count continues the same sequence
+        of goals."""
         return {
             "experiment": "goals",
             "program": str(self.config.resolve()),
@@ -83,17 +84,17 @@ def plan(
 def run(
     what: GoalsPlan, kept: ResultsStore, on_result: OnResult, began: Callable[[str], None]
 ) -> tuple[GoalResult, ...]:
-    """Give every goal that was not given yet; returns the results of all that are planned, by number.
+    """Run the goals without a result; returns the results of the whole plan, by number.
 
-    ``began`` is told what is done that takes long. Raises ConfigError, TrialLost, ScriptBlocked, MapUnavailable, and
-    any mistake of the program's own.
+    ``began(text)`` is called at the begin of each long step. Raises ConfigError, TrialLost, ScriptBlocked,
+    MapUnavailable, and any programming error.
     """
     results = _done(kept, what.count)
     if len(results) < what.count:
-        compiled.make_ready()  # before any child wants it
+        compiled.make_ready()  # before the children start
     maps = kept.file.parent / "maps"
     if len(results) < what.count and (kept.moved or not (maps / MAP).is_dir()):
-        # Broken off, the tour must begin anew: what stood there is of another program.
+        # An interrupted tour restarts: its map is of another program.
         shutil.rmtree(maps / MAP, ignore_errors=True)
         maps.mkdir(exist_ok=True)
         for _, leg in TrialSeries(drive, [Tour(what.config, what.tour, maps, what.cameras)], 1):
@@ -112,12 +113,12 @@ def run(
 
 
 def done(what: GoalsPlan, kept: ResultsStore) -> tuple[GoalResult, ...]:
-    """The results that are there already, of the goals planned."""
+    """The stored results of the planned goals."""
     return tuple(_done(kept, what.count).values())
 
 
 def _goal_runs(what: GoalsPlan, maps: Path) -> list[GoalRun]:
-    """Every goal of the plan, in goal_runs; each begins at the robot's usual place."""
+    """Every goal of the plan, in runs; each run begins at the robot's usual start pose."""
     body, world, _ = simulated_parts(seeing(simulated_body(what.config, what.scenario)))
     origin = Pose2(body.start.x, body.start.y, np.deg2rad(body.start.heading_deg))
     ground = survey(world, body)

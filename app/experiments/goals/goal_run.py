@@ -1,4 +1,4 @@
-"""One shift of the robot in the lab: brought to its place with its map, it is given goals, one after another."""
+"""One run of the goals experiment: the robot starts on its map and gets one goal after another."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from app.runtime.clock import Clock
 LOOK_S = 0.1
 MAP = "lab"
 UNCONCERNED = ("ScenarioCoordinator",)
-"""Modules that would have the robot look for codes and faces meanwhile."""
+"""Modules that are left out: they would search for codes and faces meanwhile."""
 _EXPERIMENT = Source("operator", "the experiment")
 _STORY = 40
 
@@ -36,7 +36,8 @@ class GoalRun:
     """What to run: ``goals`` with their numbers, in the world, one after another from ``start``.
 
     ``maps``: the folder of maps, where one called ``MAP`` begins at ``origin`` in the world. ``tolerance_m`` and
-    ``tolerance_rad`` are desired, ``slack_m`` is allowed beyond (the map is no truer). ``patience_s``: of one goal.
+    ``tolerance_rad``: those of the desire; ``slack_m``: allowed in addition, for the map's error. ``patience_s``: time
+    limit per goal.
     """
 
     config: Path
@@ -54,7 +55,7 @@ class GoalRun:
 
 
 def simulated_body(config: Path, scenario: Path | None) -> RobotConfig:
-    """The body of a program, in ``scenario``. Raises ConfigError where it is not simulated."""
+    """The program's body, in ``scenario``. Raises ConfigError for a body that is not simulated."""
     configuration = load_configuration(config)
     robot = configuration.path(configuration.program.robot)
     body = load_body(robot)
@@ -64,14 +65,14 @@ def simulated_body(config: Path, scenario: Path | None) -> RobotConfig:
 
 
 def seeing(body: RobotConfig) -> RobotConfig:
-    """``body`` with the one camera that navigation looks through: what only others see by is not drawn."""
+    """``body`` with only the camera that navigation uses, to save rendering."""
     return body.model_copy(update={"streams": body.streams.model_copy(update={"imv": None})})
 
 
 def work(run_spec: GoalRun, give: Callable[[GoalResult], None]) -> None:
-    """Work ``run_spec`` to its end; each result is given as soon as it is there.
+    """Run ``run_spec``; ``give`` gets each result at once.
 
-    Raises ConfigError, and any mistake of the program's own.
+    Raises ConfigError, and any programming error.
     """
     body = seeing(simulated_body(run_spec.config, run_spec.scenario))
     start = body.start.model_copy(
@@ -104,7 +105,7 @@ async def _run_goals(
 
 
 async def _take_map(run: WorldRun, X_MB: Pose2) -> None:
-    """Load the map once its keeper is there, and wait until the robot knows where it is."""
+    """Load the map once the map server is running, and wait until the robot is localized."""
     clock: Clock = run.system.clock
     for _ in range(100):
         if run.system.map.available:
@@ -125,7 +126,7 @@ async def _take_map(run: WorldRun, X_MB: Pose2) -> None:
 
 
 class _GoalObserver:
-    """Gives one goal and looks on, knowing the truth."""
+    """Gives one goal and observes it with the ground truth."""
 
     def __init__(self, run: WorldRun, run_spec: GoalRun, footprint: tuple[tuple[float, float], ...]) -> None:
         self._run = run
@@ -140,7 +141,7 @@ class _GoalObserver:
         self._touched = self._reported_contacts = len(run.link.contacts)
 
     async def go(self, number: int, last: Pose2, goal: Pose2) -> GoalResult:
-        """Desire ``goal`` (world) and wait until the program has ended the desire, or patience is over."""
+        """Desire ``goal`` (world) and wait until the program ends the desire, or ``patience_s`` is over."""
         run_spec, system = self._run_spec, self._run.system
         on_map = run_spec.origin.inverse() @ goal
         with contextlib.ExitStack() as stack:

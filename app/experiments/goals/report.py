@@ -1,4 +1,4 @@
-"""The experiment's table, and why goals were not reached."""
+"""The experiment's table, and the reasons of failed goals."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def table(results: Sequence[GoalResult]) -> str:
 
 
 def failures(results: Sequence[GoalResult]) -> list[str]:
-    """A line for each goal that was not reached, and for each on whose way something was touched."""
+    """A line for each failed goal, and for each goal with a contact on its way."""
     lines = []
     for result in results:
         x, y, _ = result.goal
