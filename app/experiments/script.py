@@ -58,7 +58,7 @@ def load_script(scenario: Path | None = None) -> tuple[Waypoint, ...]:
     path = scenario or paths.config_dir() / "scenarios" / "trial.yaml"
     script = load_scenario(path).drive
     if not script:
-        raise ConfigError("drive: this scenario drives nobody", str(path))
+        raise ConfigError("drive: this scenario has no drive", str(path))
     return script
 
 
@@ -160,7 +160,7 @@ class _ScriptOperator:
         until = self._clock.now() + PATIENCE_S
         while self._pose is None:
             if self._clock.now() > until:
-                raise ScriptBlocked("The robot does not tell where it is.")
+                raise ScriptBlocked("The robot's pose is unknown.")
             await self._clock.sleep(PERIOD_S)
 
     async def do(self, leg: Waypoint) -> None:

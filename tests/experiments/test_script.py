@@ -178,5 +178,5 @@ def test_the_thesiss_trial_has_a_script_and_who_has_none_is_told(tmp_path: Path)
     assert sum(leg.pause is not None for leg in script) == 3
     empty = tmp_path / "empty.yaml"
     empty.write_text("name: empty\n")
-    with pytest.raises(ConfigError, match="drives nobody"):
+    with pytest.raises(ConfigError, match="has no drive"):
         load_script(empty)

@@ -94,7 +94,7 @@ def _done(kept: ResultsStore, worlds: Sequence[BarnWorld]) -> dict[str, WorldRes
             result = WorldResult.of(document)
         except (KeyError, TypeError, ValueError) as failure:
             raise ConfigError(
-                f"holds a line that is no result ({failure}); --fresh begins anew", str(kept.file)
+                f"holds a line that is no result ({failure}); --fresh starts again", str(kept.file)
             ) from None
         if result.world in wanted:
             found[result.world] = result

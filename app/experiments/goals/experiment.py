@@ -153,7 +153,7 @@ def _done(kept: ResultsStore, count: int) -> dict[int, GoalResult]:
         try:
             result = GoalResult.of(document)
         except (KeyError, TypeError, ValueError) as failure:
-            problem = f"holds a line that is no result ({failure}); --fresh begins anew"
+            problem = f"holds a line that is no result ({failure}); --fresh starts again"
             raise ConfigError(problem, str(kept.file)) from None
         if result.number <= count:
             found[result.number] = result

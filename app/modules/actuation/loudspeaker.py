@@ -43,5 +43,5 @@ class Loudspeaker(Module):
     async def _play(self, audio: Audio) -> None:
         if self._mute:
             self._mute = False
-            self.log.warning("%s has no loudspeaker: nobody hears what is said", self._link.description.name)
+            self.log.warning("%s has no loudspeaker: the voice is not played", self._link.description.name)
         self._link.play(audio)

@@ -28,7 +28,7 @@ from app.runtime.module import Module, ModuleContext, Settings
 class TeleopSettings(Settings):
     """Settings of Teleop: two periods whose sum bounds the time from an operator's last command to the stop."""
 
-    timeout_s: float = Field(0.25, gt=0, le=1, description="a held command stands this long by itself")
+    timeout_s: float = Field(0.25, gt=0, le=1, description="validity of a held command without another, s")
     period_s: float = Field(0.025, gt=0, le=0.1, description="how often silence is looked for")
 
 

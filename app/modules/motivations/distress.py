@@ -153,7 +153,7 @@ def decide(
         state = replace(state, unreachable=None, unserved=since)
         if state.level is Level.CALM or now - since < patience.unserved_s:
             return state, ()
-        return replace(state, level=Level.CALM, overreached=True), _restored(state, "nobody could go there so")
+        return replace(state, level=Level.CALM, overreached=True), _restored(state, "no behavior could serve it so")
     state = replace(state, unserved=None)
     if status.state == "unreachable":
         since = now if state.unreachable is None else state.unreachable

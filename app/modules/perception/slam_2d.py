@@ -199,7 +199,7 @@ class SLAM2D(Module):
     def _state(self, session: MapSession, match: Match) -> str:
         unfit_s = self._fits.unfit_s(match.stamp)
         if unfit_s > self.settings.search_after_s and not session.grows and not self._search_due:
-            self.log.warning("scans do not fit the map where the robot should be: it looks for itself")
+            self.log.warning("scans do not fit the map where the robot should be: relocalization starts")
             self._search_due = True
             self._wake.set()
         if self._fits.lost:
@@ -391,7 +391,7 @@ class SLAM2D(Module):
             choose_initial_map, self._restart_state, last, library, self.new_session, settings.map, settings.extend
         )
         if first.refused:
-            self.log.error("the map cannot be taken into use, an empty one is begun: %s", first.refused)
+            self.log.error("the map cannot be taken into use, an empty one starts: %s", first.refused)
         if first.stopped:
             self.log.warning("the map grows no more: it failed too soon again; begin another, or load one")
         self.use(first.session, first.name, first.zones)

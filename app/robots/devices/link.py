@@ -1,4 +1,4 @@
-"""A body of this computer's devices: what they give on streams; nothing that moves, so nothing to be guarded."""
+"""A body of this computer's devices: their data as streams, without motion and so without a guard."""
 
 from __future__ import annotations
 
@@ -71,11 +71,11 @@ class DevicesLink:
 
     @property
     def description(self) -> RobotDescription:
-        """What this body is; known before :meth:`start`."""
+        """Description of this body; known before :meth:`start`."""
         return self._description
 
     async def start(self) -> None:
-        """Open the devices. One that cannot be opened is said and tried again; LinkFailed if none can."""
+        """Open the devices. A device that cannot be opened is logged and tried again; LinkFailed if none can."""
         if self._mute:
             log.warning("%s is mute: %s", self._config.name, self._mute)
         self._failure = asyncio.get_running_loop().create_future()
@@ -95,11 +95,11 @@ class DevicesLink:
             self._player.start()
 
     async def stop(self) -> None:
-        """Let go of all devices; idempotent."""
+        """Release all devices; idempotent."""
         await self._release()
 
     async def wait_failed(self) -> LinkFailed:
-        """Devices that vanish are waited for: it never fails as a whole."""
+        """Never returns: lost devices are opened again."""
         if self._failure is None:
             return LinkFailed("The devices were not started.")
         return await asyncio.shield(self._failure)
@@ -109,12 +109,12 @@ class DevicesLink:
         return self._receivers.attach(stream, receive)
 
     def demand(self, stream: str, wanted: bool) -> None:
-        """Tell whether anybody listens to ``stream``: a device nobody wants is not read, and soon let go of."""
+        """Set whether ``stream`` has subscribers: a device without any is not read, and is released after a time."""
         if self._receivers.demand(stream, wanted) and stream in self._readers:
             self._readers[stream].want(wanted)
 
     def command(self, twist: Twist) -> None:
-        """There are no wheels."""
+        """No effect: there are no wheels."""
 
     def play(self, audio: Audio) -> None:
         """Play one frame through the loudspeaker, if there is one."""
@@ -122,7 +122,7 @@ class DevicesLink:
             self._player.play(audio)
 
     def e_stop(self, reason: str) -> None:
-        """Latch the emergency stop, that people see what they pressed."""
+        """Latch the emergency stop, for its display."""
         self._e_stop = self._e_stop or reason
 
     def clear_e_stop(self) -> None:

@@ -1,4 +1,4 @@
-"""Where pictures come from: a camera, a video, pictures on disk. Blocking; each lives in a thread of its own."""
+"""Image inputs: a camera, a video, images on disk. Blocking; each is used in a thread of its own."""
 
 from __future__ import annotations
 
@@ -19,39 +19,39 @@ from app.robots.devices.config import CameraConfig
 
 Picture = NDArray[np.uint8]
 PICTURE_SUFFIXES = {".bmp", ".jpeg", ".jpg", ".png", ".tif", ".tiff", ".webp"}
-#: What can be read, in words.
+#: Supported files, in words.
 PICTURES, VIDEOS = "BMP, JPEG, PNG, TIFF, WebP", "MP4, AVI, MKV, WebM"
 DEFAULT_RATE_HZ = 15.0
-#: No driver keeps more pictures for who does not come.
+#: Greatest number of images that a driver buffers.
 _KEPT_BY_DRIVERS = 10
 
 
 class InputUnavailable(Exception):
-    """A device or file cannot be opened or gives nothing any more; the message says which, and what to do."""
+    """A device or file cannot be opened or has failed; the message names it and a remedy."""
 
 
 class ImageInput(Protocol):
-    """A source of pictures."""
+    """A source of images."""
 
-    #: Whether it comes at its own pace (a camera); else whoever reads it waits ``1 / rate_hz`` between two.
+    #: Whether it has its own rate (a camera); else the reader waits ``1 / rate_hz`` between two.
     live: bool
     rate_hz: float
 
     def read(self) -> Picture | None:
-        """The next picture (H, W, 3) uint8 RGB; None at the end. Raises Unavailable."""
+        """The next image (H, W, 3) uint8 RGB; None at the end. Raises InputUnavailable."""
         ...
 
     def skip(self) -> None:
-        """Of a live one: throw away the pictures that have piled up unread."""
+        """Discard the buffered images of a live input."""
         ...
 
     def close(self) -> None:
-        """Let go of the device or file."""
+        """Release the device or file."""
         ...
 
 
 def open_pictures(config: CameraConfig) -> ImageInput:
-    """What ``config.source`` names, opened. Raises Unavailable."""
+    """The opened input of ``config.source``. Raises InputUnavailable."""
     source = config.source
     if isinstance(source, str):
         path = Path(source)
@@ -100,7 +100,7 @@ class _CaptureDevice:
         assert self._capture is not None
         for _ in range(_KEPT_BY_DRIVERS):
             began = time.monotonic()
-            # One that had to be waited for is new.
+            # An image after a wait is current.
             if not self._capture.grab() or time.monotonic() - began > 0.3 / self.rate_hz:
                 return
 
@@ -153,7 +153,7 @@ class _Stills:
         self.rate_hz = config.rate_hz or DEFAULT_RATE_HZ
         times = max(1, round(config.seconds_each * self.rate_hz))
         self._pictures = self._each(files, config.loop, times)
-        # A folder with a broken picture is told at once, not in the middle.
+        # A broken image in a folder is reported at once, not later.
         self._kept = {file: _picture(file) for file in files[:1]}
 
     def _each(self, files: list[Path], loop: bool, times: int) -> Iterator[Picture]:
@@ -169,7 +169,7 @@ class _Stills:
 
     def read(self) -> Picture | None:
         picture = next(self._pictures, None)
-        # A still picture is the same array every time, but nobody may write into what others may still look at.
+        # An image file gives the same array every time: read-only, since subscribers share it.
         return None if picture is None else picture.copy()
 
     def skip(self) -> None: ...
@@ -179,20 +179,20 @@ class _Stills:
 
 
 class PlaybackTimer:
-    """Waits so that what it paces comes ``rate_hz`` times a second, without hurrying after a stall."""
+    """Times playback at ``rate_hz`` per second, without catching up after a stall."""
 
     def __init__(self, rate_hz: float) -> None:
         self._period_s = 1.0 / rate_hz
         self._due = time.monotonic()
 
     def wait_s(self, now: float) -> float:
-        """Seconds (>= 0) from ``now`` (monotonic) to the next; the one after that is due a period later."""
+        """Seconds (>= 0) from ``now`` (monotonic) to the next item; the one after it is due a period later."""
         self._due = max(self._due + self._period_s, now)
         return self._due - now
 
 
 def _capture(source: int | str) -> cv2.VideoCapture | None:
-    # FFmpeg's own words about a file say nothing to people; ours follow.
+    # FFmpeg's messages are suppressed: ours follow.
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
     capture = cv2.VideoCapture(source)
     if not capture.isOpened():
@@ -202,7 +202,7 @@ def _capture(source: int | str) -> cv2.VideoCapture | None:
 
 
 def _rate(capture: cv2.VideoCapture) -> float | None:
-    """Its own rate (Hz), where what it says can be one."""
+    """The input's own rate (Hz), if it is plausible."""
     rate_hz = float(capture.get(cv2.CAP_PROP_FPS))
     return rate_hz if 0.1 <= rate_hz <= 240 else None
 

@@ -1,4 +1,4 @@
-"""Where sound comes from and goes to: microphones and loudspeakers of this computer, or a file. Blocking."""
+"""Sound inputs and outputs: microphones and loudspeakers of this computer, or a file. Blocking."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from app.robots.devices.config import SoundInputConfig, SpeakerConfig
 from app.robots.devices.pictures import InputUnavailable
 
 Samples = NDArray[np.int16]
-#: What can be read, in words.
+#: Supported files, in words.
 SOUNDS = "WAV, FLAC, Ogg, MP3"
-#: No sound card gives more.
+#: Greatest number of channels of a sound card.
 _MOST_RATE, _MOST_CHANNELS = 384_000, 64
 _OR_A_FILE = "--microphones FILE takes a sound file instead"
 
@@ -26,28 +26,28 @@ _OR_A_FILE = "--microphones FILE takes a sound file instead"
 class SoundInput(Protocol):
     """A source of sound of ``channels`` channels."""
 
-    #: Whether it comes at its own pace (microphones); else whoever reads it waits as long as a frame lasts.
+    #: Whether it has its own rate (microphones); else the reader waits for the length of a frame.
     live: bool
     rate: int
     channels: int
-    #: Whether samples were lost just before those read last.
+    #: Whether samples were lost just before the last read.
     gap: bool
 
     def read(self, count: int) -> Samples | None:
-        """The next ``count`` samples (count, C) int16; None at the end. Raises Unavailable."""
+        """The next ``count`` samples (count, C) int16; None at the end. Raises InputUnavailable."""
         ...
 
     def skip(self) -> None:
-        """Of a live one: throw away what has piled up unread."""
+        """Discard the buffered samples of a live input."""
         ...
 
     def close(self) -> None:
-        """Let go of the device or file."""
+        """Release the device or file."""
         ...
 
 
 def open_sound(config: SoundInputConfig) -> SoundInput:
-    """What ``config.source`` names, opened. Raises Unavailable."""
+    """The opened input of ``config.source``. Raises InputUnavailable."""
     if isinstance(config.source, str) and Path(config.source).is_file():
         return _SoundFile(Path(config.source), config)
     if isinstance(config.source, str) and Path(config.source).suffix:
@@ -67,7 +67,7 @@ class _SoundFile:
         except (soundfile.LibsndfileError, OSError) as failure:
             reason = getattr(failure, "error_string", None) or getattr(failure, "strerror", None) or str(failure)
             raise InputUnavailable(f"{path} cannot be read as sound ({SOUNDS}): {reason.rstrip('.')}") from None
-        except TypeError:  # what soundfile raises for .raw: nothing in it says how it is to be read
+        except TypeError:  # soundfile raises this for .raw, whose format is unknown
             raise InputUnavailable(f"{path} cannot be read as sound: samples without a header; make it a WAV") from None
         self.rate, self.channels = self._file.samplerate, self._file.channels
         if self.rate > _MOST_RATE or self.channels > _MOST_CHANNELS:
@@ -106,7 +106,7 @@ class _SoundFile:
 
 
 def sounddevice() -> ModuleType:
-    """The library that reaches sound cards. Raises Unavailable where it, or PortAudio below it, is missing."""
+    """The library for sound cards. Raises InputUnavailable where it, or PortAudio below it, is missing."""
     try:
         import sounddevice as found
     except ImportError:
@@ -117,7 +117,7 @@ def sounddevice() -> ModuleType:
 
 
 def no_sound_card() -> str:
-    """Why no sound card can be reached on this computer, whatever is plugged in; "" where one may be."""
+    """Why no sound card can be used on this computer; "" if one can."""
     try:
         sounddevice()
     except InputUnavailable as missing:
@@ -155,7 +155,7 @@ class _Microphones:
         return np.frombuffer(bytes(data), np.int16).reshape(-1, self.channels).copy()
 
     def skip(self) -> None:
-        with contextlib.suppress(self._error):  # the next read says so
+        with contextlib.suppress(self._error):  # the next read reports it
             self._stream.read(self._stream.read_available)
 
     def close(self) -> None:
@@ -164,10 +164,10 @@ class _Microphones:
 
 
 class Speaker:
-    """A loudspeaker for one channel at ``rate``; :meth:`write` blocks until it is taken."""
+    """A loudspeaker for one channel at ``rate``; :meth:`write` blocks until the device takes the samples."""
 
     def __init__(self, config: SpeakerConfig, rate: int) -> None:
-        """Raises Unavailable."""
+        """Raises InputUnavailable."""
         library = sounddevice()
         self.rate = rate
         self._error = library.PortAudioError
@@ -181,13 +181,13 @@ class Speaker:
             raise InputUnavailable(f"the loudspeaker ({config.source}) cannot be opened: {failure}") from None
 
     def write(self, samples: Samples) -> None:
-        """Play ``samples`` (N,) int16. Raises Unavailable."""
+        """Play ``samples`` (N,) int16. Raises InputUnavailable."""
         try:
             self._stream.write(np.ascontiguousarray(samples).tobytes())
         except self._error as failure:
             raise InputUnavailable(f"the loudspeaker takes no more sound: {failure}") from None
 
     def close(self) -> None:
-        """Let go of it."""
+        """Release the device."""
         self._stream.abort()
         self._stream.close()

@@ -1,4 +1,4 @@
-"""What devices give, as messages of the body's streams."""
+"""Data of devices as messages of the body's streams."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from app.robots.devices.sound import Samples, SoundInput, open_sound
 
 
 class ImageFrames:
-    """Pictures as Images."""
+    """Images of an image input, as Image messages."""
 
     def __init__(self, config: CameraConfig, X_BC: Pose3, now: Callable[[], float]) -> None:
         self._config = config
@@ -58,7 +58,7 @@ class ImageFrames:
 
 
 class AudioFrames:
-    """Sound as frames of Audio."""
+    """Sound of a sound input, as Audio messages."""
 
     def __init__(self, config: SoundInputConfig, X_BL: Pose3, now: Callable[[], float]) -> None:
         self._config = config
@@ -109,7 +109,7 @@ class AudioFrames:
         assert self._sound is not None
         rate, end = self._sound.rate, self._now()
         lasts_s = len(samples) / rate
-        # What was not read while nobody listened, or was read too late, is missing: the numbers say so.
+        # Samples not read for lack of demand, or read too late, are missing: the sample numbers show it.
         if self._ended is not None:
             missing = round((end - self._ended - lasts_s) * rate)
             if self._skipped or self._sound.gap:

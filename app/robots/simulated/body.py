@@ -49,7 +49,7 @@ class RobotSimulation:
     config: RobotConfig
 
     def drive(self, velocity: BaseVelocity) -> None:
-        """Give the wheels' drives the speeds that ``velocity`` asks of the nominal base."""
+        """Set the wheels' drives to the speeds of ``velocity`` on the nominal base."""
         base = self.config.base
         turn = velocity.angular_radps * base.track_m / 2
         self.data.ctrl[self.left_wheel] = (velocity.linear_mps - turn) / base.wheel_radius_m
@@ -85,9 +85,9 @@ class RobotSimulation:
 def build_simulation(
     robot: RobotConfig, world: WorldConfig, base: TrueBase, people: Sequence[Actor] = ()
 ) -> RobotSimulation:
-    """Build and compile the world with ``people`` and the robot at its start. ``base`` is what its wheels really are.
+    """Build and compile the world with ``people`` and the robot at its start. ``base``: true geometry of its wheels.
 
-    Raises ConfigError for a model that is no URDF or that the physics refuses.
+    Raises ConfigError for a model that is no valid URDF or that the physics refuses.
     """
     spec = build_world(world)
     add_people(spec, people, world.seed)
@@ -130,7 +130,7 @@ def build_simulation(
 
 
 def _tune(body: mujoco.MjSpec, robot: RobotConfig, base: TrueBase) -> None:
-    """Contacts, groups, drives and servos; wheels as they really are."""
+    """Contacts, groups, drives and servos; true wheels."""
     for geom in body.geoms:
         if geom.contype == 0:
             geom.group = VISUAL_GROUP

@@ -1,7 +1,7 @@
-"""The cameras of the body: how each one's picture is drawn, and what its sensor makes of that.
+"""Rendering of the body's cameras, and their sensor models.
 
-An eye draws in parts, so that a thread that serves several can turn to another in between. It gives the last picture
-again, with fresh noise, where nothing that it may see has moved since.
+A renderer draws in parts, so that a thread with several cameras can switch in between. Without a visible change it
+returns the last image with fresh noise.
 """
 
 from __future__ import annotations
@@ -24,19 +24,19 @@ from app.robots.simulated.renderer import FrameRect, PerspectiveView, Renderer, 
 
 
 class CameraRenderer(Protocol):
-    """One camera."""
+    """Renders one camera."""
 
     def draw(self, snapshot: WorldSnapshot) -> Iterator[None]:
-        """Draw what is to be seen in ``snapshot``; each step is a part of the work, of a few milliseconds."""
+        """Draw ``snapshot``; each step is a part of the work, of a few milliseconds."""
         ...
 
     def measure(self, color: NDArray[np.uint8], depth: NDArray[np.uint16] | None) -> None:
-        """Write what the sensor gives for the picture drawn last."""
+        """Write the sensor's output for the last image."""
         ...
 
 
 class ChangeDetector:
-    """Tells whether what a camera sees has changed since it last had."""
+    """Detects visible changes of a camera's view."""
 
     def __init__(self, renderer: Renderer, camera: int) -> None:
         self._renderer = renderer
@@ -44,7 +44,7 @@ class ChangeDetector:
         self._last: tuple[WorldSnapshot, NDArray[np.bool_]] | None = None
 
     def changed(self, snapshot: WorldSnapshot, views: tuple[PerspectiveView, ...]) -> bool:
-        """Whether ``snapshot`` looks otherwise in ``views`` than the last one that did."""
+        """Whether ``snapshot`` differs visibly in ``views`` from the last different one."""
         seen = self._renderer.seen(snapshot, self._camera, views)
         if self._last is not None:
             last, seen_before = self._last
@@ -56,7 +56,7 @@ class ChangeDetector:
 
 
 class KinectRenderer:
-    """Colour and depth in one perspective picture, drawn at the lower left of the frame buffer."""
+    """Colour and depth in one perspective image, drawn at the lower left of the frame buffer."""
 
     def __init__(self, renderer: Renderer, model: mujoco.MjModel, config: KinectConfig, rng: Generator) -> None:
         self._renderer = renderer
@@ -76,7 +76,7 @@ class KinectRenderer:
         renderer.reserve(width, height)
 
     def draw(self, snapshot: WorldSnapshot) -> Iterator[None]:
-        """Draw what is to be seen in ``snapshot``, in one part."""
+        """Draw ``snapshot``, in one part."""
         if self._watch.changed(snapshot, (self._view,)):
             self._renderer.draw(snapshot, self._camera, self._view)
             self._renderer.read(self.place, self._color, self._depth)
@@ -97,9 +97,8 @@ class KinectRenderer:
 
 
 class FisheyeRenderer:
-    """The panoramic camera: five perspective pictures, drawn above ``base`` (px) in the frame buffer.
-
-    It is set up when its first picture is drawn: who never looks through it does not wait for it.
+    """The panoramic camera: five perspective images, drawn above ``base`` (px) in the frame buffer. It is set up with
+    its first image: without demand it costs no start time.
     """
 
     def __init__(
@@ -118,7 +117,7 @@ class FisheyeRenderer:
         self._noise: ColorNoise
 
     def draw(self, snapshot: WorldSnapshot) -> Iterator[None]:
-        """Draw what is to be seen in ``snapshot``, a view in each step."""
+        """Draw ``snapshot``, one view in each step."""
         if self._tiling is None:
             self._tiling = self._set_up()
             yield
@@ -132,7 +131,7 @@ class FisheyeRenderer:
         yield
 
     def measure(self, color: NDArray[np.uint8], depth: NDArray[np.uint16] | None) -> None:
-        """Colour with noise; black where the lens has no picture."""
+        """Colour with noise; black outside the lens's image."""
         assert self._tiling is not None
         self._noise.add(self.picture, color, self._tiling.seen)
 

@@ -1,13 +1,13 @@
-"""The cameras' thread: draws the world as the body's cameras see it, into the image rings.
+"""The cameras' thread: renders the body's cameras into the image rings.
 
 Drawing takes longer than a control step and releases the interpreter's lock, so it has a thread of its own; the control
-loop only leaves it a snapshot when it is free and picks up finished pictures. Where one is not finished when the next
-is due, the loop has time stand a little: a computer too slow for the rates slows the world, not the camera. The OpenGL
-context lives and dies in this thread, as it must.
+loop only gives it a snapshot when it is free and collects finished images. Where an image is not finished when the next
+is due, the loop pauses simulated time: a computer too slow for the rates slows the world, not the camera. The OpenGL
+context belongs to this thread.
 
-One thread draws for all cameras: two would fight for the same processor, each with its copy of every texture. The
-camera with the shortest period goes first, even between the parts of another's picture; but one that has waited for
-longer than its own period goes before all that have not, so that where time is too short all rates fall alike.
+One thread renders all cameras: two would compete for the CPU, each with a copy of every texture. The camera with the
+shortest period goes first, even between the parts of another's image; but one that has waited longer than its own
+period goes before the others, so that under overload all rates fall in proportion.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from app.robots.simulated.wire import ImageNotice
 
 @dataclass(slots=True, eq=False)
 class _Job:
-    """A picture in work, asked for at ``since`` (s, monotonic)."""
+    """An image in progress, requested at ``since`` (s, monotonic)."""
 
     snapshot: WorldSnapshot
     steps: Iterator[None]
@@ -38,7 +38,7 @@ class _Job:
 
 
 class CameraThread:
-    """Draws snapshots as they come. ``rngs`` and ``rings`` are by stream, as are the cameras of ``streams``."""
+    """Renders snapshots on request. ``rngs``, ``rings`` and cameras are by stream."""
 
     def __init__(
         self,
@@ -70,7 +70,7 @@ class CameraThread:
         self._thread.start()
 
     def wait_ready(self, timeout_s: float) -> None:
-        """Wait until it can draw; raises what went wrong in the thread, or TimeoutError."""
+        """Wait until it can draw; raises the thread's error, or TimeoutError."""
         if not self._ready.wait(timeout_s):
             raise TimeoutError(f"the camera could not be set up in {timeout_s:.0f} s")
         if self.failure is not None:
@@ -88,7 +88,7 @@ class CameraThread:
             self._condition.notify()
 
     def close(self, timeout_s: float) -> None:
-        """End the thread, waiting for what it is drawing."""
+        """End the thread after its current image."""
         with self._condition:
             self._ending = True
             self._condition.notify()
@@ -101,7 +101,7 @@ class CameraThread:
             self._ready.set()
             self._serve(renderers)
             renderer.close()
-        except BaseException as failure:  # noqa: BLE001  # handed to the control loop, which ends the process with it
+        except BaseException as failure:  # noqa: BLE001  # raised in the control loop, which ends the process
             self.failure = failure
             self._ready.set()
             self._wake()

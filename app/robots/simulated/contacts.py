@@ -1,4 +1,4 @@
-"""What the body touches besides the floor: the truth, for whoever measures."""
+"""Contacts of the body with anything but the floor: ground truth."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:  # MuJoCo looks for its OpenGL library when it is imported
     from app.robots.simulated.body import RobotSimulation
 
 APART_S = 0.5
-"""Touched again after so long, a thing is touched anew."""
+"""Time (s) without contact after which a touch of the same object is a new contact."""
 FLOOR = "floor"
 
 
@@ -32,7 +32,7 @@ class Contact:
 
 
 class ContactMonitor:
-    """Notes contacts of a simulation; :meth:`look` every few steps: the softest touch lasts longer."""
+    """Records contacts of a simulation; call :meth:`look` every few steps: the shortest contact lasts longer."""
 
     def __init__(self, simulation: RobotSimulation) -> None:
         self._simulation = simulation
@@ -45,11 +45,11 @@ class ContactMonitor:
 
     @property
     def found(self) -> tuple[Contact, ...]:
-        """So far, in the order they began."""
+        """Contacts so far, in order."""
         return tuple(self._found)
 
     def look(self, stamp: float) -> None:
-        """Note what is touched now."""
+        """Record current contacts."""
         contacts = self._simulation.data.contact
         pairs = contacts.geom
         touching = self._obstacle[pairs]

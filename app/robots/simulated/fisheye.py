@@ -1,8 +1,8 @@
-"""A fisheye's picture out of perspective ones: the hemisphere tiled by views, and where each pixel is found in them.
+"""Fisheye images from perspective ones: the hemisphere tiled by views, and the pixel maps into them.
 
 The views are the faces of a cube about the camera: the whole one in front and the halves beside, above and below it.
 That takes the fewest pixels of all tilings by five views; OpenGL cannot draw a hemisphere in one. Towards their edges
-perspective views are up to twice as fine as the fisheye, hence the outer ones can be coarser than its middle.
+perspective views are up to twice as fine as the fisheye, so the outer ones can be coarser than its middle.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class Tiling:
 
 
 def tile(lens: FisheyeModel, base: int = 0, detail: float = 1.0) -> Tiling:
-    """The views that show what ``lens`` sees, drawn above row ``base`` of the frame buffer.
+    """The views that cover ``lens``, drawn above row ``base`` of the frame buffer.
 
     ``detail`` scales their resolution; 1 is the fisheye's own in its middle.
     """

@@ -1,4 +1,4 @@
-"""The world of a body in lockstep: turned by its caller, pictures drawn and sound made while the caller waits."""
+"""World of a body in lockstep: stepped by its caller, with images and sound rendered while the caller waits."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from app.robots.simulated.world_config import WorldConfig
 
 
 class LockstepWorld(WorldSimulation):
-    """A living world whose steps are due when ``now`` says so; see :class:`WorldSimulation` for what it raises."""
+    """A simulated world whose steps are due by ``now``; see :class:`WorldSimulation` for errors."""
 
     turn_s = STEPS_PER_TURN * TIMESTEP_S
 
@@ -49,7 +49,7 @@ class LockstepWorld(WorldSimulation):
         self.report(now, action, lambda: 1.0)
 
     def close(self) -> None:
-        """Stop the wheels and let go of the drawing."""
+        """Stop the wheels and release OpenGL."""
         self.end()
         if self._renderer is not None:
             self._renderer.close()
@@ -69,7 +69,7 @@ class LockstepWorld(WorldSimulation):
         time_s = self.physics.time_s
         if not self._scenes.due(time_s):
             return
-        if self._microphone_simulator is None:  # rooms take a second to be made
+        if self._microphone_simulator is None:  # building rooms takes a second
             self._microphone_simulator = MicrophoneSimulator(soundscape.setup)
         scene = soundscape.scene(time_s, stamp, self.physics.true_pose(), self.rims(), self.scenario_state)
         for heard in self._microphone_simulator.listen([scene]):
@@ -90,7 +90,7 @@ class LockstepWorld(WorldSimulation):
             self.send(stream, Image(stamp, frame, color, depth, lens, snapshot.X_BC), stamp)
 
     def _renderer_of(self, stream: str) -> CameraRenderer:
-        """The camera of ``stream``; OpenGL is made ready for the first picture anybody wants."""
+        """The renderer of ``stream``; OpenGL is initialized for the first image."""
         if self._renderer is None:
             self._renderer = Renderer(self.physics.model)
             self._open = open_renderers(self._renderer, self.physics.model, self.robot.streams, self.camera_rngs)

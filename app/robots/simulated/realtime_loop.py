@@ -1,7 +1,7 @@
-"""The control loop of the link's process: turns the world in real time, at 250 Hz.
+"""The control loop of the link's process: steps the world in real time, at 250 Hz.
 
-Everything but drawing and sound happens in this one thread, and nothing in it waits but the ``select`` that paces it.
-The guard's decision comes first in every turn, from the real clock, so it holds whatever the program does.
+Everything except drawing and sound runs in this thread, which waits only in the ``select`` that paces it. The guard's
+decision comes first in every cycle, by the real clock, so it is independent of the program.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _NICENESS = -5
 
 
 class RealtimeLoop:
-    """Builds the world of a ``Start`` and runs it until told to end."""
+    """Builds the world of a ``Start`` and runs it until the end."""
 
     def __init__(self, start: wire.Start, sock: wire.Socket, memory: int) -> None:
         robot, streams = start.robot, start.robot.streams
@@ -61,8 +61,8 @@ class RealtimeLoop:
         self._wake()
 
     def run(self) -> None:
-        """Turn until the end. Raises what the camera's thread raised."""
-        with contextlib.suppress(OSError):  # where we may: on a busy computer the guard goes first
+        """Run until the end. Raises errors of the camera's thread."""
+        with contextlib.suppress(OSError):  # if permitted: on a busy computer the guard has priority
             os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _NICENESS)
         self._pacer = Pacer(time.monotonic(), TIMESTEP_S)
         simulation = self._simulation
@@ -99,8 +99,8 @@ class RealtimeLoop:
             self._log.write(time.monotonic(), applied.linear_mps, applied.angular_radps)
 
     def _stamps(self, now: float) -> Iterator[float]:
-        """The instants that the steps due now stand for. Where a picture is due while the one before is still being
-        drawn, or sound is late, time stands: a computer too slow for the sensors slows everything alike."""
+        """Real instants of the due steps. Where an image is due while the one before is still being drawn, or sound is
+        late, simulated time pauses: a computer too slow for the sensors slows everything alike."""
         for _ in range(self._pacer.due(now)):
             if self._pacer.waits(now, self._sensed_late()):
                 return
@@ -116,7 +116,7 @@ class RealtimeLoop:
         )
 
     def _also(self, stamp: float) -> None:
-        """Have pictures drawn and sound made of the world as it is after a step."""
+        """Request images and sound of the world after a step."""
         simulation, time_s = self._simulation, self._simulation.physics.time_s
         if self._camera is not None:
             for stream in simulation.cameras:
@@ -141,7 +141,7 @@ class RealtimeLoop:
         self._socket.send(wire.Sample(stream, message))
 
     def _wake(self) -> None:
-        with contextlib.suppress(BlockingIOError):  # full: the loop is being woken already
+        with contextlib.suppress(BlockingIOError):  # full: the loop is already being woken
             os.write(self._wake_write, b"\0")
 
     def _sleep(self) -> None:

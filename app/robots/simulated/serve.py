@@ -1,4 +1,4 @@
-"""The life of the link's process: wait for its orders, build the world, run it to the end."""
+"""Main function of the link's process: read the Start message, build the world, run it to the end."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from app.runtime.realtime import be_punctual
 def serve(link_descriptor: int, memory_descriptor: int) -> int:
     """Serve one program over the inherited descriptors; returns the process's exit status.
 
-    What a person can mend is said in one sentence on standard error; anything else leaves a traceback there.
+    An error that a person can fix is one sentence on standard error; any other leaves a traceback there.
     """
     sock = Socket(socket.socket(fileno=link_descriptor))
     start = _wait_start(sock)

@@ -1,8 +1,7 @@
-"""The world with the robot in it, as it lives: commands in, guard, physics, people, what is sensed out.
-
-One turn of the world is the same whoever keeps its time: the link's process in real time (``world_loop.py``), or the
-program's own clock (``lockstep.py``). Nothing here waits, draws or reads a clock; pictures and sound, which need
-threads and processes of their own, are the keeper's, who is called back at every step.
+"""The simulated world with the robot: commands in; guard, physics and people; sensor data out. Its steps are
+independent of the time source: the link's process in real time (``realtime_loop.py``), or the program's own clock
+(``lockstep.py``). Nothing here waits, draws or reads a clock; images and sound, which need threads and processes of
+their own, are made by the caller, in a callback at every step.
 """
 
 from __future__ import annotations
@@ -29,11 +28,11 @@ from app.robots.simulated.scenery.scenario_state import ScenarioState
 from app.robots.simulated.world_config import WorldConfig
 
 STEPS_PER_TURN = 2
-"""So many physical steps between two decisions of the guard: 250 a second."""
+"""Physics steps per decision of the guard, which runs at 250 Hz."""
 
 
 class Schedule:
-    """When a stream of ``rate_hz`` is next due, in simulated seconds."""
+    """Due times of a stream of ``rate_hz``, in simulated seconds."""
 
     def __init__(self, rate_hz: float) -> None:
         self.period_s = 1.0 / rate_hz
@@ -44,7 +43,7 @@ class Schedule:
         return time_s + 1e-9 >= self._next_s
 
     def due(self, time_s: float) -> bool:
-        """Whether it is due now; then the next time is a period on (a stream that fell behind skips, not hurries)."""
+        """Whether it is due now; then the next time is a period later (a stream that fell behind skips periods)."""
         if not self.ready(time_s):
             return False
         self._next_s = max(self._next_s + self.period_s, time_s + 0.5 * self.period_s)
@@ -54,9 +53,9 @@ class Schedule:
 class WorldSimulation:
     """Builds the world with ``robot`` and the people of ``scenario`` in it. Stamps are the robot's clock (s).
 
-    ``send(stream, message)`` is given what is sensed, of the streams in ``wanted`` and those that always run.
-    ``soundscape`` is what a body with microphones is among; the keeper has it heard. Raises ConfigError for a body that
-    cannot be simulated, and for a sound there is not.
+    ``send(stream, message)`` gets the sensor data of the streams in ``wanted`` and of those that always run.
+    ``soundscape``: sounds around a body with microphones, rendered by the caller. Raises ConfigError for a body that
+    cannot be simulated, and for an unknown sound.
     """
 
     def __init__(
@@ -71,11 +70,11 @@ class WorldSimulation:
     ) -> None:
         streams = robot.streams
         seeds = np.random.SeedSequence(robot.seed).spawn(8)
-        rngs = [np.random.default_rng(s) for s in seeds]  # one each, in an order that stays: new ones at the end
+        rngs = [np.random.default_rng(s) for s in seeds]  # one each, in a fixed order: append new ones at the end
         base_rng, odometry_rng, laser_rng, kinect_rng, self._joint_rng, imv_rng = rngs[:6]
         self.robot = robot
         self.camera_rngs = {"kinect": kinect_rng, "imv": imv_rng}
-        self.scenario_state = ScenarioState(scenario or ScenarioConfig(name="nobody"))
+        self.scenario_state = ScenarioState(scenario or ScenarioConfig(name="empty"))
         self._inhabited = scenario is not None
         self.wanted = set(wanted)
         self._send_out = send
@@ -120,7 +119,7 @@ class WorldSimulation:
         return tuple(self._camera_frames)
 
     def accept(self, frame: object) -> None:
-        """Take one of ``wire``'s commands to the guard or demands of streams; anything else is passed over."""
+        """Take one of ``wire``'s commands to the guard or demands of streams; others are ignored."""
         match frame:
             case wire.DriveRequest(stamp, linear, angular):
                 self.state = guard.accept(self.state, guard.VelocityCommand(stamp, guard.BaseVelocity(linear, angular)))
@@ -133,10 +132,8 @@ class WorldSimulation:
                 self._last_seen.pop(stream, None)
 
     def turn(self, now: float, stamps: Iterable[float], also: Callable[[float], None]) -> guard.GuardAction:
-        """Decide at ``now`` what the wheels may be given, then step once for each of ``stamps``, sensing after each.
-
-        ``also(stamp)`` is called after each step, for what the keeper senses itself. Without a step a stop is given to
-        the wheels at once.
+        """Run the guard at ``now``, then step once for each of ``stamps``, with sensors after each. ``also(stamp)`` is
+        called after each step, for the caller's sensors. Without a step a stop is applied at once.
         """
         action = guard.decide(now, self.state, self._sensor_ages(now), self._limits)
         simulation, steps = self.physics, 0
@@ -149,7 +146,7 @@ class WorldSimulation:
                 self._people.pose(simulation.data)
             self._sense(stamp)
             also(stamp)
-        if steps == 0 and action.immediate:  # do not let a stop wait for the next step
+        if steps == 0 and action.immediate:  # a stop must not wait for the next step
             self.state = guard.step(self.state, action, self._limits, 0.0)
             simulation.drive(self.state.applied)
         return action
@@ -176,20 +173,20 @@ class WorldSimulation:
         self.physics.step()
 
     def send(self, stream: str, message: object, seen: float) -> None:
-        """Give out ``message``, its stream last having spoken at ``seen``."""
+        """Send ``message``, with ``seen`` as the last time of its stream."""
         self.saw(stream, seen)
         self._send_out(stream, message)
 
     def saw(self, stream: str, seen: float) -> None:
-        """Note that ``stream`` has spoken at ``seen``: the guard watches the age of sensors."""
+        """Note ``seen`` as the last time of ``stream``: the guard checks the age of sensors."""
         self._last_seen[stream] = seen
 
     def looks(self, stream: str) -> bool:
-        """Whether a picture of ``stream`` is wanted and due."""
+        """Whether an image of ``stream`` is wanted and due."""
         return stream in self.wanted and self._schedules[stream].ready(self.physics.time_s)
 
     def look(self, stream: str, stamp: float) -> WorldSnapshot | None:
-        """What the camera of ``stream`` is to draw now, None where no picture is wanted or due."""
+        """Snapshot to render for the camera ``stream`` now; None where no image is wanted or due."""
         if stream not in self.wanted or not self._schedules[stream].due(self.physics.time_s):
             return None
         measured = dict(zip(self.physics.joints, self._measured_joints(), strict=True))
@@ -204,7 +201,7 @@ class WorldSimulation:
         return velocity.linear_mps - turn, velocity.linear_mps + turn
 
     def _sensor_ages(self, now: float) -> dict[str, float]:
-        """Ages (s) of the sensors the base must not drive without, of those that are wanted and have spoken once."""
+        """Ages (s) of the sensors required for driving, of those that are wanted and have sent data once."""
         return {
             name: now - self._last_seen[name] for name in self.robot.limits.required_sensors if name in self._last_seen
         }
@@ -237,7 +234,7 @@ class WorldSimulation:
         positions = self.physics.joint_positions()
         left, right = (float(positions[index]) for index in self._wheel_joints)
         if not (math.isfinite(left) and math.isfinite(right)):
-            return  # broken encoders: the guard sees the stream age
+            return  # failed encoders: the guard sees the stream age
         self._odometry.update(left, right, time_s - self._last_odometry_s)
         self._last_odometry_s = time_s
         odometry = Odometry(stamp, self._odometry.X_OB, self._odometry.linear_mps, self._odometry.angular_radps)

@@ -60,7 +60,7 @@ def test_a_line_that_is_no_result_is_said(three: Path, tmp_path: Path) -> None:
     what = plan(three)
     kept = ResultsStore(tmp_path, what.of())
     kept.add({"world": "1"})
-    with pytest.raises(ConfigError, match="--fresh begins anew"):
+    with pytest.raises(ConfigError, match="--fresh starts again"):
         done(what, ResultsStore(tmp_path, what.of()))
 
 

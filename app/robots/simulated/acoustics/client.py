@@ -1,4 +1,5 @@
-"""The control loop's end of the microphones: starts their process when somebody listens, tells it of the world."""
+"""Client of the microphones' process in the control loop: starts the process on demand and sends it the world's
+state."""
 
 from __future__ import annotations
 
@@ -20,16 +21,15 @@ from app.robots.simulated.scenery.scenario_state import ScenarioState
 from app.robots.simulated.wire import Socket
 
 _LATE_S = 0.1
-"""So far behind the world sound may be, s: before the microphones' process leaves out what it cannot make up for."""
+"""Greatest delay (s) of sound behind the world, below the delay at which the microphones' process drops frames."""
 _PAUSE_S = 0.3
 _RESTART_S = 2.0
 _UPDATE_S = 10.0
 
 
 class AcousticsClient:
-    """Has ``soundscape`` heard in a process of its own; never waits. Call :meth:`update` often and :meth:`receive` when
-    :attr:`descriptors` can be read.
-    """
+    """Renders ``soundscape`` in a process of its own; never waits. Call :meth:`update` often and :meth:`receive` when
+    :attr:`descriptors` are readable."""
 
     def __init__(self, soundscape: Soundscape) -> None:
         self._soundscape = soundscape
@@ -47,19 +47,19 @@ class AcousticsClient:
 
     @property
     def descriptors(self) -> list[int]:
-        """What to wait for with ``select``; none while nobody listens."""
+        """Descriptors for ``select``; none without the process."""
         return [] if self._socket is None else [self._socket.fileno()]
 
     def update(
         self, time_s: float, stamp: float, X_WB: Pose2, rims_mps: tuple[float, float], scenario_state: ScenarioState
     ) -> None:
-        """Tell how the world is at ``time_s`` (simulated); starts the process if it does not run."""
+        """Send the world's state at ``time_s`` (simulated); starts the process if it does not run."""
         if self._socket is None:
             if time_s < self._not_before_s:
                 return
             self._start()
             assert self._socket is not None
-        if time_s - self._scene_s > _PAUSE_S:  # nobody listened meanwhile
+        if time_s - self._scene_s > _PAUSE_S:  # there was no demand meanwhile
             self._heard_s = None
         self._scene_s = time_s
         self._socket.send(self._soundscape.scene(time_s, stamp, X_WB, rims_mps, scenario_state))
@@ -68,7 +68,7 @@ class AcousticsClient:
             self._lose(time_s)
 
     def play(self, audio: Audio) -> None:
-        """Sound for the loudspeaker; swallowed while nobody listens, for then nobody hears it."""
+        """Sound for the loudspeaker; dropped without the process."""
         if self._socket is not None and audio.samples.size:
             self._socket.send(LoudspeakerFrame(audio))
             self._socket.flush()
@@ -92,7 +92,7 @@ class AcousticsClient:
 
     @property
     def late(self) -> bool:
-        """Whether what has been told is not heard yet, though it should be."""
+        """Whether sound is overdue for the states sent so far."""
         return self._socket is not None and self._heard_s is not None and self._scene_s - self._heard_s > _LATE_S
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""How the torso changes what microphones on it hear: the exact response of a rigid sphere, and tables of it.
+"""Diffraction by the torso: the exact response of a rigid sphere at microphones on its surface, and tables of it.
 
 Phase convention ``exp(+j w t)``, as numpy's FFTs have it: a delay of tau is ``exp(-j w tau)``. Responses are relative
 to the free field that the same source would make at the sphere's middle, so they tend to 1 (and the right phase) where
@@ -26,7 +26,7 @@ _FRACTIONS = 32
 _ANGLE_STEP_DEG = 2.5
 _FREE_M, _NEAREST_M = 0.02, 0.05
 _PASS, _STOP = 0.80, 0.98
-"""Responses fall to nothing between these shares of half the sampling rate, so that they stay short."""
+"""Band, as shares of half the sampling rate, in which responses fade to zero, so that they stay short."""
 
 
 def sphere_response(
@@ -112,7 +112,7 @@ def response_table(radius_m: float, rate: int) -> ResponseTable:
 
 
 def plane_path(radius_m: float, angles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """How much farther (m) than to the middle a plane wave goes, round the sphere, to its surface at ``angles``."""
+    """Additional path (m) of a plane wave, relative to the middle, around the sphere to its surface at ``angles``."""
     lit: NDArray[np.float64] = np.where(
         angles <= math.pi / 2, -radius_m * np.cos(angles), radius_m * (angles - math.pi / 2)
     )
@@ -143,7 +143,7 @@ class BaffledMicrophones:
 
         ``p_AS`` (S, 3) m. In the light the angle is that between the microphone's normal and the way to the source;
         beyond the edge of the shadow it grows with the arc that the wave creeps. A source within the sphere (the
-        robot's own loudspeaker) is heard through the free field.
+        robot's own loudspeaker) is in the free field.
         """
         straight = np.linalg.norm(p_AS[:, None, :] - self.p_AM, axis=2)
         if not self.shadow:
@@ -161,7 +161,7 @@ class BaffledMicrophones:
             creeping = np.sqrt(np.maximum(distances**2 - on_sphere**2, 0.0)) + on_sphere * beyond
         shaded = outside & (beyond > 0) & (radii > _FREE_M)
         incidence = np.arccos(np.clip((distances * cos - on_sphere) / np.maximum(straight, 1e-9), -1.0, 1.0))
-        # The far pole stays the far pole, where the ways round both sides meet
+        # The far pole is fixed, where the paths around both sides meet
         shade_angle = math.pi / 2 * (1 + beyond / np.maximum(math.pi - edge, 1e-9))
         table_angle = np.where(shaded, shade_angle, incidence)
         return np.where(shaded, creeping, straight), np.where(outside, table_angle, 0.0)
@@ -173,7 +173,7 @@ class BaffledMicrophones:
     def impulses(
         self, p_AS: NDArray[np.float64], gains: NDArray[np.float64], length: int, start_s: float = 0.0, taps: int = TAPS
     ) -> NDArray[np.float32]:
-        """What unit impulses given off at ``p_AS`` (S, 3) m at time 0 make of the microphones: (B, M, length) float32.
+        """Response of the microphones to unit impulses at ``p_AS`` (S, 3) m at time 0: (B, M, length) float32.
 
         ``gains`` (S, B): amplitudes at 1 m in each of B bands (they fall with the length of the way). Sample 0 is at
         ``start_s`` (s); arrivals are true to 1/64 of a sample; what falls outside is cut off. ``taps`` shortens the

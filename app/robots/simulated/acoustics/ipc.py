@@ -1,4 +1,4 @@
-"""What goes between the link's process and the process of its microphones."""
+"""Messages between the link's process and its microphones' process."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AcousticsSetup:
-    """All that does not change: ``X_BM`` and ``X_BS`` are the poses of the microphones' and the loudspeaker's links.
+    """Constants: ``X_BM`` and ``X_BS`` are the poses of the microphones' and the loudspeaker's links.
 
-    ``clips`` are samples (N,) float32 with their levels; ``p_BW`` the middles of the left and the right wheel.
+    ``clips``: samples (N,) float32 with their levels; ``p_BW``: middles of the left and the right wheel.
     """
 
     config: MicrophonesConfig
@@ -36,7 +36,7 @@ class AcousticsSetup:
 
 @dataclass(frozen=True, slots=True)
 class ActiveSound:
-    """A scripted sound as it is now: ``p_W`` m; ``looks`` (rad), the heading of the mouth it comes from, or None."""
+    """The state of a scripted sound: ``p_W`` m; ``looks`` (rad): heading of its mouth, or None."""
 
     name: str
     key: Key
@@ -67,7 +67,7 @@ class LoudspeakerFrame:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MicrophoneFrame:
-    """One frame of the microphones; ``lost`` frames were left out just before it."""
+    """One frame of the microphones; ``lost``: number of frames dropped just before it."""
 
     audio: Audio
     lost: int

@@ -1,4 +1,4 @@
-"""The microphones themselves: scenes in, frames out, each as soon as the world has come to its end. No clock in it."""
+"""Simulated microphones: scenes in, frames out, each as soon as the scenes cover it. No clock."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ from app.robots.simulated.acoustics.loudspeaker_source import LoudspeakerSource
 from app.robots.simulated.acoustics.selfnoise import SelfNoise
 
 LATE_S = 0.15
-"""How far behind the world the microphones may fall before frames are left out."""
+"""Greatest delay (s) behind the world before frames are dropped."""
 PAUSE_S = 0.5
-"""Scenes farther apart than this: nobody listened in between."""
+"""Gap (s) between scenes that means a pause of the demand."""
 _BELOW_NOISE_DB = 10.0
 _LOUDSPEAKER = "\0loudspeaker"
 
 
 class MicrophoneSimulator:
-    """Feed it scenes in their order; it gives the frames that they complete."""
+    """Takes scenes in order; returns the frames that they complete."""
 
     def __init__(self, setup: AcousticsSetup) -> None:
         config = setup.config
@@ -81,19 +81,19 @@ class MicrophoneSimulator:
         self._scenes: deque[SoundScene] = deque()
         self._lost = 0
         self.clipped = 0
-        """Samples that were louder than full scale so far."""
+        """Number of clipped samples so far."""
 
     def play(self, played: LoudspeakerFrame) -> None:
         """Queue sound for the loudspeaker."""
         self._speaker.play(played.audio.samples[:, 0], played.audio.rate)
 
     def listen(self, scenes: list[SoundScene]) -> list[MicrophoneFrame]:
-        """The frames that ``scenes``, the next ones, complete. What is hopelessly late is left out."""
+        """The frames that ``scenes``, the next ones, complete. Frames that are too late are dropped."""
         if not scenes:
             return []
         told = [*self._scenes, *scenes]
         if len(told) == len(scenes) or any(b.time_s - a.time_s > PAUSE_S for a, b in itertools.pairwise(told)):
-            # Nobody listened until now, or this process has just begun: no loss
+            # Demand starts now, or this process has just started: no loss
             self._scenes = deque(scenes[-1:])
             self._skip_to(scenes[-1].time_s)
             return []

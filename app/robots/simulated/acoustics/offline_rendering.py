@@ -1,10 +1,11 @@
-"""Rendered scenes without a running world: for benchmarks and tests, through the same code as the live microphones.
+"""Offline rendering of sound scenes without a running world, for benchmarks and tests, with the code of the live
+microphones.
 
-from app.robots.simulated.acoustics.offline_rendering import Source, render_scene
+from app.robots.simulated.acoustics.offline_rendering import OfflineSource, render_scene
 
-array = Microphones(positions - positions.mean(0), 48000, shadow=True)      # False: no torso, free field
+array = BaffledMicrophones(positions - positions.mean(0), 48000, shadow=True)      # False: no torso, free field
 room = Shoebox(corner=(0, 0, 0), size=(6, 5, 3), rt60_s=(0.45, 0.40))        # low and high band
-talker = Source(samples_48k, lambda t: (2 + 0.5 * t, 3.0, 1.6), begin_s=0.5, looks="listener")
+talker = OfflineSource(samples_48k, lambda t: (2 + 0.5 * t, 3.0, 1.6), begin_s=0.5, looks="listener")
 samples, truth = render_scene([talker], Pose3.from_translation_rpy((3, 2, 1.0)), room, 6.0, array, noise=0.001)
 samples        # (channels, N) float32, full scale 1
 truth[0].directions, truth[0].active     # (T, 3) in the array's axes and (T,), every 10 ms
@@ -46,10 +47,10 @@ class OfflineSource:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SourceTruth:
-    """Where one source truly was, every 10 ms, at the microphones' time (its sound's travel is taken off).
+    """Ground truth of one source, every 10 ms, at the microphones' time (travel time removed).
 
     ``times_s`` (T,); ``directions`` (T, 3) unit vectors in the array's axes; ``ranges_m`` (T,); ``active`` (T,) bool:
-    whether sound that is not one of the source's own pauses arrives.
+    whether sound outside the source's own pauses arrives.
     """
 
     times_s: NDArray[np.float64]
@@ -68,7 +69,7 @@ def render_scene(
     noise: float = 0.0,
     seed: int = 1,
 ) -> tuple[Samples, list[SourceTruth]]:
-    """What an array with its middle at ``X_WA`` (a pose in the world, or a function of the time) hears of ``sources``.
+    """Sound of ``sources`` at an array with its middle at ``X_WA`` (a pose in the world, or a function of the time).
 
     Images to ``early_s`` after each direct sound (longer is slower), diffuse reverberation after them; ``noise`` is the
     root mean square of white noise at each microphone. Returns samples (C, N) float32, not clipped, and the truth of

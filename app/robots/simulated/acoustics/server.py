@@ -1,4 +1,4 @@
-"""The life of the microphones' process: read what never changes, then hear as the world goes on."""
+"""Main loop of the microphones' process: read the setup, then render the scenes as they arrive."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from app.robots.simulated.wire import Socket
 
 
 def serve(link_descriptor: int, setup_descriptor: int) -> None:
-    """Hear until the other end closes. The setup is a pickle in the memory of ``setup_descriptor``."""
+    """Render until the other end closes. The setup is a pickle in the memory of ``setup_descriptor``."""
     with open(setup_descriptor, "rb") as memory:
         memory.seek(0)
         setup = pickle.load(memory)

@@ -1,4 +1,4 @@
-"""What there is to be heard in the simulated world, told for its microphones: scenes, and the truth about them."""
+"""Sounds of the simulated world for its microphones: scenes, and their ground truth."""
 
 from __future__ import annotations
 
@@ -17,17 +17,16 @@ from app.robots.simulated.scenery.scenario_state import Cue, ScenarioState
 from app.robots.simulated.world_config import WorldConfig
 
 AFTER_S = 0.3
-"""How long a sound is told of after its end: its way, of up to 100 m."""
+"""Time (s) that a sound stays in the scene after its end: travel time over up to 100 m."""
 SCENES_HZ = 100.0
-"""So often the microphones are to be told of the world."""
+"""Rate (Hz) of the scenes."""
 
 
 class Soundscape:
-    """Every sound of ``scenario``; ``setup`` is what
-    an :class:`~app.robots.simulated.acoustics.microphone_simulator.Ear` is
-    made from.
+    """Every sound of ``scenario``; ``setup`` is the argument of a
+    :class:`~app.robots.simulated.acoustics.microphone_simulator.MicrophoneSimulator`.
 
-    Raises ConfigError for a sound there is not, or that would be cut off.
+    Raises ConfigError for an unknown sound, or one that would be cut off.
     """
 
     def __init__(
@@ -68,7 +67,7 @@ class Soundscape:
     def scene(
         self, time_s: float, stamp: float, X_WB: Pose2, rims_mps: tuple[float, float], scenario_state: ScenarioState
     ) -> SoundScene:
-        """How the world is at ``time_s`` (simulated, s), ``stamp`` by the robot's clock."""
+        """The world's state at ``time_s`` (simulated, s), ``stamp`` by the robot's clock."""
         headings = {person.name: person.heading for person in scenario_state.people}
         sounds = tuple(
             ActiveSound(
@@ -86,7 +85,7 @@ class Soundscape:
         return SoundScene(time_s, stamp, X_WB, rims_mps, sounds)
 
     def truth(self, time_s: float, stamp: float, scenario_state: ScenarioState) -> tuple[SoundTruth, ...]:
-        """Every scripted sound that is being given off."""
+        """Every scripted sound in progress."""
         return tuple(
             SoundTruth(
                 name=cue.name,
@@ -110,7 +109,7 @@ class Soundscape:
 
 
 def _keys(library: ClipLibrary, scenario: ScenarioConfig) -> Iterator[Key]:
-    """Every sound that ``scenario`` can ask for."""
+    """Keys of all sounds of ``scenario``."""
     names = {sound.clip for sound in scenario.sounds} | ({scenario.footsteps.clip} if scenario.footsteps else set())
     for person in scenario.people:
         if any(step.clap is not None for step in person.script):

@@ -1,4 +1,4 @@
-"""How a person holds their limbs: the posture, where its joints are, and how walking and clapping move them.
+"""Posture of a person: joints of the limbs, and their motion when walking and clapping.
 
 Lengths are shares of the person's height. Proportions: Drillis and Contini 1966 (in Winter, *Biomechanics and Motor
 Control of Human Movement*, figure 4.1); the mouth's height is that of ``app/modules/perception/height_prior.py``.
@@ -22,7 +22,7 @@ _ANKLE = HIP_SHARE - THIGH - SHIN
 
 @dataclass(frozen=True, slots=True)
 class Posture:
-    """How limbs are held: ``gait`` phase (rad) and ``stride`` (0 standing, 1 a full step); ``clap`` 0 arms down, 1
+    """Posture of the limbs: ``gait`` phase (rad) and ``stride`` (0 standing, 1 a full step); ``clap`` 0 arms down, 1
     raised with the palms ``apart`` (0 together, 1 wide); ``head_yaw``, ``head_pitch`` (rad, up positive) on the body.
     """
 
@@ -46,7 +46,7 @@ class LimbJoint:
 
 
 def drop(posture: Posture) -> float:
-    """How much lower the trunk is than standing: legs apart reach less far down."""
+    """Lowering of the trunk relative to standing: spread legs reach less far down."""
     return HIP_SHARE - _ANKLE - max(_reach(leg) for leg in _legs(posture))
 
 
@@ -72,7 +72,7 @@ def joints(posture: Posture) -> dict[str, LimbJoint]:
 
 
 def mouth(posture: Posture) -> tuple[float, float]:
-    """How far ahead of the neck the mouth is, along the gaze, and how high above the floor."""
+    """Position of the mouth: ahead of the neck along the gaze, and height above the floor."""
     up = MOUTH_SHARE - NECK_SHARE
     c, s = math.cos(posture.head_pitch), math.sin(posture.head_pitch)
     return MOUTH_AHEAD * c - up * s, NECK_SHARE - drop(posture) + MOUTH_AHEAD * s + up * c

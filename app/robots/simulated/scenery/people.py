@@ -1,7 +1,7 @@
-"""The people's bodies in MuJoCo: one kinematic ("mocap") body a limb, posed from what the stage says.
+"""The people's bodies in MuJoCo: one kinematic ("mocap") body per limb, posed by the scenario's state.
 
-Such bodies weigh nothing and follow no forces: physics only feels the upright cylinder around each person, which the
-robot can bump into. The laser sees legs, cameras see everything.
+Such bodies have no mass and follow no forces: only the upright cylinder around each person has contacts, so that the
+robot can touch it. The laser sees legs, cameras see everything.
 """
 
 from __future__ import annotations
@@ -111,7 +111,7 @@ class PersonBodies:
         self._ids = np.array(ids, dtype=np.intp).reshape(len(self._actors), len(LIMBS))
 
     def pose(self, data: mujoco.MjData) -> None:
-        """Put every limb where the actors are now; physics takes it up with its next step."""
+        """Set every limb to the actors' current pose, effective with the next step of the physics."""
         for ids, actor in zip(self._ids, self._actors, strict=True):
             poses = limb_poses(actor)
             data.mocap_pos[ids] = poses[:, :3]

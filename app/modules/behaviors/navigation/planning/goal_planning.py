@@ -27,7 +27,7 @@ from app.modules.behaviors.navigation.planning.smoothing import length_of, smoot
 @dataclass(frozen=True, slots=True)
 class PlanSettings:
     """``near_m``: greatest distance of a substitute place from a goal that is occupied. ``free_start_m``: longest way
-    out for a robot that stands too near to an obstacle; ``leave_zone_m``: longest way out of a keep-out zone.
+    out for a robot too near to an obstacle; ``leave_zone_m``: longest way out of a keep-out zone.
     ``spacing_m``: distance between the path's poses."""
 
     near_m: float = 1.0

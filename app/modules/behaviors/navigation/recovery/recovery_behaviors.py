@@ -21,7 +21,7 @@ class RecoveryAction(Enum):
     """A recovery action; the values are texts for people."""
 
     WAIT = "waiting for the way to clear"
-    CLEAR = "looking afresh at what stands around"
+    CLEAR = "clearing the costmap"
     BACK_OFF = "backing off along the way it came"
     TURN = "turning to look around"
     OPEN_UP = "trying ways it does not know or that were blocked before"

@@ -76,7 +76,7 @@ class LocalizationMonitor:
             case "mapping" | "tracking":
                 return self._localization_problem(where, now)
             case "searching":
-                return "it looks for itself on the map: drive it a little, or say where it is"
+                return "it searches its place on the map: drive it a little, or say where it is"
             case _:
                 return "it is lost: what the laser sees does not fit the map; drive it a little, or say where it is"
 
@@ -100,5 +100,5 @@ class LocalizationMonitor:
         if not age_s >= -_ODOMETRY_S:
             return "localization's stamps are not of the robot's clock"
         if age_s > min(_LOCALIZATION_S + _PERIODS * self._period_s, _LONGEST_S):
-            return "it waits to be localized: SLAM has just begun, or this computer is too slow for it"
+            return "it waits to be localized: SLAM has just started, or this computer is too slow for it"
         return ""
