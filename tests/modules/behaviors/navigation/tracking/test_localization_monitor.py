@@ -55,7 +55,7 @@ def test_one_bad_stamp_does_not_make_the_next_ones_last_longer() -> None:
 
 def test_old_poses_may_not_and_the_words_stay() -> None:
     said = {watch(placed=NOW - age_s).problem(NOW) for age_s in (1.1, 2.0, 60.0)}
-    assert said == {"it waits to be localized: SLAM has just begun, or this computer is too slow for it"}
+    assert said == {"it waits to be localized: SLAM has just started, or this computer is too slow for it"}
     assert watch(moved=NOW - 0.4).problem(NOW).startswith("there is no odometry")
 
 
