@@ -15,12 +15,12 @@ import numpy as np
 
 from app.base.geometry import Pose3
 from app.robots.config import MicrophonesConfig
-from app.robots.simulated.acoustics.diffraction import Microphones
-from app.robots.simulated.acoustics.hearing import Emission, Hearing, OneRoom
-from app.robots.simulated.acoustics.offline import Source, render_scene
+from app.robots.simulated.acoustics.auralization import Auralizer, Emission, OneRoom
+from app.robots.simulated.acoustics.diffraction import BaffledMicrophones
+from app.robots.simulated.acoustics.dry_sound import SampledSound
+from app.robots.simulated.acoustics.offline_rendering import OfflineSource, render_scene
 from app.robots.simulated.acoustics.room import Shoebox
-from app.robots.simulated.acoustics.sounds import Library
-from app.robots.simulated.acoustics.source import Recorded
+from app.robots.simulated.acoustics.sounds import ClipLibrary
 from benchmarks.report import Row, benchmark_main, row
 
 RATE, BLOCK = 48000, 512
@@ -30,11 +30,11 @@ CLIPS = ("question", "story", "answer")
 
 def live(talkers: int, moving: bool, shadow: bool, seconds: float) -> tuple[float, float]:
     """CPU in % of a core, and the longest frame (ms of CPU)."""
-    library = Library(RATE, -32.0)
+    library = ClipLibrary(RATE, -32.0)
     array = _array(shadow)
-    hearing = Hearing(array, OneRoom(ROOM), late_s=0.6)
+    hearing = Auralizer(array, OneRoom(ROOM), late_s=0.6)
     hearing.prepare((ROOM,))
-    clips = [Recorded(library.get(name).samples, loop=True) for name in CLIPS[:talkers]]
+    clips = [SampledSound(library.get(name).samples, loop=True) for name in CLIPS[:talkers]]
     spent = []
     for number in range(round(seconds * RATE / BLOCK)):
         t = number * BLOCK / RATE * moving
@@ -54,9 +54,9 @@ def live(talkers: int, moving: bool, shadow: bool, seconds: float) -> tuple[floa
 
 def offline(seconds: float) -> float:
     """Seconds of a scene of two walking talkers rendered in one second of CPU."""
-    library = Library(RATE, -32.0)
+    library = ClipLibrary(RATE, -32.0)
     sources = [
-        Source(
+        OfflineSource(
             library.get(name).samples, lambda t, n=n: (5.0 + 0.5 * t, 1.5 + 2.0 * n, 1.6), looks="listener", loop=True
         )
         for n, name in enumerate(CLIPS[:2])
@@ -66,9 +66,9 @@ def offline(seconds: float) -> float:
     return seconds / (time.thread_time() - began)
 
 
-def _array(shadow: bool) -> Microphones:
+def _array(shadow: bool) -> BaffledMicrophones:
     positions = np.array(MicrophonesConfig().positions)
-    return Microphones(positions - positions.mean(axis=0), RATE, shadow)
+    return BaffledMicrophones(positions - positions.mean(axis=0), RATE, shadow)
 
 
 def measure(quick: bool) -> list[Row]:

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.messages import Audio, LoudNoise
-from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudNoiseJudge, Rule, whole_energy
+from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudnessRule, OnsetDetector, whole_energy
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import RealClock
 from app.runtime.graph import Graph, ModuleSpec
@@ -62,9 +62,9 @@ def listen(plan: Script) -> Hour:
     return Hour(plan, band, whole)
 
 
-def events_of_ours(hour: Hour, rule: Rule) -> Times:
+def events_of_ours(hour: Hour, rule: LoudnessRule) -> Times:
     """Times (s) of our events."""
-    judge = LoudNoiseJudge(rule)
+    judge = OnsetDetector(rule)
     frames = [
         n
         for n, (e, w) in enumerate(zip(hour.band, hour.whole, strict=True))
@@ -73,7 +73,7 @@ def events_of_ours(hour: Hour, rule: Rule) -> Times:
     return np.array(frames, np.float64) * (FRAME / RATE)
 
 
-def events_of_the_plain_rule(hour: Hour, rule: Rule) -> Times:
+def events_of_the_plain_rule(hour: Hour, rule: LoudnessRule) -> Times:
     """When (s) the thesis's rule does, computed for all frames at once."""
     energy = np.array(hour.whole)
     sums = np.concatenate(((0.0,), np.cumsum(energy)))
@@ -166,8 +166,8 @@ def measure(quick: bool) -> Sequence[Row]:
     plans = [script(201, 300.0)] if quick else [script(seed) for seed in range(201, 205)]
     for plan in plans:
         hour = listen(plan)
-        ours = score(events_of_ours(hour, Rule()), plan.truth)
-        plain = score(events_of_the_plain_rule(hour, Rule()), plan.truth)
+        ours = score(events_of_ours(hour, LoudnessRule()), plan.truth)
+        plain = score(events_of_the_plain_rule(hour, LoudnessRule()), plan.truth)
         case = f"{plan.duration_s / 60:.0f} min of a laboratory, seed {plan.seed}, {len(plan.truth)} noises"
         for metric, mine, other in zip(("right (precision)", "found (recall)"), ours, plain, strict=True):
             rows.append(row("noises", case, metric, "%", [100 * mine], [100 * other], "the thesis's rule"))
@@ -198,7 +198,7 @@ def plot(file: Path) -> int:
     for axis, (name, events_of, parameter, values) in zip(axes, panels, strict=True):
         rules = [
             [
-                Rule(
+                LoudnessRule(
                     ratio=ratio,
                     **{parameter: int(v)},
                     **({"history": min(100, int(v))} if parameter == "window" else {}),

@@ -25,7 +25,7 @@ from app.modules.perception.voices.microphone_array import MicrophoneArray, load
 from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeline
 from app.modules.perception.voices.resampling import Resampler
 from app.modules.perception.voices.separation import Separator
-from app.modules.perception.voices.voice_activity import CHUNK, SPEECH_RATE, SpeechJudge
+from app.modules.perception.voices.voice_activity import CHUNK, SPEECH_RATE, VoiceActivityDetector
 from benchmarks.bss_eval import Scores, bss_eval
 from benchmarks.report import Row, benchmark_main, row
 from benchmarks.voice_rooms import BOX, HELD_OUT, RATE, Scene, cached, recipes
@@ -72,7 +72,7 @@ def separated(scene: Scene, array: MicrophoneArray) -> tuple[NDArray[np.float32]
 def summed(scene: Scene, array: MicrophoneArray) -> NDArray[np.float32]:
     """The same by delay and sum."""
     beams = DelayAndSum(array, scene.rate)
-    beams.hear(scene.samples)
+    beams.update(scene.samples)
     sounds = [beams.beam(talker.direction(0.0)) for talker in scene.talkers]
     return np.stack([resample_poly(sound, 1, scene.rate // SPEECH_RATE) for sound in sounds])
 
@@ -202,12 +202,12 @@ def _judged(path: Path, seconds: float) -> tuple[NDArray[np.float64], NDArray[np
     sound, rate = soundfile.read(path, dtype="float32", always_2d=True)
     sound = Resampler(rate, SPEECH_RATE).process(np.ascontiguousarray(sound.mean(1)))[: int(seconds * SPEECH_RATE)]
     chunks = sound[: len(sound) // CHUNK * CHUNK].reshape(-1, CHUNK)
-    judge = SpeechJudge(window=1)
+    detector = VoiceActivityDetector(window=1)
     found = []
     began = time.thread_time()
     for chunk in chunks:
-        judge.hear({1: chunk})
-        found.append(judge.speech(1))
+        detector.update({1: chunk})
+        found.append(detector.speech(1))
     spent = time.thread_time() - began
     levels = 10 * np.log10((chunks.astype(np.float64) ** 2).mean(1) + 1e-12)
     return np.array(found), levels, spent * SPEECH_RATE / chunks.size

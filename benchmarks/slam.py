@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 from app.base.geometry import Pose2
 from app.commands.slam.sweeps import sweep_key
 from app.commands.slam.truth import read_reference
-from app.modules.perception.slam.offline import MappedLog, Sweep, mapped
+from app.modules.perception.slam.offline_mapping import MappedLog, Sweep, mapped
 from app.modules.perception.slam.relations import RelationErrors, between, filled_in, relation_errors, trajectory_error
-from app.modules.perception.slam.scans import Beams
+from app.modules.perception.slam.scans import BeamGeometry
 from benchmarks.corridors import ANGLES, drive
 from benchmarks.report import Row, benchmark_main, row
 from benchmarks.walls import squareness, wall_pieces
@@ -79,7 +79,7 @@ def measure(quick: bool) -> list[Row]:
 def _corridor_rows(seed: int, scale: float, turn: float) -> list[Row]:
     case = f"corridors, odometry × {scale}, turns × {turn}"
     made = drive(seed, scale, turn)
-    beams = Beams(ANGLES, 0.05, RANGE_MAX_M)
+    beams = BeamGeometry(ANGLES, 0.05, RANGE_MAX_M)
     sweeps = (
         Sweep(0.3 * number, scan, beams, Pose2(*(float(v) for v in pose)))
         for number, (scan, pose) in enumerate(zip(made.ranges, made.odometry, strict=True))
@@ -141,7 +141,7 @@ def _sweeps(name: str, *, between: bool = False) -> Iterator[Sweep]:
         middle = np.where(np.abs(after - ranges) < 0.2, (ranges + after) / 2, ranges)
         ranges = np.stack((ranges, middle), axis=2).reshape(len(ranges), 2 * count)
         angles = np.linspace(-np.pi / 2, np.pi / 2, 2 * count, endpoint=False)
-    beams = Beams(angles, 0.05, RANGE_MAX_M)
+    beams = BeamGeometry(angles, 0.05, RANGE_MAX_M)
     for number, (scan, pose) in enumerate(zip(ranges, poses, strict=True)):
         yield Sweep(0.2 * number, scan, beams, Pose2(*(float(v) for v in pose)))
 

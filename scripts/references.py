@@ -26,7 +26,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from app.attention.desires import Source
 from app.base import paths
 from app.base.geometry import Pose2
-from app.experiments.lockstep import able
+from app.experiments.world_run import able
 from app.logs.library import RecordingLibrary
 from app.logs.replay.references import LOG, VALUES, compare, load_values, measure, write_values
 from app.messages import Odometry, OperatorDrive

@@ -12,7 +12,7 @@ from app.commands.packaged import config_file, program_named
 
 if TYPE_CHECKING:
     from app.program.config import Configuration
-    from app.robots.devices.config import CameraConfig, SoundConfig
+    from app.robots.devices.config import CameraConfig, SoundInputConfig
     from app.robots.factory import Body
 
 
@@ -89,11 +89,11 @@ def chosen(args: argparse.Namespace) -> tuple[Configuration, Body]:
     return configuration, body
 
 
-def _try_file(device: CameraConfig | SoundConfig, where: str) -> None:
+def _try_file(device: CameraConfig | SoundInputConfig, where: str) -> None:
     """A device is waited for, a file that cannot be read will not mend. Raises ConfigError."""
     from app.base.errors import ConfigError
     from app.robots.devices.config import CameraConfig
-    from app.robots.devices.pictures import Unavailable, open_pictures
+    from app.robots.devices.pictures import InputUnavailable, open_pictures
     from app.robots.devices.sound import SOUNDS, open_sound
 
     path = Path(device.source) if isinstance(device.source, str) else None
@@ -105,12 +105,12 @@ def _try_file(device: CameraConfig | SoundConfig, where: str) -> None:
             empty = pictures.read() is None
             pictures.close()
         elif path.is_dir():
-            raise Unavailable(f"{path} is a folder: name one sound file ({SOUNDS})")
+            raise InputUnavailable(f"{path} is a folder: name one sound file ({SOUNDS})")
         else:
             sound = open_sound(device)
             empty = sound.read(1) is None
             sound.close()
-    except Unavailable as failure:
+    except InputUnavailable as failure:
         raise ConfigError(str(failure), where) from None
     if empty:
         raise ConfigError(f"{path} holds no picture that can be read", where)

@@ -219,10 +219,10 @@ def face_model() -> Finding:
     """YuNet's network, and that this computer's OpenCV reads it."""
     import cv2
 
-    from app.modules.perception.faces.yunet import MODEL, FaceFinder
+    from app.modules.perception.faces.yunet import MODEL, YuNetDetector
 
     try:
-        FaceFinder()
+        YuNetDetector()
     except cv2.error as failure:
         return Finding("face model", False, False, f"{MODEL} cannot be read: {failure.err}", REINSTALL)
     return Finding("face model", True, False, f"YuNet ({MODEL.name})")
@@ -251,13 +251,13 @@ def cameras() -> Finding:
 
 def audio() -> Finding:
     """Sound cards, for a body of devices, and whether they can be reached."""
-    from app.robots.devices.pictures import Unavailable
+    from app.robots.devices.pictures import InputUnavailable
     from app.robots.devices.sound import sounddevice
 
     only = "only for --robot webcam; there, --microphones FILE takes a sound file instead"
     try:
         inputs = [device["name"] for device in sounddevice().query_devices() if device["max_input_channels"]]
-    except Unavailable as failure:
+    except InputUnavailable as failure:
         return Finding("microphones", False, False, str(failure).partition(";")[0], only)
     return Finding("microphones", bool(inputs), False, ", ".join(inputs) or "none", only)
 

@@ -16,7 +16,7 @@ from app.commands.packaged import program_named
 if TYPE_CHECKING:
     from app.experiments.barn.experiment import BarnPlan
     from app.experiments.barn.result import WorldResult
-    from app.experiments.results_store import KeptResults
+    from app.experiments.results_store import ResultsStore
 
 
 def add_parser(experiments: Any) -> None:
@@ -49,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
     """Run it. Raises ConfigError."""
     from app.experiments.barn.experiment import done, plan
     from app.experiments.barn.experiment import run as run_worlds
-    from app.experiments.results_store import KeptResults, default_folder
+    from app.experiments.results_store import ResultsStore, default_folder
 
     what = plan(
         args.worlds or _default_worlds(),
@@ -62,7 +62,7 @@ def run(args: argparse.Namespace) -> int:
     for named in args.plot:
         if named not in {world.name for world in what.chosen}:
             raise ConfigError(f"world {named!r} is not among those to run", "--plot")
-    kept = KeptResults(args.out or default_folder("barn"), what.of(), fresh=args.fresh)
+    kept = ResultsStore(args.out or default_folder("barn"), what.of(), fresh=args.fresh)
     if kept.moved and not args.fresh:
         print(f"hbba experiment barn: other results were there; they are in {kept.moved} now", file=sys.stderr)
     before = done(what, kept)
@@ -73,7 +73,7 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _run_shown(what: BarnPlan, kept: KeptResults, before: tuple[WorldResult, ...], run_worlds: Any) -> Any:
+def _run_shown(what: BarnPlan, kept: ResultsStore, before: tuple[WorldResult, ...], run_worlds: Any) -> Any:
     from app.base import logging_setup
     from app.commands.progress import shown
 
@@ -91,17 +91,17 @@ def _run_shown(what: BarnPlan, kept: KeptResults, before: tuple[WorldResult, ...
         return run_worlds(what, kept, finished)
 
 
-def _report(args: argparse.Namespace, what: BarnPlan, kept: KeptResults, results: tuple[WorldResult, ...]) -> None:
+def _report(args: argparse.Namespace, what: BarnPlan, kept: ResultsStore, results: tuple[WorldResult, ...]) -> None:
     from app.base.yaml_source import load_yaml
     from app.experiments.barn.report import failures, plot, table
-    from app.experiments.barn.result import Summary
+    from app.experiments.barn.result import BarnSummary
     from app.robots.factory import load_body
 
     if args.json:
         print_json(
             {
                 "of": what.of(),
-                "summary": Summary.of(results).document(),
+                "summary": BarnSummary.of(results).document(),
                 "worlds": [result.document() for result in results],
             }
         )

@@ -49,8 +49,8 @@ def run(args: argparse.Namespace) -> int:
     from app.experiments.goals.experiment import done, plan
     from app.experiments.goals.experiment import run as run_goals
     from app.experiments.goals.report import failures, table
-    from app.experiments.goals.result import Summary
-    from app.experiments.results_store import KeptResults, default_folder
+    from app.experiments.goals.result import GoalsSummary
+    from app.experiments.results_store import ResultsStore, default_folder
 
     scenario = None if args.scenario is None else scenario_file(args.scenario)
     if args.scenario is not None and scenario is None:
@@ -63,7 +63,7 @@ def run(args: argparse.Namespace) -> int:
         jobs=args.jobs or os.cpu_count() or 1,
         cameras=not args.blind,
     )
-    kept = KeptResults(args.out or default_folder("goals"), what.of(), fresh=args.fresh)
+    kept = ResultsStore(args.out or default_folder("goals"), what.of(), fresh=args.fresh)
     if kept.moved and not args.fresh:
         print(f"hbba experiment goals: other results were there; they are in {kept.moved} now", file=sys.stderr)
     before = done(what, kept)
@@ -91,7 +91,7 @@ def run(args: argparse.Namespace) -> int:
         print_json(
             {
                 "of": what.of(),
-                "summary": Summary.of(results).document(),
+                "summary": GoalsSummary.of(results).document(),
                 "goals": [result.document() for result in results],
             }
         )

@@ -2,7 +2,7 @@
 
 A map is a folder of its own: ``map.yaml`` and ``map.pgm`` (as ROS's ``map_server`` reads them), ``zones.yaml``, files
 of the module that made it (``graph.npz``, the pose graph with which mapping goes on), and files of others
-(``things.npz``, obstacles that only a camera sees). A map of another program is used as it is once its YAML file is
+(``obstacles.npz``, obstacles that only a camera sees). A map of another program is used as it is once its YAML file is
 called ``map.yaml``.
 """
 

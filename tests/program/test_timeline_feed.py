@@ -18,7 +18,7 @@ from app.runtime.supervisor import ModuleState
 
 STILL = Twist(0.0, 0.0, 0.0)
 LIVE = Freshness("live", 0.02, 0.3, 40.0, 39.8)
-STATUS = LinkStatus(0.0, "idle", "standing; nobody commands", False, None, STILL, 1.0)
+STATUS = LinkStatus(0.0, "idle", "standing; no command", False, None, STILL, 1.0)
 
 
 @pytest.fixture

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import soundfile
 
     from app.commands.detect.noises_plot import Levels
-    from app.modules.perception.loud_noises import Rule
+    from app.modules.perception.loud_noises import LoudnessRule
 
 COMMAND = "hbba detect noises"
 #: Sample rate (Hz) for which the rule's constants were chosen; sound of another rate is resampled to it.
@@ -137,9 +137,9 @@ def _listen(path: Path, args: argparse.Namespace, names: set[str], progress: Pro
             raise NoRecording(f"has {rate} samples a second; at least {LEAST_RATE} are needed")
         if args.microphone is not None and args.microphone >= channels:
             raise NoRecording(f"has {channels} channel{'s' * (channels != 1)}, so no --microphone {args.microphone}")
-        from app.modules.perception.loud_noises import Rule
+        from app.modules.perception.loud_noises import LoudnessRule
 
-        rule = Rule.lasting(RATE, args.ratio, args.floor, args.window, args.history, args.hold_off)
+        rule = LoudnessRule.lasting(RATE, args.ratio, args.floor, args.window, args.history, args.hold_off)
         chosen = list(range(channels)) if args.microphone is None else [args.microphone]
         levels = None
         if args.draw is not None:
@@ -159,15 +159,15 @@ def _listen(path: Path, args: argparse.Namespace, names: set[str], progress: Pro
 
 
 def _noises(
-    recording: soundfile.SoundFile, chosen: list[int], rule: Rule, levels: Levels | None, progress: Progress
+    recording: soundfile.SoundFile, chosen: list[int], rule: LoudnessRule, levels: Levels | None, progress: Progress
 ) -> tuple[list[dict[str, Any]], float]:
     """The noises with their times, and the recording's duration (s). Raises NoRecording."""
     import numpy as np
 
-    from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudNoiseJudge, onset_of
+    from app.modules.perception.loud_noises import FRAME, BandEnergy, OnsetDetector, onset_of
 
     rate = recording.samplerate
-    ears = [(microphone, BandEnergy(RATE), LoudNoiseJudge(rule)) for microphone in chosen]
+    ears = [(microphone, BandEnergy(RATE), OnsetDetector(rule)) for microphone in chosen]
     at_rate = _Resampled(rate, len(chosen))
     rest = np.zeros((0, len(chosen)), np.int16)
     noises: list[dict[str, Any]] = []

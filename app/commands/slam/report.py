@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
     from app.commands.slam.sweeps import SweepSource
     from app.commands.slam.truth import Reference, Relations
-    from app.modules.perception.slam.offline import MappedLog
-    from app.modules.perception.slam.self_check import Checked
+    from app.modules.perception.slam.offline_mapping import MappedLog
+    from app.modules.perception.slam.self_check import CheckResult
 
 #: A time of a relation or reference names a scan not farther away than this (s).
 _SAME_S = 0.05
@@ -27,7 +27,7 @@ def figures(
     source: SweepSource,
     log: MappedLog,
     phi: int,
-    check: Checked,
+    check: CheckResult,
     relations: Relations | None,
     reference: Reference | None,
 ) -> dict[str, Any]:
@@ -61,7 +61,7 @@ def figures(
     gross = _gross(document)
     doubts = [f"{gross} relations are wrong by more than 0.5 m or 5°"] if gross else []
     document["intact"] = "no" if gross else check.intact
-    document["doubts"] = [*doubts, *check.doubts]
+    document["doubts"] = [*doubts, *check.inconsistencies]
     return document
 
 

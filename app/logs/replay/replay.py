@@ -21,7 +21,7 @@ from app.logs.replay.state_at import RecordedState
 from app.messages import DesiresRecord, RecorderStatus
 from app.modules.recording.recorder import Recorder
 from app.program.system import System
-from app.robots.replayed.body import ReplayedBody
+from app.robots.replayed.link import ReplayedLink
 from app.runtime.clock import Clock
 from app.runtime.graph import Pin
 
@@ -59,7 +59,7 @@ class Replay:
             while True:
                 folder = Path(self._folder.name) / str(len(idle))
                 self.program: ReplayProgram = prepare(log, self.options, folder, idle)
-                self.body = ReplayedBody(
+                self.body = ReplayedLink(
                     log,
                     clock,
                     self.program.description,

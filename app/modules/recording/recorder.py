@@ -39,19 +39,19 @@ from app.runtime.errors import InboxOverflow
 from app.runtime.module import Module, ModuleContext, Settings
 from app.runtime.ports import Input
 
-#: Closing a file takes less than this (s); a disk that needs longer is left to finish in its own thread.
+#: Time allowed for closing a file (s); on a slower disk its thread finishes alone.
 CLOSING_S = 0.4
 
 
 #: Capacity (messages) for a burst after the loop was blocked; messages beyond it are counted as dropped.
 INBOX = 1024
-#: ... of messages of a megabyte and more.
+#: The same for messages of a megabyte and more.
 LARGE_INBOX = 32
 LARGE = (Image, PointCloud)
 
 
 class EventPattern(BaseModel):
-    """Events of the timeline: of this kind, and of this subject if one is named."""
+    """A pattern of timeline events: their kind, and their subject if one is named."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -59,7 +59,7 @@ class EventPattern(BaseModel):
     subject: str | None = None
 
     def matches(self, event: EventRecord) -> bool:
-        """Whether ``event`` is one of them."""
+        """Whether ``event`` matches."""
         return event.kind == self.kind and self.subject in (None, event.subject)
 
 
@@ -112,7 +112,7 @@ class Recorder(Module):
         return {name: name for name, spec in channels.items() if spec.log != "never"}
 
     def accept(self, name: str, message_type: type[Message]) -> None:
-        """Take any channel, losing nothing while the loop comes round every second or two."""
+        """Take any channel, without loss while the event loop stalls for at most a second or two."""
         capacity = LARGE_INBOX if message_type in LARGE else INBOX
         port = self.input(name, message_type, capacity=capacity, lossless=True)
         self.on(port, self._taker(port))
@@ -134,12 +134,12 @@ class Recorder(Module):
         for task in self._tasks:
             task.cancel()
         self._end(discard=False)
-        # Closing goes on in its own thread whether it is waited for or not.
+        # The thread finishes closing whether or not it is awaited.
         await self.compute(_join, self._ending, CLOSING_S)
         self._publish()
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
-        """Record as ``parameters`` say; without any, do not."""
+        """Record as ``parameters`` say; stop without any."""
         if dict(parameters) == self._wanted:
             return
         before, self._wanted = self._wanted, dict(parameters)
@@ -171,12 +171,12 @@ class Recorder(Module):
 
     @property
     def queued_bytes(self) -> int:
-        """About how many bytes of memory wait for the disk, of recordings that end too."""
+        """About how many bytes wait for the disk, including recordings that are closing."""
         return sum(writer.queued_bytes for writer in (*self._ending, self._writer) if writer is not None)
 
     @property
     def writing(self) -> bool:
-        """Whether a recording is not on disk to its end yet."""
+        """Whether a recording is not completely on disk yet."""
         return self._writer is not None or any(not writer.over for writer in self._ending)
 
     @property
@@ -211,7 +211,7 @@ class Recorder(Module):
             self._writer.put(at, channel, message)
 
     def _open(self, at: float, keep_s: float, name: str, open_file: OpenFile) -> Sink:
-        # Before anything is made: a disk that is nearly full is not to gather files of nothing, one for each try.
+        # Checked before a file is made: a nearly full disk must not collect empty files, one for each try.
         least_free = int(self.settings.least_free_mb * MEGABYTE)
         check_room(self._library.folder, self._library.free_bytes(), least_free)
         if keep_s:
@@ -301,7 +301,7 @@ class Recorder(Module):
         )
 
     def _lost(self) -> int:
-        """Messages that found no room in an inbox, ever."""
+        """Number of messages dropped by full inboxes, since the start."""
         return sum(port.subscription.statistics().dropped for port in self._inputs.values() if port.connected)
 
     # --- saving ---
@@ -314,7 +314,7 @@ class Recorder(Module):
             self._keep(self._save_after(event), "save the ring")
 
     async def _rescue_after(self, ended: RecordingWriter | None) -> None:
-        """Save what ended rings hold, that of ``ended`` too, once its thread is done with it."""
+        """Save ended rings, including ``ended`` once its thread has finished."""
         if ended is not None:
             await asyncio.to_thread(ended.join)
         await self._saver.rescue()

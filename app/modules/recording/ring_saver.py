@@ -1,4 +1,4 @@
-"""Making recordings of rings: of one that turns, and of one that an earlier run left behind. Copies in threads."""
+"""Saving of rings as recordings: the running ring, and rings of earlier runs. Copies in threads."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class RingSaver:
         log: logging.Logger,
         charge: Callable[..., Any],
     ) -> None:
-        """Never leaves less than ``least_free_bytes`` of the disk free; ``charge(function, *args)`` calls it."""
+        """Keeps at least ``least_free_bytes`` of the disk free; ``charge(function, *args)`` runs the work."""
         self._library = library
         self._least_free_bytes = least_free_bytes
         self._log = log
@@ -39,7 +39,7 @@ class RingSaver:
         self._none_saving.set()
 
     async def save(self, writer: RecordingWriter, now: float, minutes: float | None, name: str | None) -> str:
-        """Keep the last ``minutes`` (None: all) of the ring that ``writer`` writes; returns the recording's name.
+        """Save the last ``minutes`` (None: all) of the ring that ``writer`` writes; returns the recording's name.
 
         Raises ValueError for an invalid name, RecorderUnavailable if it writes no ring, LogError if it cannot be
         written.
@@ -64,7 +64,7 @@ class RingSaver:
         return path.stem
 
     async def rescue(self) -> None:
-        """Make a recording of each ring that ended and was not discarded, in this program or in one that is gone.
+        """Make a recording of each ring that ended and was not discarded, in this program or by one that is gone.
 
         A ring that cannot become a recording is logged and left.
         """

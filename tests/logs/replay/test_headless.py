@@ -27,7 +27,7 @@ from app.logs.replay.headless import ReplayWatch, run_headless
 from app.logs.replay.options import ReplayOptions
 from app.logs.replay.report import ReplayReport
 from app.messages import Exploitation, QRCodes, Twist
-from app.robots.replayed.source import LogSource
+from app.robots.replayed.log_source import LogSource
 from app.runtime.load import CpuMeter
 from tests.logs.replay.logs import BEGIN, MemoryLog, lab_log, lab_manifest, lab_messages, numbered, write_log
 from tests.patience import PATIENCE_S

@@ -1,4 +1,4 @@
-"""The microphones themselves: scenes in, frames out, each as soon as the world has come to its end. No clock in it."""
+"""Simulated microphones: scenes in, frames out, each as soon as the scenes cover it. No clock."""
 
 from __future__ import annotations
 
@@ -11,34 +11,42 @@ from numpy.typing import ArrayLike, NDArray
 
 from app.base.geometry import Pose2, Pose3
 from app.messages import Audio
+from app.robots.simulated.acoustics.auralization import Auralizer, Emission
 from app.robots.simulated.acoustics.building import build
-from app.robots.simulated.acoustics.diffraction import Microphones
-from app.robots.simulated.acoustics.hearing import Emission, Hearing
-from app.robots.simulated.acoustics.ipc import Heard, Played, Scene, Setup, Sounding
-from app.robots.simulated.acoustics.loudspeaker import Loudspeaker
+from app.robots.simulated.acoustics.diffraction import BaffledMicrophones
+from app.robots.simulated.acoustics.dry_sound import SampledSound
+from app.robots.simulated.acoustics.ipc import (
+    AcousticsSetup,
+    ActiveSound,
+    LoudspeakerFrame,
+    MicrophoneFrame,
+    SoundScene,
+)
+from app.robots.simulated.acoustics.loudspeaker_source import LoudspeakerSource
 from app.robots.simulated.acoustics.selfnoise import SelfNoise
-from app.robots.simulated.acoustics.source import Recorded
 
 LATE_S = 0.15
-"""How far behind the world the microphones may fall before frames are left out."""
+"""Greatest delay (s) behind the world before frames are dropped."""
 PAUSE_S = 0.5
-"""Scenes farther apart than this: nobody listened in between."""
+"""Gap (s) between scenes that means a pause of the demand."""
 _BELOW_NOISE_DB = 10.0
 _LOUDSPEAKER = "\0loudspeaker"
 
 
-class Ear:
-    """Feed it scenes in their order; it gives the frames that they complete."""
+class MicrophoneSimulator:
+    """Takes scenes in order; returns the frames that they complete."""
 
-    def __init__(self, setup: Setup) -> None:
+    def __init__(self, setup: AcousticsSetup) -> None:
         config = setup.config
         self._rate, self._size, self._frame = config.rate, config.frame_samples, config.link
         p_BM = _moved(setup.X_BM, config.positions)
         self._p_BM = p_BM
         self._X_BA = Pose3(setup.X_BM.rotation, p_BM.mean(axis=0))
-        self._microphones = Microphones((p_BM - p_BM.mean(axis=0)) @ setup.X_BM.rotation, config.rate, config.shadow)
+        self._microphones = BaffledMicrophones(
+            (p_BM - p_BM.mean(axis=0)) @ setup.X_BM.rotation, config.rate, config.shadow
+        )
         building = build(setup.world)
-        self._hearing = Hearing(
+        self._hearing = Auralizer(
             self._microphones,
             building,
             self._size,
@@ -61,31 +69,31 @@ class Ear:
             setup.seed,
         )
         self._clips = {
-            key: (Recorded(samples), Recorded(samples, loop=True), level)
+            key: (SampledSound(samples), SampledSound(samples, loop=True), level)
             for key, (samples, level) in setup.clips.items()
         }
-        self._speaker = Loudspeaker(config.rate)
+        self._speaker = LoudspeakerSource(config.rate)
         self._speaker_gain = 0.0
         self._p_BS: NDArray[np.float64] = np.zeros(3)
         if setup.loudspeaker is not None:
             self._speaker_gain = _amplitude(setup.loudspeaker.gain_db)
             self._p_BS = _moved(setup.X_BS, setup.loudspeaker.position)
-        self._scenes: deque[Scene] = deque()
+        self._scenes: deque[SoundScene] = deque()
         self._lost = 0
         self.clipped = 0
-        """Samples that were louder than full scale so far."""
+        """Number of clipped samples so far."""
 
-    def play(self, played: Played) -> None:
+    def play(self, played: LoudspeakerFrame) -> None:
         """Queue sound for the loudspeaker."""
         self._speaker.play(played.audio.samples[:, 0], played.audio.rate)
 
-    def listen(self, scenes: list[Scene]) -> list[Heard]:
-        """The frames that ``scenes``, the next ones, complete. What is hopelessly late is left out."""
+    def listen(self, scenes: list[SoundScene]) -> list[MicrophoneFrame]:
+        """The frames that ``scenes``, the next ones, complete. Frames that are too late are dropped."""
         if not scenes:
             return []
         told = [*self._scenes, *scenes]
         if len(told) == len(scenes) or any(b.time_s - a.time_s > PAUSE_S for a, b in itertools.pairwise(told)):
-            # Nobody listened until now, or this process has just begun: no loss
+            # Demand starts now, or this process has just started: no loss
             self._scenes = deque(scenes[-1:])
             self._skip_to(scenes[-1].time_s)
             return []
@@ -95,7 +103,7 @@ class Ear:
             self._lost += self._skip_to(self._scenes[-1].time_s - self._size / self._rate)
         heard = []
         while (self._hearing.position + self._size) / self._rate <= self._scenes[-1].time_s:
-            heard.append(Heard(self._next(), self._lost))
+            heard.append(MicrophoneFrame(self._next(), self._lost))
             self._lost = 0
         return heard
 
@@ -124,7 +132,7 @@ class Ear:
         stamp = after.stamp - (after.time_s - position / self._rate)
         return Audio(stamp, self._frame, np.ascontiguousarray(samples.T), self._rate, position, self._p_BM)
 
-    def _emissions(self, before: Scene, after: Scene, share: float, X_WB: Pose2) -> list[Emission]:
+    def _emissions(self, before: SoundScene, after: SoundScene, share: float, X_WB: Pose2) -> list[Emission]:
         earlier = {sound.name: sound for sound in before.sounds}
         emissions = []
         for sound in after.sounds:
@@ -152,7 +160,7 @@ def _moved(X: Pose3, points: ArrayLike) -> NDArray[np.float64]:
     return np.asarray(X.transform(np.asarray(points, dtype=np.float64)), dtype=np.float64)
 
 
-def _looks(sound: Sounding) -> NDArray[np.float64] | None:
+def _looks(sound: ActiveSound) -> NDArray[np.float64] | None:
     return None if sound.looks is None else np.array([math.cos(sound.looks), math.sin(sound.looks), 0.0])
 
 

@@ -19,7 +19,7 @@ def robot_link(module: Module) -> RobotLink:
 
 
 def attach(module: Module, stream: str, message_type: type[M], receive: Callable[[M], None]) -> Callable[[], None]:
-    """Have ``receive`` called with each message of the body's ``stream``; returns what ends it.
+    """Have ``receive`` called with each message of the body's ``stream``; returns a function that ends it.
 
     Raises ModuleFailed, in words for people, if the body has no such stream or it carries another type.
     """
@@ -44,7 +44,7 @@ def attach(module: Module, stream: str, message_type: type[M], receive: Callable
 
 
 class StreamModule(Module):
-    """Base of the sensor modules: relays streams of the body onto outputs while it lives."""
+    """Base of the sensor modules: relays streams of the body onto outputs while the module runs."""
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
@@ -53,7 +53,7 @@ class StreamModule(Module):
     def relay(self, stream: str, output: Output[Any], *, lazy: bool = False) -> None:
         """Publish each message of ``stream`` on ``output`` until the module stops; call it in ``start``.
 
-        A ``lazy`` stream is produced only while publishing it would reach anyone. Raises ModuleFailed for a body
+        A ``lazy`` stream is produced only while the output has an open subscription. Raises ModuleFailed for a body
         without such a stream.
         """
         self._releases.append(attach(self, stream, output.message_type, output.publish))
@@ -63,6 +63,6 @@ class StreamModule(Module):
             self._releases.append(output.on_wanted(lambda wanted: link.demand(stream, wanted)))
 
     async def stop(self) -> None:
-        """Let go of the streams; the body need not produce them any more."""
+        """Detach from the streams; the body need not produce them any more."""
         while self._releases:
             self._releases.pop()()

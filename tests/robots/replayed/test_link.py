@@ -12,7 +12,7 @@ import pytest
 from app.link import BaseLimits, LinkFailed, RobotDescription, StreamDescription
 from app.logs.log import Logged
 from app.messages import Image, JointState, LaserScan, LinkStatus, Odometry, Twist
-from app.robots.replayed.body import ReplayedBody
+from app.robots.replayed.link import ReplayedLink
 from app.runtime.clock import Clock, VirtualClock, in_virtual_time, run_virtual
 from app.runtime.replay_clock import ReplayClock
 from tests.logs.replay.logs import BEGIN, MemoryLog, lab_messages, numbered
@@ -22,11 +22,11 @@ CHANNELS = {"odometry": "odometry", "joints": "joints", "status": "link_status",
 TYPES = {"odometry": Odometry, "joints": JointState, "status": LinkStatus, "kinect": Image, "hokuyo": LaserScan}
 
 
-def made(log: MemoryLog, clock: Clock, **more: Any) -> ReplayedBody:
+def made(log: MemoryLog, clock: Clock, **more: Any) -> ReplayedLink:
     streams = {name: StreamDescription(name, kind, 10.0) for name, kind in TYPES.items()}
     limits = BaseLimits(0.4, 1.0, 0.4, 4.0)
     description = RobotDescription("a recorded robot", Path("none.urdf"), limits, streams, simulated=False)
-    return ReplayedBody(log, clock, description, CHANNELS, **more)
+    return ReplayedLink(log, clock, description, CHANNELS, **more)
 
 
 class Listener:
@@ -128,7 +128,7 @@ async def test_seeking_goes_on_behind_the_place() -> None:
     await body.stop()
 
 
-async def idle(body: ReplayedBody) -> None:
+async def idle(body: ReplayedLink) -> None:
     """Wait until the body waits for its clock."""
     async with asyncio.timeout(PATIENCE_S):
         while body.reading:  # noqa: ASYNC110  # each turn lets the body go on

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from app.base.geometry import Pose2
 from app.logs.log import LogError, Logged
 from app.messages import Odometry
-from app.robots.replayed.source import PIECE_MESSAGES, PIECE_S, LogSource, Place
+from app.robots.replayed.log_source import PIECE_MESSAGES, PIECE_S, LogPosition, LogSource
 from tests.logs.replay.logs import MemoryLog, numbered
 
 TIMES = st.lists(st.tuples(st.integers(0, 40).map(lambda n: n / 8), st.sampled_from("abc")), max_size=60)
@@ -46,14 +46,14 @@ def test_going_on_from_any_message_gives_the_rest(entries: list[tuple[float, str
     for logged in delivered:
         if logged.at == at:
             passed[logged.channel] = passed.get(logged.channel, 0) + 1
-    source = LogSource(log, {"a", "b", "c"}, Place(at, passed), math.inf)
+    source = LogSource(log, {"a", "b", "c"}, LogPosition(at, passed), math.inf)
     assert everything(source) == whole[stop:]
 
 
 @given(TIMES, st.sampled_from([0.0, 1.0, 2.5]))
 def test_a_channel_opened_later_begins_there(entries: list[tuple[float, str]], since: float) -> None:
     log = made(entries)
-    source = LogSource(log, {"a", "b"}, Place(0.5, since={"b": since}), 4.0)
+    source = LogSource(log, {"a", "b"}, LogPosition(0.5, since={"b": since}), 4.0)
     expected = [
         logged
         for logged in log.messages()
@@ -64,12 +64,12 @@ def test_a_channel_opened_later_begins_there(entries: list[tuple[float, str]], s
 
 def test_nothing_wanted_reads_nothing() -> None:
     log = MemoryLog(numbered(10))
-    assert LogSource(log, (), Place(0.0), math.inf).piece() == []
+    assert LogSource(log, (), LogPosition(0.0), math.inf).piece() == []
     assert log.decoded == {}
 
 
 def test_a_damaged_log_says_so() -> None:
     log = MemoryLog(numbered(10), damaged_at=numbered(10)[4].at)
-    source = LogSource(log, {"odometry"}, Place(0.0), math.inf)
+    source = LogSource(log, {"odometry"}, LogPosition(0.0), math.inf)
     with pytest.raises(LogError, match="is damaged"):
         everything(source)

@@ -10,8 +10,14 @@ import pytest
 from app.base.geometry import Pose2, Pose3
 from app.messages import Audio
 from app.robots.config import LoudspeakerConfig, MicrophonesConfig
-from app.robots.simulated.acoustics.ipc import Heard, Played, Scene, Setup, Sounding
-from app.robots.simulated.acoustics.microphone_array import LATE_S, Ear
+from app.robots.simulated.acoustics.ipc import (
+    AcousticsSetup,
+    ActiveSound,
+    LoudspeakerFrame,
+    MicrophoneFrame,
+    SoundScene,
+)
+from app.robots.simulated.acoustics.microphone_simulator import LATE_S, MicrophoneSimulator
 from tests.robots.conftest import make_hall
 
 X_BM = Pose3.from_translation_rpy((0.0, 0.0, 0.6))
@@ -19,28 +25,28 @@ WHEELS = ((0.0, 0.22, 0.1), (0.0, -0.22, 0.1))
 STAMP = 1.7e9
 
 
-def make_ear(fans_db: float = -120.0, noise_db: float = -120.0) -> Ear:
+def make_ear(fans_db: float = -120.0, noise_db: float = -120.0) -> MicrophoneSimulator:
     config = MicrophonesConfig(fans_db=fans_db, noise_db=noise_db)
     sine = (0.1 * np.sin(2 * np.pi * 500 * np.arange(96000) / 48000)).astype(np.float32)
     world = make_hall(rooms=[{"name": "hall", "from": (0, 0), "to": (20, 20), "rt60_s": 0.3}])
-    setup = Setup(config, LoudspeakerConfig(), world, X_BM, X_BM, WHEELS, {("sine", 0): (sine, 0.07)}, seed=1)
-    return Ear(pickle.loads(pickle.dumps(setup)))
+    setup = AcousticsSetup(config, LoudspeakerConfig(), world, X_BM, X_BM, WHEELS, {("sine", 0): (sine, 0.07)}, seed=1)
+    return MicrophoneSimulator(pickle.loads(pickle.dumps(setup)))
 
 
-def scene(time_s: float, x: float = 10.0, rims: float = 0.0, sounds: tuple[Sounding, ...] = ()) -> Scene:
-    return Scene(time_s, STAMP + time_s, Pose2(x, 10.0, 0.0), (rims, rims), sounds)
+def scene(time_s: float, x: float = 10.0, rims: float = 0.0, sounds: tuple[ActiveSound, ...] = ()) -> SoundScene:
+    return SoundScene(time_s, STAMP + time_s, Pose2(x, 10.0, 0.0), (rims, rims), sounds)
 
 
-def sine_at(time_s: float) -> Sounding:
-    return Sounding("s", ("sine", 0), 0.0, 0.0, True, (12.0 + 0.5 * time_s, 10.0, 1.5), np.pi)
+def sine_at(time_s: float) -> ActiveSound:
+    return ActiveSound("s", ("sine", 0), 0.0, 0.0, True, (12.0 + 0.5 * time_s, 10.0, 1.5), np.pi)
 
 
-def feed(ear: Ear, scenes: list[Scene]) -> list[Heard]:
+def feed(ear: MicrophoneSimulator, scenes: list[SoundScene]) -> list[MicrophoneFrame]:
     """One after the other, as they come."""
     return [heard for scene_ in scenes for heard in ear.listen([scene_])]
 
 
-def level_db(frames: list[Heard]) -> float:
+def level_db(frames: list[MicrophoneFrame]) -> float:
     samples = np.concatenate([frame.audio.samples for frame in frames]).astype(float)
     return float(20 * np.log10(samples.std() / 32768 + 1e-12))
 
@@ -105,7 +111,7 @@ def test_wheels_are_heard_when_they_turn_and_more_the_faster() -> None:
 def test_the_robot_hears_its_own_voice_and_louder_than_another_s() -> None:
     ear = make_ear()
     voice = np.rint(20000 * np.sin(2 * np.pi * 700 * np.arange(9600) / 48000)).astype(np.int16)[:, None]
-    ear.play(Played(Audio(0.0, "operator", voice, 48000, 0, np.zeros((0, 3)))))
+    ear.play(LoudspeakerFrame(Audio(0.0, "operator", voice, 48000, 0, np.zeros((0, 3)))))
     heard = feed(ear, [scene(0.5 + 0.01 * n) for n in range(14)])
     assert level_db(heard[4:]) > -30.0
     spectrum = np.abs(np.fft.rfft(np.concatenate([frame.audio.samples[:, 0] for frame in heard[3:]]), 48000))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.robots.simulated.acoustics.loudspeaker import MOST_S, START_S, Loudspeaker
+from app.robots.simulated.acoustics.loudspeaker_source import MOST_S, START_S, LoudspeakerSource
 
 RATE = 48000
 
@@ -16,7 +16,7 @@ def tone(seconds: float, rate: int) -> np.ndarray[tuple[int], np.dtype[np.int16]
 
 @pytest.mark.parametrize("rate", [48000, 16000, 24000])
 def test_what_is_given_in_pieces_is_played_whole_and_without_clicks(rate: int) -> None:
-    speaker = Loudspeaker(RATE)
+    speaker = LoudspeakerSource(RATE)
     whole = tone(0.3, rate)
     pieces = iter(np.array_split(whole, 15))
     for _ in range(3):
@@ -33,7 +33,7 @@ def test_what_is_given_in_pieces_is_played_whole_and_without_clicks(rate: int) -
 
 
 def test_at_most_half_a_second_waits_and_the_oldest_goes() -> None:
-    speaker = Loudspeaker(RATE)
+    speaker = LoudspeakerSource(RATE)
     speaker.play(np.full(RATE, 1000, dtype=np.int16), RATE)
     speaker.play(np.full(RATE // 4, 2000, dtype=np.int16), RATE)
     assert speaker.waiting_s == pytest.approx(MOST_S, abs=0.001)
@@ -45,7 +45,7 @@ def test_at_most_half_a_second_waits_and_the_oldest_goes() -> None:
 
 
 def test_it_waits_for_a_little_to_be_there_before_it_begins() -> None:
-    speaker = Loudspeaker(RATE)
+    speaker = LoudspeakerSource(RATE)
     speaker.play(tone(START_S / 2, RATE), RATE)
     assert not speaker.read(0, 512).any()
     speaker.play(tone(START_S, RATE), RATE)
@@ -53,7 +53,7 @@ def test_it_waits_for_a_little_to_be_there_before_it_begins() -> None:
 
 
 def test_what_was_just_played_can_be_read_again() -> None:
-    speaker = Loudspeaker(RATE)
+    speaker = LoudspeakerSource(RATE)
     speaker.play(tone(0.2, RATE), RATE)
     first, second = speaker.read(10_000, 512), speaker.read(10_512, 512)
     np.testing.assert_array_equal(speaker.read(10_400, 300), np.concatenate([first[400:], second[:188]]))

@@ -1,21 +1,21 @@
-"""The robot's loudspeaker: sound given frame by frame, at most half a second of it waiting, played as it comes."""
+"""The robot's loudspeaker as a sound source: frames queue for at most half a second and play in order."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.robots.simulated.acoustics.source import Recorded, read_between
+from app.robots.simulated.acoustics.dry_sound import SampledSound, read_between
 
 Samples = NDArray[np.float32]
 MOST_S = 0.5
 START_S = 0.03
-"""What must wait before it begins to play: frames come unevenly."""
+"""Buffered sound (s) before playback starts, since frames arrive unevenly."""
 _AHEAD = 10
 KEPT = 1024
 
 
-class Loudspeaker:
+class LoudspeakerSource:
     """A ``Dry`` sound read onward. ``rate`` is that of the microphones."""
 
     def __init__(self, rate: int) -> None:
@@ -30,7 +30,7 @@ class Loudspeaker:
         """Samples dropped because more than half a second waited."""
 
     def play(self, samples: NDArray[np.int16], rate: int) -> None:
-        """Queue ``samples`` (N,) of ``rate``; of more than half a second the oldest goes."""
+        """Queue ``samples`` (N,) of ``rate``; beyond half a second the oldest are dropped."""
         if rate != self._their_rate:
             self._their_rate, self._waiting, self._at = rate, np.zeros(0, dtype=np.float32), 0.0
         self._waiting = np.concatenate([self._waiting, samples.astype(np.float32) / 32768.0])
@@ -42,11 +42,12 @@ class Loudspeaker:
 
     @property
     def waiting_s(self) -> float:
-        """How much waits to be played."""
+        """Queued sound (s)."""
         return max(0.0, (self._waiting.size - self._at) / self._their_rate)
 
     def read(self, start: int, count: int) -> Samples:
-        """Samples ``start`` to ``start + count`` of what it plays: what waits is played when its number first comes up.
+        """Samples ``start`` to ``start + count`` of the playback: queued samples are played when a number is read
+        first.
 
         The last ``KEPT`` samples can be read again; older ones are silence.
         """
@@ -66,7 +67,7 @@ class Loudspeaker:
             self._playing = self.waiting_s >= START_S
         if not self._playing:
             return np.zeros(count, dtype=np.float32)
-        out = read_between(Recorded(self._waiting), self._at, self._at + count * step, count)
+        out = read_between(SampledSound(self._waiting), self._at, self._at + count * step, count)
         self._at += count * step
         done = max(0, int(self._at) - _AHEAD)
         self._waiting, self._at = self._waiting[done:], self._at - done

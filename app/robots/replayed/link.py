@@ -1,8 +1,8 @@
-"""The body of a log: every stream says what was recorded, when it was recorded; the wheels are nobody's.
+"""The body of a log: every stream delivers the recorded messages at their recorded times; commands have no effect.
 
-Driven by a clock alone: a message is delivered once the clock has come to the time it arrived at, so a clock that
-stands delivers nothing. Reading and decoding happen in a thread, a bounded piece of the log ahead. On a loop of virtual
-time, which stands while a thread owes a result, two replays of one log deliver the same in the same order.
+Driven by a clock alone: a message is delivered once the clock reaches its time of arrival, so a stopped clock delivers
+nothing. A thread reads and decodes a bounded piece of the log ahead. On a loop of virtual time, which waits for
+threads, two replays of one log deliver the same messages in the same order.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from app.link import LinkFailed, RobotDescription
 from app.logs.log import Log, LogError, Logged
 from app.logs.mcap.damage import LogDamaged
 from app.messages import Audio, Twist
-from app.robots.replayed.source import LogSource, Place
+from app.robots.replayed.log_source import LogPosition, LogSource
 from app.runtime.clock import Clock
 
 log = logging.getLogger("hbba.replay")
 
-#: These streams run whether anybody says so or not, once somebody is attached.
+#: Streams that run independent of demand, once they have a receiver.
 ALWAYS_ON = ("odometry", "joints", "status")
 
 
-class Feed:
-    """A channel of the log handed on as it is; delivers only while :meth:`demand` says so."""
+class LogFeed:
+    """A channel of the log, delivered unchanged while :meth:`demand` is set."""
 
     def __init__(self, receive: Callable[[Any], None], changed: Callable[[], None]) -> None:
         self.receive = receive
@@ -38,19 +38,18 @@ class Feed:
         self._changed = changed
 
     def demand(self, wanted: bool) -> None:
-        """Tell whether anybody listens: what nobody wants is not decoded."""
+        """Set whether there are subscribers: without demand, messages are not decoded."""
         if wanted != self.wanted:
             self.wanted = wanted
             self._changed()
 
 
-class ReplayedBody:
+class ReplayedLink:
     """Implements ``app.link.RobotLink`` for a ``log``.
 
-    ``streams`` says which channel of the log each stream of ``description`` comes from; one without stays silent.
-    Delivered is what arrived from ``begin`` to ``end`` (s; None: of the log). With ``hold``, nothing is before
-    :meth:`release`: whoever puts the program together says when everybody listens. The log is the caller's to close,
-    after :meth:`stop`.
+    ``streams``: the log's channel of each stream of ``description``; a stream without one stays silent. ``begin``,
+    ``end`` (s; None: of the log): interval of arrival of the delivered messages. With ``hold``, delivery starts at
+    :meth:`release`, when all receivers are attached. The caller closes the log, after :meth:`stop`.
     """
 
     def __init__(
@@ -70,26 +69,26 @@ class ReplayedBody:
         self._channels = dict(streams)
         self.begin = log.info.begin if begin is None else begin
         self.end = log.info.end if end is None else end
-        #: Set once everything has been delivered and the clock has come to the end; cleared by :meth:`seek`.
+        #: Set once all messages are delivered and the clock has reached the end; cleared by :meth:`seek`.
         self.finished = asyncio.Event()
-        #: Called with the time (s) of the first message of each piece of the log when it is about to be delivered.
+        #: Called with the time (s) of the first message of each piece before its delivery.
         self.on_piece: Callable[[float], None] = lambda _: None
-        #: Called with True when what comes next must be waited for, with False when it is there: whoever moves a clock
-        #: that runs by itself can hold it meanwhile, so that time does not outrun the reading.
+        #: Called with True when the next message is not read yet, with False when it is: a clock that runs by itself
+        #: can pause meanwhile, so that time does not overtake the reading.
         self.on_waiting: Callable[[bool], None] = lambda _: None
-        #: Called by :meth:`seek`, before anything of the new place is delivered.
+        #: Called by :meth:`seek`, before any message of the new position.
         self.on_seek: Callable[[], None] = lambda: None
-        #: Called when the clock comes to a part of the log that cannot be read; it goes on behind that.
+        #: Called when the clock reaches an unreadable part of the log; delivery goes on behind it.
         self.on_damage: Callable[[LogDamaged], None] = lambda _: None
-        #: Whether it lives on, silent to the end or to a seek, where the log does not say what follows its damage.
+        #: Whether the body stays up, silent until the end or a seek, where the log does not show what follows a damage.
         self.survives = False
-        #: What could not be read so far, each part once, in the order it was come to.
+        #: Unreadable parts so far, each once, in order.
         self.damages: list[LogDamaged] = []
-        #: Messages delivered so far, whoever took them.
+        #: Number of delivered messages.
         self.delivered = 0
         self._receivers: dict[str, list[Callable[[Any], None]]] = {name: [] for name in description.streams}
         self._wanted: set[str] = set(ALWAYS_ON)
-        self._feeds: dict[str, list[Feed]] = {}
+        self._feeds: dict[str, list[LogFeed]] = {}
         self._open: dict[str, float] = {}
         self._at = self.begin
         self._passed: Counter[str] = Counter()
@@ -100,24 +99,24 @@ class ReplayedBody:
         self._pump: asyncio.Task[None] | None = None
         self._restart: asyncio.Handle | None = None
         self._asleep = False
-        self._told: set[tuple[float, float]] = set()
+        self._warned: set[tuple[float, float]] = set()
         self._failure: asyncio.Future[LinkFailed] | None = None
 
     # --- RobotLink ---------------------------------------------------------------------------------------------------
 
     @property
     def description(self) -> RobotDescription:
-        """What this body is: the recorded one, with the streams that the log has."""
+        """The recorded description, with the streams that the log has."""
         return self._description
 
     async def start(self) -> None:
-        """Begin to read."""
+        """Start reading."""
         self._reader = ThreadPoolExecutor(1, thread_name_prefix="log reader")
         self._failure = asyncio.get_running_loop().create_future()
         self._pump = asyncio.create_task(self._run(None), name="replayed body")
 
     async def stop(self) -> None:
-        """Read no more; the log may be closed then. Idempotent."""
+        """End reading; the log may be closed then. Idempotent."""
         if self._restart is not None:
             self._restart.cancel()
             self._restart = None
@@ -130,7 +129,7 @@ class ReplayedBody:
             await asyncio.get_running_loop().run_in_executor(None, reader.shutdown)
 
     async def wait_failed(self) -> LinkFailed:
-        """Wait until the log cannot be read on; return why."""
+        """Wait until the log becomes unreadable; return why."""
         if self._failure is None:
             return LinkFailed("The replay was not started.")
         return await asyncio.shield(self._failure)
@@ -149,64 +148,65 @@ class ReplayedBody:
         return detach
 
     def demand(self, stream: str, wanted: bool) -> None:
-        """Tell whether anybody listens to ``stream``; an unwanted one is not even decoded."""
+        """Set whether ``stream`` has subscribers; without any, its messages are not decoded."""
         self._of(stream)
         if stream not in ALWAYS_ON and wanted != (stream in self._wanted):
             (self._wanted.add if wanted else self._wanted.discard)(stream)
             self._changed()
 
     def command(self, twist: Twist) -> None:
-        """What was driven was driven: goes nowhere."""
+        """No effect: the motion is recorded."""
 
     def play(self, audio: Audio) -> None:
-        """A recording is heard by nobody there."""
+        """No effect."""
 
     def e_stop(self, reason: str) -> None:
-        """Nothing moves: goes nowhere."""
+        """No effect: nothing moves."""
 
     def clear_e_stop(self) -> None:
-        """Nothing was latched."""
+        """No effect."""
 
-    # --- For whoever replays -----------------------------------------------------------------------------------------
+    # --- Control of the replay
+    # -----------------------------------------------------------------------------------------
 
-    def feed(self, channel: str, receive: Callable[[Any], None]) -> Feed:
-        """Call ``receive(message)`` for each message of the log's ``channel`` while the feed's demand says so."""
-        feed = Feed(receive, self._changed)
+    def feed(self, channel: str, receive: Callable[[Any], None]) -> LogFeed:
+        """Call ``receive(message)`` for each message of the log's ``channel`` while the feed has demand."""
+        feed = LogFeed(receive, self._changed)
         self._feeds.setdefault(channel, []).append(feed)
         return feed
 
     def release(self) -> None:
-        """Deliver from now on."""
+        """Start delivery."""
         self._released.set()
 
     def seek(self, position: float) -> None:
-        """Go on with the first message that arrived after ``position`` (s); emits nothing by itself.
+        """Continue with the first message that arrived after ``position`` (s); delivers nothing by itself.
 
-        The clock has been moved to ``position``, or stands.
+        The clock has been moved to ``position``, or is stopped.
         """
         self._at = math.nextafter(position, math.inf)
         self._passed.clear()
         self._open = {}
-        self._told.clear()
+        self._warned.clear()
         self.finished.clear()
         self.on_seek()
-        self._read_anew()
+        self._restart_reading()
 
     def show(self, channel: str, message: Any) -> None:
-        """Give ``message``, recorded on ``channel``, to whoever listens to that channel's stream or feed, now."""
+        """Deliver ``message``, recorded on ``channel``, to that channel's stream or feed now."""
         for receive in self._receivers_of(channel):
             self._hand(receive, channel, message)
 
     @property
     def listened(self) -> set[str]:
-        """The channels of the log that somebody wants now."""
+        """The channels of the log with demand."""
         heard = [stream for stream, receivers in self._receivers.items() if receivers and stream in self._wanted]
         streams = {self._channels[stream] for stream in heard if stream in self._channels}
         return streams | {channel for channel, feeds in self._feeds.items() if any(feed.wanted for feed in feeds)}
 
     @property
     def reading(self) -> bool:
-        """Whether the next message is still being read: the clock must not be moved on meanwhile.
+        """Whether the next message is not read yet: the clock must not be moved on meanwhile.
 
         False once the body waits for the clock, before :meth:`release`, and at the end.
         """
@@ -222,16 +222,16 @@ class ReplayedBody:
             raise KeyError(f"{self._description.name} has no stream {stream!r}; it has {streams}") from None
 
     def _changed(self) -> None:
-        """Somebody came, went, or wants something else: once all have said so, read what is wanted then."""
+        """The demand changed: once all changes are in, read with the new demand."""
         if self._restart is None and self._pump is not None and self.listened != self._open.keys():
             self._restart = asyncio.get_running_loop().call_soon(self._rewire)
 
     def _rewire(self) -> None:
         self._restart = None
         if self.listened != self._open.keys():
-            self._read_anew()
+            self._restart_reading()
 
-    def _read_anew(self) -> None:
+    def _restart_reading(self) -> None:
         former = self._pump
         if former is None or self._failed:
             return
@@ -244,7 +244,7 @@ class ReplayedBody:
         return self._failure is not None and self._failure.done()
 
     async def _run(self, former: asyncio.Task[None] | None) -> None:
-        """Deliver from the present place to the end."""
+        """Deliver from the current position to the end."""
         if former is not None:
             await asyncio.wait({former})
         await self._released.wait()
@@ -273,16 +273,16 @@ class ReplayedBody:
             self._failure.set_result(failure)
 
     def _source(self) -> LogSource:
-        """What is wanted now, from here on; of channels newly wanted only what arrives from now on."""
+        """A source of all channels with demand from the current position; new channels start now."""
         now = max(self._clock.now(), self._at)
         self._open = {channel: self._open.get(channel, now) for channel in self.listened}
-        return LogSource(self.log, self._open, Place(self._at, dict(self._passed), dict(self._open)), self.end)
+        return LogSource(self.log, self._open, LogPosition(self._at, dict(self._passed), dict(self._open)), self.end)
 
     async def _deliver_all(self, source: LogSource) -> None:
         assert self._reader is not None
         ahead: Future[list[Logged]] = self._reader.submit(source.piece)
         try:
-            # The next piece is read while this one is delivered; it is waited for alike, however long it takes.
+            # The next piece is read while this one is delivered, and awaited however long it takes.
             while True:
                 try:
                     piece = await self._read(ahead)
@@ -304,14 +304,14 @@ class ReplayedBody:
             self._reader.submit(source.close)
 
     async def _come_to(self, damage: LogDamaged) -> None:
-        """Tell of it when it is its time, once but for seeks."""
+        """Report a damaged part when the clock reaches it, once except after seeks."""
         self._asleep = True
         await self._sleep_until(damage.begin)
         self._asleep = False
         part = (damage.begin, damage.end)
-        if part in self._told:
+        if part in self._warned:
             return
-        self._told.add(part)
+        self._warned.add(part)
         if all(part != (known.begin, known.end) for known in self.damages):
             self.damages.append(damage)
         self.on_damage(damage)
@@ -325,7 +325,7 @@ class ReplayedBody:
 
     async def _sleep_until(self, at: float) -> None:
         await self._clock.sleep_until(at)
-        while self._clock.now() < at:  # woken by a jump of the clock
+        while self._clock.now() < at:  # a jump of the clock wakes it
             await self._clock.sleep_until(at)
 
     def _deliver(self, logged: Logged) -> None:
@@ -346,7 +346,7 @@ class ReplayedBody:
     def _hand(self, receive: Callable[[Any], None], channel: str, message: Any) -> None:
         try:
             receive(message)
-        except Exception as failure:  # noqa: BLE001  # one receiver's fault must not cut the others off, nor pass in silence
+        except Exception as failure:  # noqa: BLE001  # must neither affect other receivers nor pass in silence
             asyncio.get_running_loop().call_exception_handler(
                 {"message": f"a receiver of {channel} raised", "exception": failure}
             )

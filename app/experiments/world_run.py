@@ -1,4 +1,4 @@
-"""A whole program in a simulated world that keeps its time: as fast as this computer can, and the same each time.
+"""A whole program in a simulated world on virtual time: as fast as the computer allows, and deterministic.
 
 ``run_in_world(configuration, body, script)`` builds the program around a body in lockstep (``LockstepLink``), runs the
 coroutine ``script`` beside it in virtual time and returns what that returns.
@@ -27,14 +27,14 @@ from app.runtime.graph import Pin, load_class
 T = TypeVar("T")
 
 PATIENCE_S = 600.0
-"""A thread that owes a result for longer (real s) is given up: then only would a run depend on the machine."""
+"""Time limit (real s) for results of threads; only beyond it a run depends on the machine."""
 ORIGIN = 1_000_000.0
 """The robot's clock (s) at the begin."""
 
 
 @dataclass(frozen=True, slots=True)
 class WorldRun:
-    """A program under way: ``system`` is all of it, ``link`` its body, which tells the truth."""
+    """A running program: ``system`` is all of it, ``link`` its body, which offers the ground truth."""
 
     system: System
     link: LockstepLink
@@ -54,7 +54,7 @@ def run_in_world(
     """Run ``script`` beside the program of ``configuration`` in the world of ``body``, in virtual time.
 
     Modules of streams that the body does not have (its cameras, without ``cameras``; its microphones) and those named
-    in ``without`` are left out, and strategies serve without them. ``world`` stands in for the one that the body's file
+    in ``without`` are left out, and strategies work without them. ``world`` replaces the one that the body's file
     names. ``pins`` and ``maps`` as for ``System``. Not to be called on an event loop. Raises what the script raises,
     ConfigError, and what ended the program if it ended before the script.
     """
@@ -77,16 +77,16 @@ def run_in_world(
 def able(
     configuration: Configuration, link: LockstepLink, without: Collection[str] = (), *, recorders: bool = False
 ) -> Configuration:
-    """``configuration`` without the modules that need a stream that the body of ``link`` does not have.
+    """``configuration`` without the modules that need a stream missing from ``link``, and without those named in
+    ``without``.
 
-    And without those named in ``without``.
-    What those would feed comes from nowhere, and whoever listens hears nothing. Recorders are left out as well, unless
-    ``recorders``: they write in real time.
+    The channels of omitted modules stay silent. Recorders are left out as well, unless ``recorders``: they write in
+    real time.
     """
     streams = set(link.description.streams)
     modules = {}
     for name, spec in configuration.program.modules.items():
-        kind = load_class(spec.class_path)  # one that does not exist is the graph's to refuse
+        kind = load_class(spec.class_path)  # the graph refuses a missing one
         if name in without:
             continue
         if kind is None or (set(kind.streams.values()) <= streams and (recorders or not issubclass(kind, Recorder))):

@@ -7,18 +7,18 @@ import pytest
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose3
-from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, Microphones
-from app.robots.simulated.acoustics.hearing import Emission, Hearing, OneRoom
+from app.robots.simulated.acoustics.auralization import Auralizer, Emission, OneRoom
+from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, BaffledMicrophones
+from app.robots.simulated.acoustics.dry_sound import SampledSound
 from app.robots.simulated.acoustics.room import Shoebox
-from app.robots.simulated.acoustics.source import Recorded
 
 RATE, BLOCK = 48000, 512
 ROOM = Shoebox((0.0, 0.0, 0.0), (10.0, 6.8, 2.7), (0.4, 0.35))
 SINE_HZ = 1000.0
 
 
-def sine(seconds: float = 4.0, hz: float = SINE_HZ) -> Recorded:
-    return Recorded(np.sin(2 * np.pi * hz * np.arange(round(seconds * RATE)) / RATE).astype(np.float32))
+def sine(seconds: float = 4.0, hz: float = SINE_HZ) -> SampledSound:
+    return SampledSound(np.sin(2 * np.pi * hz * np.arange(round(seconds * RATE)) / RATE).astype(np.float32))
 
 
 def at(x: float, y: float, turn: float = 0.0) -> Pose3:
@@ -33,8 +33,8 @@ def spectrum_db(samples: NDArray[np.float32]) -> tuple[NDArray[np.float64], NDAr
 
 
 @pytest.mark.parametrize("room", [None, ROOM])
-def test_neither_a_moving_source_nor_a_turning_robot_clicks(shaded: Microphones, room: Shoebox | None) -> None:
-    hearing = Hearing(shaded, OneRoom(room), late_s=0.3)
+def test_neither_a_moving_source_nor_a_turning_robot_clicks(shaded: BaffledMicrophones, room: Shoebox | None) -> None:
+    hearing = Auralizer(shaded, OneRoom(room), late_s=0.3)
     blocks = []
     for number in range(180):
         t = (number + 1) * BLOCK / RATE
@@ -52,8 +52,8 @@ def test_neither_a_moving_source_nor_a_turning_robot_clicks(shaded: Microphones,
         assert np.abs(np.diff(channel)).max() < 1.1 * 2 * np.pi * SINE_HZ / RATE * loudest
 
 
-def test_a_source_that_comes_near_sounds_higher(free: Microphones) -> None:
-    hearing = Hearing(free, OneRoom(None))
+def test_a_source_that_comes_near_sounds_higher(free: BaffledMicrophones) -> None:
+    hearing = Auralizer(free, OneRoom(None))
     speed = 3.0
     blocks = []
     for number in range(150):
@@ -63,8 +63,8 @@ def test_a_source_that_comes_near_sounds_higher(free: Microphones) -> None:
     assert f[np.argmax(level)] == pytest.approx(SINE_HZ / (1 - speed / SPEED_OF_SOUND_MPS), abs=0.8)
 
 
-def test_a_jump_goes_over_without_a_step(free: Microphones) -> None:
-    hearing = Hearing(free, OneRoom(None))
+def test_a_jump_goes_over_without_a_step(free: BaffledMicrophones) -> None:
+    hearing = Auralizer(free, OneRoom(None))
     places = [np.array([2.0, 0.0, 0.0])] * 20 + [np.array([0.0, 5.0, 0.0])] * 20
     heard = np.concatenate(
         [hearing.block([Emission("s", sine(hz=300.0), 0, p)], Pose3.identity()) for p in places], axis=1
@@ -72,11 +72,11 @@ def test_a_jump_goes_over_without_a_step(free: Microphones) -> None:
     assert np.abs(np.diff(heard[0])).max() < 0.6 * 2 * np.pi * 300 / RATE
 
 
-def test_delay_and_level_are_those_of_the_way(free: Microphones) -> None:
+def test_delay_and_level_are_those_of_the_way(free: BaffledMicrophones) -> None:
     """Of a pulse from 3 m in the free field, whichever block it begins in."""
-    pulse = Recorded(np.eye(1, 64, dtype=np.float32)[0])
+    pulse = SampledSound(np.eye(1, 64, dtype=np.float32)[0])
     for begin in (700, 1024, 3001):
-        hearing = Hearing(free, OneRoom(None))
+        hearing = Auralizer(free, OneRoom(None))
         place = np.array([3.0, 0.0, 0.0])
         heard = np.concatenate(
             [hearing.block([Emission("p", pulse, begin, place)], Pose3.identity()) for _ in range(12)], axis=1
@@ -88,8 +88,8 @@ def test_delay_and_level_are_those_of_the_way(free: Microphones) -> None:
         np.testing.assert_allclose(energy, energy[0], rtol=0.02)
 
 
-def test_silence_costs_nothing_and_what_is_too_soft_is_not_computed(free: Microphones) -> None:
-    hearing = Hearing(free, OneRoom(ROOM), late_s=0.3, floor=1e-3, voices=2)
+def test_silence_costs_nothing_and_what_is_too_soft_is_not_computed(free: BaffledMicrophones) -> None:
+    hearing = Auralizer(free, OneRoom(ROOM), late_s=0.3, floor=1e-3, voices=2)
     place = np.array([5.0, 2.0, 1.5])
     soft = Emission("soft", sine(), 0, place, gain=1e-4)
     assert not hearing.block([soft], at(2, 2)).any()
@@ -101,8 +101,8 @@ def test_silence_costs_nothing_and_what_is_too_soft_is_not_computed(free: Microp
     assert hearing.kernels == 2  # the two loudest
 
 
-def test_a_voice_that_becomes_inaudible_fades_and_its_echoes_end(free: Microphones) -> None:
-    hearing = Hearing(free, OneRoom(ROOM), late_s=0.3)
+def test_a_voice_that_becomes_inaudible_fades_and_its_echoes_end(free: BaffledMicrophones) -> None:
+    hearing = Auralizer(free, OneRoom(ROOM), late_s=0.3)
     source = Emission("s", sine(), 0, np.array([4.0, 2.0, 1.5]))
     for _ in range(20):
         hearing.block([source], at(2, 2))
@@ -111,9 +111,9 @@ def test_a_voice_that_becomes_inaudible_fades_and_its_echoes_end(free: Microphon
     assert ringing[-1] == 0.0
 
 
-def test_left_out_blocks_are_left_out_of_the_sound_too(free: Microphones) -> None:
+def test_left_out_blocks_are_left_out_of_the_sound_too(free: BaffledMicrophones) -> None:
     """After a gap the source has gone on: the sine's phase is where it would be."""
-    whole, gapped = Hearing(free, OneRoom(None)), Hearing(free, OneRoom(None))
+    whole, gapped = Auralizer(free, OneRoom(None)), Auralizer(free, OneRoom(None))
     source = [Emission("s", sine(), 0, np.array([2.0, 0.0, 0.0]))]
     expected = [whole.block(source, Pose3.identity()) for _ in range(30)]
     for _ in range(10):

@@ -1,11 +1,11 @@
-"""What a Kinect makes of the true picture: disparity noise, quantisation, shadows, holes, range. Pure on arrays.
+"""Sensor model of the Kinect: disparity noise, quantisation, shadows, holes, range. Pure on arrays.
 
 The sensor measures disparity, proportional to u = 1/z; everything here happens in u.
 - Axial noise sigma_z = s0 + s1 (z - 0.4)^2 (Nguyen, Izadi and Lovell, 3DIMPVT 2012), in disparity a parabola in u.
 - Quantisation: steps of ``quantum_m`` in u, so that depth steps grow with z^2 (Khoshelham and Elberink, Sensors 2012).
-- Shadow: the projector stands ``baseline_m`` beside the camera; what it cannot light has no depth. A pixel in column x
-  is lit from the column x - f B u; it lies in shadow if some pixel to its right is lit from further left.
-- Edges: pixels astride a jump in depth mostly give nothing.
+- Shadow: the projector is ``baseline_m`` beside the camera; unlit pixels have no depth. A pixel in column x is lit from
+  the column x - f B u; it is in shadow if some pixel to its right is lit from further left.
+- Edges: pixels at a jump in depth mostly have no depth.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def camera_model(config: KinectConfig) -> CameraModel:
 
 
 class KinectNoise:
-    """Turns true pictures into measured ones. The same seed gives the same noise, picture by picture."""
+    """Turns true images into measured ones. The same seed gives the same noise, image by image."""
 
     def __init__(self, config: KinectConfig, rng: Generator) -> None:
         self._config = config

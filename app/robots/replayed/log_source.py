@@ -1,4 +1,4 @@
-"""Reading a log ahead of time, in pieces: what a body of the past will say next, decoded before it is due."""
+"""Read-ahead of a log, in pieces decoded before they are due."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from app.logs.log import Log, LogError, Logged
 from app.logs.mcap.damage import LogDamaged
 from app.logs.mcap.writer import weight
 
-#: One piece spans no more than this (s of the log), nor more messages or memory: two are all that is held of a log.
+#: Greatest duration (s of the log), number of messages and memory of a piece; two pieces are held at a time.
 PIECE_S = 0.25
 PIECE_MESSAGES = 256
 PIECE_BYTES = 32_000_000
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
-    """A place between two messages of a log.
+class LogPosition:
+    """A position between two messages of a log.
 
-    What arrived before ``at`` (s) has gone by, and so have the first ``passed[channel]`` that arrived at ``at`` itself.
-    ``since`` says for channels that are read from a later time on (because nobody wanted them before) when that is.
+    Messages that arrived before ``at`` (s) have passed, and the first ``passed[channel]`` of those that arrived at
+    ``at`` itself. ``since``: later start times of channels that had no demand before.
     """
 
     at: float
@@ -32,7 +32,7 @@ class Place:
 class LogSource:
     """The messages of ``channels`` from ``place`` to ``end`` (s, inclusive), in pieces. Used in one thread."""
 
-    def __init__(self, log: Log, channels: Collection[str], place: Place, end: float) -> None:
+    def __init__(self, log: Log, channels: Collection[str], place: LogPosition, end: float) -> None:
         self._log = log
         self._channels = frozenset(channels)
         self._place = place
@@ -45,8 +45,8 @@ class LogSource:
     def piece(self) -> list[Logged]:
         """The next messages, in the order of the log; none at the end.
 
-        Raises LogError where the file is damaged, once everything before the damage was given. After LogDamaged, the
-        next piece is what follows the damage.
+        Raises LogError where the file is damaged, after all messages before the damage. After LogDamaged, the next
+        piece follows the damage.
         """
         try:
             return self._piece()
@@ -84,7 +84,7 @@ class LogSource:
         return piece
 
     def close(self) -> None:
-        """Let go of the log."""
+        """Release the log."""
         if self._messages is not None:
             self._messages.close()
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from app.robots.config import KinectConfig
-from app.robots.simulated.kinect import KinectNoise, camera_model
+from app.robots.simulated.kinect_noise import KinectNoise, camera_model
 
 CONFIG = KinectConfig()
 SHAPE = (CONFIG.height, CONFIG.width)

@@ -9,7 +9,7 @@ import pytest
 from app.attention.desires import Source
 from app.base import paths
 from app.base.errors import ConfigError
-from app.experiments.lockstep import WorldRun, able, run_in_world, with_settings
+from app.experiments.world_run import WorldRun, able, run_in_world, with_settings
 from app.link import LinkFailed
 from app.messages import LaserScan, OperatorDrive
 from app.program.config import Configuration, load_configuration
@@ -47,9 +47,9 @@ def test_a_program_drives_in_virtual_time_and_two_runs_are_the_same(
         scans: list[LaserScan] = []
         run.system.graph.channels["scan"].observe(scans.append)
         desire = run.system.workspace.add("Teleoperation", intensity=1, utility=1, source=Source("operator", "a test"))
-        hands = run.system.graph.channels["operator_drive"]
+        operator = run.system.graph.channels["operator_drive"]
         for number in range(40):
-            hands.publish(OperatorDrive(run.system.clock.now(), "a test", number, True, 0.5, 0.0))
+            operator.publish(OperatorDrive(run.system.clock.now(), "a test", number, True, 0.5, 0.0))
             await run.system.clock.sleep(0.05)
         return run.link.true_pose().x, len(scans), desire.id
 
@@ -90,12 +90,12 @@ def test_the_scripts_mistakes_and_the_worlds_are_raised(
 
     async def end_of_the_world(run: WorldRun) -> None:
         run.link.attach("odometry", lambda _: None)
-        assert run.link._living is not None
+        assert run.link._simulation is not None
 
         def fall(*_: object) -> None:
             raise RuntimeError("the sky falls")
 
-        run.link._living.turn = fall  # type: ignore[method-assign,assignment]
+        run.link._simulation.turn = fall  # type: ignore[method-assign,assignment]
         await run.system.clock.sleep(10.0)
 
     with pytest.raises(LinkFailed, match="the sky falls"):

@@ -1,4 +1,4 @@
-"""Sounds on their way: a recording given off at a moment, heard as late as the way is long, with its Doppler shift."""
+"""Dry sounds with travel time: a sampled sound, read with the delay of its path and so with its Doppler shift."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Samples = NDArray[np.float32]
 _TAPS, _PHASES = 16, 512
 
 
-class Dry(Protocol):
+class DrySound(Protocol):
     """Sound as it leaves its source: amplitude at 1 m, full scale 1, numbered in samples since it began."""
 
     def read(self, start: int, count: int) -> Samples:
@@ -23,14 +23,14 @@ class Dry(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Recorded:
+class SampledSound:
     """``samples`` (N,) float32, played once or, ``loop``, for ever."""
 
     samples: Samples
     loop: bool = False
 
     def read(self, start: int, count: int) -> Samples:
-        """As :class:`Dry` says."""
+        """See :class:`DrySound`."""
         size = self.samples.size
         if self.loop and size:
             out: Samples = self.samples[np.arange(max(start, 0), start + count) % size]
@@ -43,7 +43,7 @@ class Recorded:
 
 
 def ramp(begin: float, end: float, count: int) -> Samples:
-    """``count`` numbers that go evenly from ``begin`` up to, without, ``end``."""
+    """``count`` evenly spaced numbers from ``begin`` to ``end``, without ``end``."""
     return np.float32(begin) + np.float32((end - begin) / count) * _numbers(count)
 
 
@@ -65,10 +65,10 @@ def _sinc_table() -> NDArray[np.float32]:
 _SINC = _sinc_table()
 
 
-def read_between(dry: Dry, first: float, last: float, count: int) -> Samples:
+def read_between(dry: DrySound, first: float, last: float, count: int) -> Samples:
     """``count`` samples of ``dry`` at places (in samples) that run evenly from ``first`` up to, without, ``last``."""
     begin = math.floor(first)
-    if abs(last - count - first) < 1e-3:  # nothing moves
+    if abs(last - count - first) < 1e-3:  # without motion
         phase_ = round((first - begin) * _PHASES)
         section = dry.read(begin - (_TAPS // 2 - 1), count + _TAPS - 1)
         return np.convolve(section, _SINC[phase_][::-1], mode="valid")

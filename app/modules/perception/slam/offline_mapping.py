@@ -1,4 +1,4 @@
-"""A whole log mapped as fast as the computer can: every scan in its order, every loop looked for at once."""
+"""Offline mapping of a whole log at full CPU speed: every scan in order, every loop searched at once."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from app.base.geometry import Pose2
 from app.modules.perception.slam.loop_closure import LoopJob
 from app.modules.perception.slam.mapper import Slam
 from app.modules.perception.slam.relations import Poses
-from app.modules.perception.slam.scans import Beams
+from app.modules.perception.slam.scans import BeamGeometry
 from app.modules.perception.slam.settings import SlamSettings
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sweep:
-    """One sweep of a log: ``ranges`` (N,) m of ``beams``, from ``stamp`` (s) on; the body is at ``X_OB`` then."""
+    """One sweep of a log: ``ranges`` (N,) m of ``beams`` from ``stamp`` (s) on, with the body at ``X_OB``."""
 
     stamp: float
     ranges: NDArray[np.floating]
-    beams: Beams
+    beams: BeamGeometry
     X_OB: Pose2
     twist: tuple[float, float] = (0.0, 0.0)
     sweep_s: float = 0.0
@@ -43,7 +43,8 @@ class _Row:
 
 @dataclass(slots=True, eq=False)
 class MappedLog:
-    """What came of it. CPU times (s): ``scan_s`` of each scan taken, ``jobs_s`` of closing loops, ``cpu_s`` of all."""
+    """Result of mapping a log. CPU times (s): ``scan_s`` per used scan, ``jobs_s`` of loop closure, ``cpu_s`` in
+    total."""
 
     slam: Slam
     scans: int = 0
@@ -55,20 +56,20 @@ class MappedLog:
     cpu_s: float = 0.0
 
     def numbers(self) -> NDArray[np.int64]:
-        """Which scans of the log were taken: (K,), from 0."""
+        """Indices of the used scans (K,), from 0."""
         return np.array([row.number for row in self.rows], dtype=np.int64)
 
     def stamps(self) -> NDArray[np.float64]:
-        """(K,) s of the scans taken."""
+        """(K,) s of the used scans."""
         return np.array([row.stamp for row in self.rows])
 
     def poses(self) -> Poses:
-        """(K, 3) x, y, theta on the map of the scans taken, as the whole log says."""
+        """(K, 3) x, y, theta on the final map of the used scans."""
         found = [self._pose(row.keyframe) @ row.X_KB for row in self.rows]
         return np.array([(p.x, p.y, p.theta) for p in found]).reshape(-1, 3)
 
     def kept(self, keyframe: int) -> tuple[int, Pose2]:
-        """The keyframe of the map that one hangs on which may have been removed since, and its pose in it."""
+        """The remaining keyframe to which ``keyframe``, possibly removed, is attached, and its pose in it."""
         chain = Pose2()
         while keyframe in self.replaced:
             keyframe, X_ab = self.replaced[keyframe]
@@ -80,15 +81,15 @@ class MappedLog:
         return self.slam.pose(kept) @ X_ab
 
     def odometry_poses(self) -> Poses:
-        """(N, 3) of all scans of the log, as odometry said."""
+        """(N, 3) of all scans of the log, by odometry."""
         return np.array([(p.x, p.y, p.theta) for p in self.odometry]).reshape(-1, 3)
 
     def sigmas(self) -> NDArray[np.float64]:
-        """(K, 3) standard deviations of x, y (m) and theta (rad) of the scans taken, on the map around at the time."""
+        """(K, 3) standard deviations of x, y (m) and theta (rad) of the used scans, on the local map at the time."""
         return np.array([row.sigmas for row in self.rows]).reshape(-1, 3)
 
     def unmatched(self) -> int:
-        """How many scans did not fit the map, so that odometry alone led on."""
+        """Number of scans that did not fit the map, bridged by odometry alone."""
         return sum(not row.matched for row in self.rows)
 
 
@@ -97,9 +98,9 @@ def mapped(
     settings: SlamSettings | None = None,
     *,
     phi: int = 1,
-    tell: Callable[[int, str], None] = lambda scans, text: None,
+    on_progress: Callable[[int, str], None] = lambda scans, text: None,
 ) -> MappedLog:
-    """Map ``sweeps``, of every ``phi`` of which the first is taken. ``tell`` is told how many scans are done."""
+    """Map ``sweeps``, using the first of every ``phi``. ``on_progress(scans, text)`` reports progress."""
     log = MappedLog(Slam(settings))
     began = time.process_time()
     for sweep in sweeps:
@@ -112,7 +113,7 @@ def mapped(
         match = log.slam.add(sweep.stamp, sweep.ranges, sweep.beams, sweep.X_OB, sweep.twist, sweep.sweep_s)
         log.scan_s.append(time.thread_time() - before)
         if match.keyframe < 0:
-            continue  # nothing was seen so far: the map begins later
+            continue  # no reading so far: the map begins later
         x, y, theta = np.sqrt(np.diagonal(match.covariance))
         log.rows.append(
             _Row(
@@ -127,7 +128,7 @@ def mapped(
             )
         )
         _do(log, log.slam.pending())
-        tell(log.scans, f"{len(log.slam.keyframes)} keyframes, {log.slam.loops} loops")
+        on_progress(log.scans, f"{len(log.slam.keyframes)} keyframes, {log.slam.loops} loops")
     _do(log, log.slam.settling())
     log.cpu_s = time.process_time() - began
     return log

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from app.base.geometry import Pose2, Pose3
 from app.robots.config import KinectConfig, RobotConfig
 from app.robots.model import load_model
-from app.robots.simulated.body import Simulation, build_simulation
-from app.robots.simulated.camera_rendering import KinectEye
-from app.robots.simulated.kinect import camera_model
+from app.robots.simulated.body import RobotSimulation, build_simulation
+from app.robots.simulated.camera_rendering import KinectRenderer
+from app.robots.simulated.kinect_noise import camera_model
 from app.robots.simulated.odometry import TrueBase
-from app.robots.simulated.renderer import Painter, Snapshot
+from app.robots.simulated.renderer import Renderer, WorldSnapshot
 from app.robots.simulated.world_config import WorldConfig
 from tests.robots.conftest import make_hall, needs_gl
 
@@ -30,18 +30,18 @@ class Eye:
     """A camera on a robot that can be put anywhere."""
 
     def __init__(self, robot: RobotConfig, world: WorldConfig) -> None:
-        self.simulation: Simulation = build_simulation(robot, world, TrueBase(0.10, 0.10, 0.44))
-        self.painter = Painter(self.simulation.model)
-        self.camera = KinectEye(self.painter, self.simulation.model, CONFIG, np.random.default_rng(2))
+        self.simulation: RobotSimulation = build_simulation(robot, world, TrueBase(0.10, 0.10, 0.44))
+        self.renderer = Renderer(self.simulation.model)
+        self.camera = KinectRenderer(self.renderer, self.simulation.model, CONFIG, np.random.default_rng(2))
         self.X_BC = load_model(robot.model).pose(CONFIG.link)
-        self._initial = Snapshot.initial(self.simulation.model)
+        self._initial = WorldSnapshot.initial(self.simulation.model)
 
     def look(self, X_WB: Pose2) -> tuple[NDArray[np.uint8], NDArray[np.uint16], NDArray[np.float32]]:
         """Measured colour and depth, and the true inverse depth, with the base at ``X_WB``."""
         qpos = self._initial.qpos.copy()
         a = self.simulation.base_address
         qpos[a : a + 7] = [X_WB.x, X_WB.y, 0, math.cos(X_WB.theta / 2), 0, 0, math.sin(X_WB.theta / 2)]
-        for _ in self.camera.draw(Snapshot(0.0, qpos, self._initial.mocap, self.X_BC)):
+        for _ in self.camera.draw(WorldSnapshot(0.0, qpos, self._initial.mocap, self.X_BC)):
             pass
         color = np.zeros((CONFIG.height, CONFIG.width, 3), dtype=np.uint8)
         depth = np.zeros((CONFIG.height, CONFIG.width), dtype=np.uint16)
@@ -57,7 +57,7 @@ class Eye:
 def eye(robot: RobotConfig, lab: WorldConfig) -> Iterator[Eye]:
     eye = Eye(robot, lab)
     yield eye
-    eye.painter.close()
+    eye.renderer.close()
 
 
 def test_depth_to_a_known_wall(robot: RobotConfig) -> None:
@@ -73,7 +73,7 @@ def test_depth_to_a_known_wall(robot: RobotConfig) -> None:
             # the wall is flat: the same depth along the axis everywhere
             assert inverse[100:300, 50:590].std() < 1e-3
     finally:
-        eye.painter.close()
+        eye.renderer.close()
 
 
 def in_front_of(eye: Eye, lab: WorldConfig, number: int, distance: float, aside: float = 0.0) -> Pose2:

@@ -1,13 +1,13 @@
-"""The cameras' thread: draws the world as the body's cameras see it, into the image rings.
+"""The cameras' thread: renders the body's cameras into the image rings.
 
 Drawing takes longer than a control step and releases the interpreter's lock, so it has a thread of its own; the control
-loop only leaves it a snapshot when it is free and picks up finished pictures. Where one is not finished when the next
-is due, the loop has time stand a little: a computer too slow for the rates slows the world, not the camera. The OpenGL
-context lives and dies in this thread, as it must.
+loop only gives it a snapshot when it is free and collects finished images. Where an image is not finished when the next
+is due, the loop pauses simulated time: a computer too slow for the rates slows the world, not the camera. The OpenGL
+context belongs to this thread.
 
-One thread draws for all cameras: two would fight for the same processor, each with its copy of every texture. The
-camera with the shortest period goes first, even between the parts of another's picture; but one that has waited for
-longer than its own period goes before all that have not, so that where time is too short all rates fall alike.
+One thread renders all cameras: two would compete for the CPU, each with a copy of every texture. The camera with the
+shortest period goes first, even between the parts of another's image; but one that has waited longer than its own
+period goes before the others, so that under overload all rates fall in proportion.
 """
 
 from __future__ import annotations
@@ -22,23 +22,23 @@ import mujoco
 from numpy.random import Generator
 
 from app.robots.config import StreamsConfig
-from app.robots.simulated.camera_rendering import Eye, open_eyes
+from app.robots.simulated.camera_rendering import CameraRenderer, open_renderers
 from app.robots.simulated.image_ring import SLOTS, ImageRing
-from app.robots.simulated.renderer import Painter, Snapshot
+from app.robots.simulated.renderer import Renderer, WorldSnapshot
 from app.robots.simulated.wire import ImageNotice
 
 
 @dataclass(slots=True, eq=False)
 class _Job:
-    """A picture in work, asked for at ``since`` (s, monotonic)."""
+    """An image in progress, requested at ``since`` (s, monotonic)."""
 
-    snapshot: Snapshot
+    snapshot: WorldSnapshot
     steps: Iterator[None]
     since: float
 
 
 class CameraThread:
-    """Draws snapshots as they come. ``rngs`` and ``rings`` are by stream, as are the cameras of ``streams``."""
+    """Renders snapshots on request. ``rngs``, ``rings`` and cameras are by stream."""
 
     def __init__(
         self,
@@ -59,7 +59,7 @@ class CameraThread:
             if config is not None
         }
         self._condition = threading.Condition()
-        self._asked: dict[str, tuple[Snapshot, float]] = {}
+        self._asked: dict[str, tuple[WorldSnapshot, float]] = {}
         self._busy: set[str] = set()
         self._ending = False
         self._ready = threading.Event()
@@ -70,7 +70,7 @@ class CameraThread:
         self._thread.start()
 
     def wait_ready(self, timeout_s: float) -> None:
-        """Wait until it can draw; raises what went wrong in the thread, or TimeoutError."""
+        """Wait until it can draw; raises the thread's error, or TimeoutError."""
         if not self._ready.wait(timeout_s):
             raise TimeoutError(f"the camera could not be set up in {timeout_s:.0f} s")
         if self.failure is not None:
@@ -80,7 +80,7 @@ class CameraThread:
         """Whether that camera's last snapshot is not finished yet."""
         return stream in self._busy
 
-    def request(self, stream: str, snapshot: Snapshot) -> None:
+    def request(self, stream: str, snapshot: WorldSnapshot) -> None:
         """Have ``snapshot`` drawn for the camera ``stream``; not while it is ``busy``."""
         with self._condition:
             self._busy.add(stream)
@@ -88,7 +88,7 @@ class CameraThread:
             self._condition.notify()
 
     def close(self, timeout_s: float) -> None:
-        """End the thread, waiting for what it is drawing."""
+        """End the thread after its current image."""
         with self._condition:
             self._ending = True
             self._condition.notify()
@@ -96,26 +96,26 @@ class CameraThread:
 
     def _run(self) -> None:
         try:
-            painter = Painter(self._model)
-            eyes = open_eyes(painter, self._model, self._streams, self._rngs)
+            renderer = Renderer(self._model)
+            renderers = open_renderers(renderer, self._model, self._streams, self._rngs)
             self._ready.set()
-            self._serve(eyes)
-            painter.close()
-        except BaseException as failure:  # noqa: BLE001  # handed to the control loop, which ends the process with it
+            self._serve(renderers)
+            renderer.close()
+        except BaseException as failure:  # noqa: BLE001  # raised in the control loop, which ends the process
             self.failure = failure
             self._ready.set()
             self._wake()
 
-    def _serve(self, eyes: Mapping[str, Eye]) -> None:
+    def _serve(self, renderers: Mapping[str, CameraRenderer]) -> None:
         jobs: dict[str, _Job] = {}
         while self._wait(bool(jobs)):
             with self._condition:
                 for stream, (snapshot, since) in self._asked.items():
-                    jobs[stream] = _Job(snapshot, eyes[stream].draw(snapshot), since)
+                    jobs[stream] = _Job(snapshot, renderers[stream].draw(snapshot), since)
                 self._asked.clear()
             stream = self._most_urgent(jobs)
             if next(jobs[stream].steps, stream) is stream:
-                self._finish(stream, eyes[stream], jobs.pop(stream).snapshot)
+                self._finish(stream, renderers[stream], jobs.pop(stream).snapshot)
 
     def _wait(self, working: bool) -> bool:
         """Wait for something to do; False at the end."""
@@ -130,7 +130,7 @@ class CameraThread:
         latest = max(waited, key=lambda stream: waited[stream])
         return latest if waited[latest] > 1.0 else min(waited, key=lambda stream: self._periods[stream])
 
-    def _finish(self, stream: str, eye: Eye, snapshot: Snapshot) -> None:
+    def _finish(self, stream: str, eye: CameraRenderer, snapshot: WorldSnapshot) -> None:
         slot = self._counts[stream] % SLOTS
         self._counts[stream] += 1
         ring = self._rings[stream]

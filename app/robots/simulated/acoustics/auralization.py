@@ -1,9 +1,8 @@
-"""What the microphones hear, block after block: every sound through its room and round the torso, as all of them move.
-
-A sound's travel time is in how it is read, continuously, so a moving source has its Doppler shift and does not click;
-what differs between microphones and what the room adds to it is in impulse responses, renewed as things move and
-cross-faded over one block. Reverberation later than ``Hearing.early_s`` after the direct sound is the room's, one
-convolution for all sounds in it.
+"""Auralization: sound at the microphones, block by block, through rooms and around the torso, with moving sources and
+robot. A sound's travel time is a continuous read position, so a moving source has its Doppler shift without clicks.
+Differences between microphones, and the room, are impulse responses, updated with motion and cross-faded over one
+block. Reverberation later than ``Auralizer.early_s`` after the direct sound is the room's, one convolution for all
+sounds in it.
 """
 
 from __future__ import annotations
@@ -20,12 +19,12 @@ from numpy.typing import NDArray
 from app.base.geometry import Pose3
 from app.robots.simulated.acoustics.bands import AIR_DB_PER_M, low_pass
 from app.robots.simulated.acoustics.convolver import Partitions, Spectra, Tail, finish, transform
-from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, TAPS, Microphones
+from app.robots.simulated.acoustics.diffraction import SPEED_OF_SOUND_MPS, TAPS, BaffledMicrophones
+from app.robots.simulated.acoustics.dry_sound import DrySound, Samples, ramp, read_between
 from app.robots.simulated.acoustics.room import MOUTH_MEAN, Images, Shoebox, diffuse_noise, early, images, late
-from app.robots.simulated.acoustics.source import Dry, Samples, ramp, read_between
 
 MARGIN = 64
-"""Samples by which a kernel begins before the sound arrives at the array's middle: some microphones are nearer."""
+"""Samples of a kernel before the arrival at the array's middle: some microphones are nearer."""
 _JUMP_M = 0.3
 _MOVED_M, _TURNED_RAD, _LOOKED = 0.015, math.radians(0.7), math.cos(math.radians(6))
 _REFLECTION_TAPS = 48
@@ -34,11 +33,12 @@ _LATE_NOISE = 1 << 15
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Way:
-    """How a sound comes to the listener: as if from ``p_W`` (3,) m in ``room`` (None: outdoors), after ``before_m``.
+class SoundPath:
+    """Path of a sound to the listener: a virtual source at ``p_W`` (3,) m in ``room`` (None: outdoors), after
+    ``before_m``.
 
-    ``gains`` (2,) are what doors and walls left of it, by band, beyond the spreading over the whole length;
-    ``late`` is the amplitude of what it adds to the listener's room's reverberation, 1 for a source in the room.
+    ``gains`` (2,): attenuation by doors and walls, by band, in addition to the spreading over the whole length;
+    ``late``: amplitude of its part in the reverberation of the listener's room, 1 for a source in the room.
     """
 
     room: Shoebox | None
@@ -48,11 +48,11 @@ class Way:
     late: float = 1.0
 
 
-class Surroundings(Protocol):
-    """Where sounds and listener are."""
+class AcousticSpace(Protocol):
+    """Geometry of sources and listener."""
 
-    def way(self, p_WS: NDArray[np.float64], p_WA: NDArray[np.float64]) -> Way:
-        """How sound from ``p_WS`` comes to ``p_WA`` (3,) m."""
+    def way(self, p_WS: NDArray[np.float64], p_WA: NDArray[np.float64]) -> SoundPath:
+        """Path of sound from ``p_WS`` to ``p_WA`` (3,) m."""
         ...
 
 
@@ -62,23 +62,23 @@ class OneRoom:
 
     room: Shoebox | None
 
-    def way(self, p_WS: NDArray[np.float64], p_WA: NDArray[np.float64]) -> Way:
-        """Straight."""
-        return Way(
+    def way(self, p_WS: NDArray[np.float64], p_WA: NDArray[np.float64]) -> SoundPath:
+        """The straight path."""
+        return SoundPath(
             self.room, p_WS if self.room is None else self.room.clamp(p_WS), late=0.0 if self.room is None else 1.0
         )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Emission:
-    """A sound given off from sample number ``begin`` on, as it is at the block's end.
+    """A sound from sample number ``begin`` on, at its place at the block's end.
 
-    ``name`` is unique. ``p_W`` (3,) m; ``looks`` the unit vector along which a mouth points, None for a source alike in
-    all directions; ``gain`` of amplitude; ``level`` the root mean square at 1 m of its loudest part, before ``gain``.
+    ``name`` is unique. ``p_W`` (3,) m; ``looks``: unit vector of a mouth's direction, None for an omnidirectional
+    source; ``gain``: of amplitude; ``level``: root mean square at 1 m of its loudest part, before ``gain``.
     """
 
     name: str
-    dry: Dry
+    dry: DrySound
     begin: int
     p_W: NDArray[np.float64]
     gain: float = 1.0
@@ -86,13 +86,13 @@ class Emission:
     level: float = 1.0
 
 
-class Hearing:
-    """The functional core of the microphones: give it each block's emissions and pose, take each block's sound."""
+class Auralizer:
+    """Functional core of the simulated microphones: emissions and pose of each block in, sound of the block out."""
 
     def __init__(
         self,
-        microphones: Microphones,
-        surroundings: Surroundings,
+        microphones: BaffledMicrophones,
+        surroundings: AcousticSpace,
         block: int = 512,
         early_s: float = 0.021,
         late_s: float = 0.6,
@@ -122,24 +122,24 @@ class Hearing:
         self._refresh = refresh_blocks
         self._floor = floor
         self._most = voices
-        self._voices: dict[str, _Voice] = {}
+        self._voices: dict[str, _ActiveSource] = {}
         self.position = 0
         """Number of the next block's first sample."""
         self.kernels = 0
         """Impulse responses computed so far."""
 
     def skip(self, blocks: int) -> None:
-        """Leave out ``blocks``: sounds go on unheard, echoes of what was heard are lost."""
+        """Skip ``blocks``: sounds continue unheard, reverberation so far is lost."""
         self.position += blocks * self._block
         self._voices.clear()
         self._tail = Tail(self._outputs, self._block, self._step, self._tail.count)
         self._room = None
 
     def prepare(self, rooms: Sequence[Shoebox] = ()) -> None:
-        """Compute what the first blocks, or the first in each of ``rooms``, would else wait for."""
+        """Precompute what the first blocks, or the first in each of ``rooms``, would wait for."""
         self.microphones.tables()
         if self._noise is None:
-            # Cyclic: where it comes round again the sound has died away
+            # Cyclic: the sound has died away before it repeats
             length = min(1 << (self._tail_length - 1).bit_length(), _LATE_NOISE)
             self._noise = diffuse_noise(self.microphones, length, self._seed)
         for room in rooms:
@@ -163,7 +163,7 @@ class Hearing:
             if voice is None:
                 if number not in audible:
                     continue
-                voice = self._voices[emission.name] = _Voice(self._outputs, self._block, self._early_blocks)
+                voice = self._voices[emission.name] = _ActiveSource(self._outputs, self._block, self._early_blocks)
             x = voice.read(emission, way, X_WA, self.position, self.microphones.rate, number in audible)
             if voice.silent and not x.any():
                 continue
@@ -186,23 +186,23 @@ class Hearing:
         return out
 
     def _from_mouths(self, samples: Samples) -> Samples:
-        """What a room gets of sound that mouths give off mostly forward."""
+        """Excitation of a room's reverberation by mouths, which radiate mostly forward."""
         known = np.concatenate([self._mouths_before, samples])
         self._mouths_before = known[known.size - self._mouths_before.size :]
         low = np.convolve(known, low_pass(self.microphones.rate), mode="valid")
         shelved: Samples = MOUTH_MEAN[1] * samples + (MOUTH_MEAN[0] - MOUTH_MEAN[1]) * low
         return shelved.astype(np.float32)
 
-    def _fade_out(self, voice: _Voice, before: NDArray[np.complex64], after: NDArray[np.complex64]) -> bool:
-        """Let a voice that is gone ring out; True when it has."""
+    def _fade_out(self, voice: _ActiveSource, before: NDArray[np.complex64], after: NDArray[np.complex64]) -> bool:
+        """Let an ended sound ring out; True when it has."""
         if voice.silent:
             return True
         voice.partitions.feed(np.zeros(self._block, dtype=np.float32))
         voice.partitions.add_to(before, after)
         return False
 
-    def _audible(self, emissions: Sequence[Emission], ways: Sequence[Way], X_WA: Pose3) -> set[int]:
-        """Numbers of the emissions worth computing: the loudest, and none below the floor."""
+    def _audible(self, emissions: Sequence[Emission], ways: Sequence[SoundPath], X_WA: Pose3) -> set[int]:
+        """Indices of the emissions to compute: the loudest, and none below the floor."""
         levels = []
         for emission, way in zip(emissions, ways, strict=True):
             distance = way.before_m + float(np.linalg.norm(way.p_W - X_WA.translation))
@@ -214,10 +214,12 @@ class Hearing:
         order = sorted(range(len(levels)), key=levels.__getitem__, reverse=True)[: self._most]
         return {number for number in order if levels[number] >= self._floor}
 
-    def _impulses(self, voice: _Voice, way: Way, X_WA: Pose3, looks: NDArray[np.float64] | None) -> Samples:
+    def _impulses(
+        self, voice: _ActiveSource, way: SoundPath, X_WA: Pose3, looks: NDArray[np.float64] | None
+    ) -> Samples:
         rate = self.microphones.rate
         straight_m = float(np.linalg.norm(way.p_W - X_WA.translation))
-        # The reader has waited for all of the way but the kernel's margin
+        # The read position includes all of the path but the kernel's margin
         margin_s = (way.before_m + straight_m) / SPEED_OF_SOUND_MPS - voice.delay / rate
         start_s = straight_m / SPEED_OF_SOUND_MPS - margin_s
         length = self._early_blocks * self._block
@@ -236,7 +238,7 @@ class Hearing:
         gains = found.gains * spread[:, None] * np.array(way.gains) * air
         found = Images(found.p_W, gains, found.departures, found.distances)
         impulses = early(self.microphones, X_WA, found, length, start_s, looks, _REFLECTION_TAPS)
-        if way.room is not None:  # early sound leaves as the late comes in
+        if way.room is not None:  # early sound fades out as late sound fades in
             end = self._step * self._block
             fade = round(0.004 * rate)
             impulses[:, end : end + fade] *= np.cos(0.5 * math.pi * (np.arange(fade) + 0.5) / fade)
@@ -255,7 +257,7 @@ class Hearing:
         heard_s = max(room.rt60_s) * _LATE_DECAY_DB / 60
         length = min(self._tail_length, max(self._tail.delay, round(heard_s * rate)))
         after_s = (self._tail.delay - MARGIN) / rate
-        # Each room its own stretch of the noise
+        # A separate part of the noise for each room
         own = np.take(noise, np.arange(length) + hash(room.corner) % noise.shape[-1], axis=-1, mode="wrap")
         impulses = late(room, own, length, rate, after_s)
         end = min(length, 2048)
@@ -265,12 +267,12 @@ class Hearing:
 
 @lru_cache(maxsize=64)
 def _reverberation(room: Shoebox) -> float:
-    """Energy of all of a room's reverberation after an impulse of 1 at 1 m."""
+    """Energy of a room's whole reverberation after an impulse of 1 at 1 m."""
     return float(room.late_power(0.0).max()) * max(room.rt60_s) / (6 * math.log(10))
 
 
-class _Voice:
-    """One sound being heard."""
+class _ActiveSource:
+    """One sound in progress."""
 
     def __init__(self, outputs: int, block: int, blocks: int) -> None:
         self.partitions = Partitions(outputs, block, blocks)
@@ -279,15 +281,15 @@ class _Voice:
         self._gain = 0.0
         self._late_gain = 0.0
         self._age = 0
-        self._at: tuple[Way, Pose3, NDArray[np.float64] | None] | None = None
+        self._at: tuple[SoundPath, Pose3, NDArray[np.float64] | None] | None = None
 
     @property
     def silent(self) -> bool:
-        """Whether nothing of it is on its way any more."""
+        """Whether no sound of it is on its way any more."""
         return self.partitions.silent
 
-    def read(self, emission: Emission, way: Way, X_WA: Pose3, position: int, rate: int, audible: bool) -> Samples:
-        """What of the sound has come near in this block."""
+    def read(self, emission: Emission, way: SoundPath, X_WA: Pose3, position: int, rate: int, audible: bool) -> Samples:
+        """The sound that arrives in this block."""
         block = self.partitions.block
         whole_m = way.before_m + float(np.linalg.norm(way.p_W - X_WA.translation))
         delay = max(0.0, whole_m / SPEED_OF_SOUND_MPS * rate - MARGIN)
@@ -299,7 +301,7 @@ class _Voice:
             x = np.zeros(block, dtype=np.float32)
         elif abs(delay - self.delay) <= _JUMP_M / SPEED_OF_SOUND_MPS * rate:
             x = read_between(emission.dry, first, position + block - emission.begin - delay, block)
-        else:  # not by motion: go over from one way to the other
+        else:  # a jump: cross-fade from one path to the other
             share = ramp(0.0, 1.0, block)
             there = position - emission.begin - delay
             old = read_between(emission.dry, first, first + block, block)
@@ -309,8 +311,8 @@ class _Voice:
         self.delay, self._gain = delay, gain
         return x
 
-    def stale(self, way: Way, X_WA: Pose3, looks: NDArray[np.float64] | None, refresh: int) -> bool:
-        """Whether its impulse responses are to be computed again for where things are now; then they count as such."""
+    def stale(self, way: SoundPath, X_WA: Pose3, looks: NDArray[np.float64] | None, refresh: int) -> bool:
+        """Whether its impulse responses must be computed for the current geometry, which is then noted."""
         self._age += 1
         if self._at is not None:
             if self._age < refresh:
@@ -326,8 +328,8 @@ class _Voice:
         self._age = 0
         return True
 
-    def late(self, x: Samples, way: Way, rate: int) -> Samples:
-        """What it gives to its room's reverberation, which has died away a little over the direct way's length."""
+    def late(self, x: Samples, way: SoundPath, rate: int) -> Samples:
+        """Its excitation of its room's reverberation, attenuated by the length of the direct path."""
         assert way.room is not None
         whole_s = (self.delay + MARGIN) / rate
         gain = way.late * 10 ** (-3 * whole_s / max(way.room.rt60_s))
