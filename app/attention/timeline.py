@@ -21,6 +21,7 @@ EventKind = Literal[
     "module",
     "stale",
     "goal",
+    "percept",
 ]
 
 _log = logging.getLogger(__name__)

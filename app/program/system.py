@@ -151,6 +151,8 @@ class System:
             self._report.open(self.workspace, self.translator, self.timeline)
             stack.callback(self._report.close)
             stack.callback(self.link.attach("status", self._feed.guard))
+            if "percept_events" in self.graph.channels:
+                stack.callback(self.graph.channel("percept_events").observe(self._feed.percept))
             if not self._reproducible:
                 await stack.enter_async_context(self.watchdog)
             await stack.enter_async_context(self.supervisor)
