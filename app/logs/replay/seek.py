@@ -22,6 +22,7 @@ from app.messages import (
     LogLine,
     LoudNoise,
     OperatorDrive,
+    PerceptEvent,
     SeparatedSound,
     Twist,
 )
@@ -32,7 +33,7 @@ T = TypeVar("T")
 
 #: These were meant for their moment: what was commanded, noted or heard is not said again at a jump. A frame of sound
 #: by itself is a click, and to whoever listens for noises an event.
-OF_THE_MOMENT = (OperatorDrive, Twist, EventRecord, LogLine, Audio, SeparatedSound, LoudNoise)
+OF_THE_MOMENT = (OperatorDrive, Twist, EventRecord, LogLine, Audio, SeparatedSound, LoudNoise, PerceptEvent)
 #: What a recording tells of its attention; and for how long (s) before a jump it is told again.
 OF_ATTENTION = (DesiresRecord, IntentionRecord, Divisors)
 ATTENTION_S = 60.0
