@@ -21,6 +21,7 @@ from app.messages.navigation import (
     Zones,
 )
 from app.messages.percepts import (
+    Darkness,
     EncodedImage,
     Face,
     Faces,
@@ -61,6 +62,7 @@ from app.messages.sensors import (
 
 __all__ = [
     "Audio",
+    "Darkness",
     "DesireRecord",
     "DesiresRecord",
     "Divisors",

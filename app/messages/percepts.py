@@ -124,6 +124,16 @@ class Faces:
 
 
 @dataclass(frozen=True, slots=True)
+class Darkness:
+    """How bright one image is: ``luma`` in [0, 1], its mean; ``dark`` with hysteresis. ``frame`` names the camera."""
+
+    stamp: float
+    frame: str
+    luma: float
+    dark: bool
+
+
+@dataclass(frozen=True, slots=True)
 class LoudNoise:
     """A frame of sound much louder than those before it: ``ratio`` of its energy to their moving mean (thesis 4.2).
 

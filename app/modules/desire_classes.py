@@ -163,6 +163,11 @@ def desire_classes() -> tuple[DesireClass, ...]:
             parameters=DetectNoisesParameters,
         ),
         DesireClass(
+            name="DetectDarkness",
+            title="Detect darkness",
+            description="Say whether it is dark before the camera.",
+        ),
+        DesireClass(
             name="LocateVoices",
             title="Locate voices",
             description="Tell where voices and other sounds come from (in base_link), and hear each by itself.",

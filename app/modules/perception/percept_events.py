@@ -5,15 +5,16 @@
     │                  in   faces     Faces, with each image looked at; may be absent          │
     │                  in   sources   SoundSources, as they come; may be absent                │
     │                  in   noises    LoudNoise, as they come; may be absent                   │
+    │                  in   darkness  Darkness, with each image looked at; may be absent       │
     │                  in   odometry  Odometry, 100 Hz, X_OB in odom; may be absent            │
     │                  in   divisors  Divisors, on change; may be absent                       │
     │                  out  events    PerceptEvent (m and rad in odom), as they happen         │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
-The hysteresis is ``presence.look``. Faces, codes and sound sources come with each look, empty where nothing is seen: no
-message is no look. A loud noise is an event, and its silence says nothing: quiet counts only while ``divisors`` says
-that ``noise_filter`` is open. What is perceived comes on passive inputs: no perception is kept awake for its
-events.
+The hysteresis is ``presence.look``. Faces, codes, sound sources and darkness come with each look, empty where nothing
+is seen: no message is no look. A loud noise is an event, and its silence says nothing: quiet counts only while
+``divisors`` says that ``noise_filter`` is open. What is perceived comes on passive inputs: no perception is kept awake
+for its events.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ import numpy as np
 from pydantic import Field, ValidationInfo, field_validator
 
 from app.base.geometry import FloatArray, Pose2, wrap_angle
-from app.messages import Divisors, Faces, LoudNoise, Odometry, PerceptEvent, QRCodes, SoundSources
+from app.messages import Darkness, Divisors, Faces, LoudNoise, Odometry, PerceptEvent, QRCodes, SoundSources
 from app.modules.perception.pose_at import PoseAt
 from app.modules.perception.presence import Change, Hysteresis, Presence, Sighting, look
 from app.runtime.filter import CLOSED
@@ -45,6 +46,7 @@ DEFAULTS = {
     "face": Hysteresis(sightings=3, off_looks=3, off_s=2.0, moved_m=0.5),
     "voice": Hysteresis(sightings=2, on_s=0.3, off_s=2.0, enter=0.5, stay=0.3, turned_rad=0.5),
     "noise": Hysteresis(off_s=1.0),
+    "dark": Hysteresis(sightings=2, off_s=0.5),
 }
 
 
@@ -55,6 +57,7 @@ class PerceptEventsSettings(Settings):
     face: Hysteresis = DEFAULTS["face"]
     voice: Hysteresis = DEFAULTS["voice"]
     noise: Hysteresis = DEFAULTS["noise"]
+    dark: Hysteresis = DEFAULTS["dark"]
     noise_filter: str = Field("LoudNoiseDetector.audio", description="while it is closed, quiet is not heard")
 
     @field_validator(*DEFAULTS, mode="before")
@@ -79,6 +82,7 @@ class PerceptEvents(Module):
         self.faces = self.input("faces", Faces, capacity=_CAPACITY, passive=True)
         self.sources = self.input("sources", SoundSources, capacity=_CAPACITY, passive=True)
         self.noises = self.input("noises", LoudNoise, capacity=_CAPACITY, passive=True)
+        self.darkness = self.input("darkness", Darkness, capacity=_CAPACITY, passive=True)
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
         self.divisors = self.input("divisors", Divisors)
         self.events = self.output("events", PerceptEvent)
@@ -86,6 +90,7 @@ class PerceptEvents(Module):
         self.on(self.faces, self._see)
         self.on(self.sources, self._hear)
         self.on(self.noises, self._startle)
+        self.on(self.darkness, self._dim)
         self.on(self.odometry, self._remember)
         self.on(self.divisors, self._learn)
         self.every(_BEAT_S, self._listen)
@@ -118,6 +123,10 @@ class PerceptEvents(Module):
 
     async def _startle(self, noise: LoudNoise) -> None:
         self._look("noise", "loud_noises", noise.stamp, [Sighting("")])
+
+    async def _dim(self, darkness: Darkness) -> None:
+        frame = darkness.frame
+        self._look("dark", frame, darkness.stamp, [Sighting(frame)] if darkness.dark else [])
 
     async def _listen(self) -> None:
         """A look at no noise: it is quiet now, while the detector listens."""

@@ -1,9 +1,18 @@
-/** Who is seen now and what is heard now: how far, and in which direction. */
+/** Who is seen now and what is heard now: how far, and in which direction; and whether it is dark. */
 
 import { directionWords, faceMarks, soundMarks } from "../around/marks";
 import { whyClosed } from "../around/why";
+import type { RobotEvent } from "../protocol/types";
 import { useApp } from "../state/context";
 import { PersonIcon, SoundIcon } from "../ui/icons";
+
+/** Cameras in the dark: those whose newest event of darkness is that it appeared. */
+export function inTheDark(events: RobotEvent[]): string[] {
+  const newest = new Map<unknown, string | null>();
+  for (const { kind, subject, data } of events)
+    if (kind === "percept" && data?.kind === "dark") newest.set(data.subject, subject);
+  return [...newest].filter(([, name]) => name === "dark.appears").map(([camera]) => String(camera));
+}
 
 export function People() {
   const { store } = useApp();
@@ -11,6 +20,7 @@ export function People() {
   const now = store.now.value ?? perceived?.stamp ?? 0;
   const faces = faceMarks(perceived).reverse();
   const sounds = soundMarks(perceived, now).reverse();
+  const dark = inTheDark(store.events.value);
   const closed = whyClosed(store.hello.value, store.rows.value, store.replay.value, true).filter(
     ({ what }) => what !== "picture",
   );
@@ -48,6 +58,11 @@ export function People() {
             </li>
           ))}
         </ul>
+      )}
+      {dark.length > 0 && (
+        <p class="muted small" data-testid="dark">
+          It is dark before {dark.join(", ")}.
+        </p>
       )}
       {closed.map(({ what, text, reason }) => (
         <p key={what} class="muted small">
