@@ -70,6 +70,7 @@ class PerceptEvents(Module):
     """Turns what perceptions report again and again into events."""
 
     title = "Percept events"
+    aids = frozenset({"divisors"})
     Settings = PerceptEventsSettings
     settings: PerceptEventsSettings
 
