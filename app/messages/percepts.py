@@ -192,7 +192,7 @@ class SeparatedSound:
 class PerceptEvent:
     """Something perceived appears, leaves or changes (docs/percept-events.md).
 
-    ``name`` is ``kind``, a dot, and ``appears``, ``leaves`` or ``changes``; ``subject`` tells those of a kind apart (a
+    ``name`` is ``kind``, a dot, and ``appears``, ``leaves`` or ``changes``; ``subject`` is which of its kind (a
     track's number, a code's text, a camera's frame; "" where there is but one). ``source`` names the sensor. ``stamp``
     is the capture time of what showed the event, ``since`` that of the first sighting. ``p_OP`` (m, in ``odom``) is
     where it was seen last and ``heading`` (rad, in ``odom``) in which direction from the robot; None where unknown.

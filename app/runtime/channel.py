@@ -366,7 +366,7 @@ class Channel(Generic[M]):
 
     @property
     def wanted(self) -> bool:
-        """Whether any subscription's filter is open, passive ones apart: a source that nobody wants may rest."""
+        """Whether any subscription's filter is open, passive ones apart: a source that is not wanted may rest."""
         return self._wanted
 
     def on_wanted(self, callback: Callable[[bool], None]) -> Callable[[], None]:

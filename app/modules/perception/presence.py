@@ -20,7 +20,7 @@ from app.base.geometry import wrap_angle
 Point = tuple[float, float, float]
 Verb = Literal["appears", "leaves", "changes"]
 
-#: One look says something about so much time (s) before it at most: about more, nobody looked.
+#: One look says something about so much time (s) before it at most: what was before, it did not see.
 LONGEST_LOOK_S = 1.0
 
 

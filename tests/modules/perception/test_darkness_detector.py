@@ -33,11 +33,11 @@ def grey(luma: float, stamp: float = 0.0) -> Image:
 
 
 async def judge(b: Bench, *images: Image) -> list[bool]:
-    told = b.listen("darkness")
+    judged = b.listen("darkness")
     for image in images:
         b.feed("images", image)
         await b.settle()
-    return [message.dark for message in drain(told)]
+    return [message.dark for message in drain(judged)]
 
 
 def test_the_lit_lab_is_not_dark_and_without_light_it_is() -> None:
@@ -90,7 +90,7 @@ def test_it_darkens_and_lightens_as_events() -> None:
             for step, dark in enumerate([False, True, True, True, False, True, False, False]):
                 b.feed("darkness", Darkness(float(step), "kinect", 0.0, dark))
                 await b.settle()
-            told = [(event.stamp, event.name, event.subject) for event in drain(events)]
-            assert told == [(2.0, "dark.appears", "kinect"), (7.0, "dark.leaves", "kinect")]
+            happened = [(event.stamp, event.name, event.subject) for event in drain(events)]
+            assert happened == [(2.0, "dark.appears", "kinect"), (7.0, "dark.leaves", "kinect")]
 
     run_virtual(main())
