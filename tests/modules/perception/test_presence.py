@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.modules.perception.presence import LONGEST_LOOK_S, Hysteresis, Presence, Sighting, look
+from app.modules.perception.presence import Hysteresis, Presence, Sighting, look
 
 PLAIN = Hysteresis(sightings=2, off_looks=2, off_s=0.5, moved_m=0.5, turned_rad=0.5, change_s=1.0)
 
@@ -187,7 +187,7 @@ def test_events_alternate_are_debounced_and_only_looks_make_them(
 
 @given(st.floats(1.0, 1e6), st.sampled_from(["kinect", "panorama"]))
 def test_no_rest_of_any_length_is_a_leave(rest_s: float, source: str) -> None:
-    eyes = Eyes(Hysteresis(off_looks=1, off_s=LONGEST_LOOK_S + 0.1))
+    eyes = Eyes(Hysteresis(off_looks=1, off_s=1.1))
     eyes.look(0.0, ANN)
     eyes.look(rest_s, source=source)
     assert eyes.said == [(0.0, "appears", "ann")]
