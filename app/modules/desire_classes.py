@@ -164,6 +164,11 @@ def desire_classes() -> tuple[DesireClass, ...]:
             parameters=DetectNoisesParameters,
         ),
         DesireClass(
+            name="DetectDarkness",
+            title="Detect darkness",
+            description="Say whether it is dark before the camera.",
+        ),
+        DesireClass(
             name="LocateVoices",
             title="Locate voices",
             description="Locate and track voices and other sounds (directions in base_link), and separate them.",

@@ -29,6 +29,7 @@ from app.logs.manifest import Manifest
 from app.maps.control import MapControl
 from app.maps.library import MapLibrary
 from app.maps.library import default_folder as default_maps_folder
+from app.messages import PerceptEvent
 from app.modules.desire_classes import desire_classes
 from app.program.attachments import snapshot
 from app.program.body_restart import BodyRestarter
@@ -151,6 +152,9 @@ class System:
             self._report.open(self.workspace, self.translator, self.timeline)
             stack.callback(self._report.close)
             stack.callback(self.link.attach("status", self._feed.guard))
+            for channel in self.graph.channels.values():
+                if channel.message_type is PerceptEvent:
+                    stack.callback(channel.observe(self._feed.percept))
             if not self._reproducible:
                 await stack.enter_async_context(self.watchdog)
             await stack.enter_async_context(self.supervisor)

@@ -377,7 +377,8 @@ class Graph:
             self._check_type(channel, port.message_type, key)
             if channel_name not in self.producers and not self.specs[channel_name].external:
                 raise self._error(f"no module publishes on channel {channel_name}", key)
-            port.connect(channel, 1)
+            # A channel from outside has no source here that could rest: a log feeds it to those who want it.
+            port.connect(channel, 1, passive=port.passive and channel_name in self.producers)
             decimable = self.specs[channel_name].decimable
             self.filters.add(f"{slot.name}.{port_name}", port.subscription.filter, decimable=decimable)
 

@@ -134,15 +134,18 @@ class Module:
         lossless: bool = False,
         always_open: bool = False,
         moves: bool = False,
+        passive: bool = False,
     ) -> Input[M]:
         """Declare an input port of ``message_type`` with an inbox of ``capacity`` messages.
 
         ``moves``: what comes in by it can move the body. The output of another module that leads to it stays closed
-        unless a strategy names it.
+        unless a strategy names it. ``passive``: the module takes what passes, and keeps no source awake for it.
         """
         port = self._context.inputs.get(name)
         if port is None:
-            port = Input(self.name, name, message_type, capacity, lossless, always_open, moves)
+            port = Input(
+                self.name, name, message_type, capacity, lossless, always_open=always_open, moves=moves, passive=passive
+            )
             self._context.inputs[name] = port
         return port
 

@@ -108,6 +108,7 @@ faces: {type: Faces, external: true}
 qr_codes: {type: QRCodes, external: true}
 sound_sources: {type: SoundSources, external: true}
 loud_noises: {type: LoudNoise, decimable: false, external: true}
+percept_events: {type: PerceptEvent, decimable: false, external: true}
 imv: {type: Image, rate_hz: 10, external: true}
 panorama_jpeg: {type: EncodedImage, external: true, log: never}
 localization: {type: Localization, frame: map, decimable: false, external: true}

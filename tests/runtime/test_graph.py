@@ -46,6 +46,12 @@ class OdometryUser(Module):
         self.odometry = self.input("odometry", Odometry)
 
 
+class Onlooker(Module):
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.numbers = self.input("numbers", Twist, passive=True)
+
+
 class Collector(Module):
     """Takes whatever there is."""
 
@@ -95,6 +101,24 @@ def test_a_wired_graph_delivers_from_output_to_input(build: Build, make: Callabl
     assert graph.ports() == {"A": {"numbers"}, "B": {"numbers", "relayed"}}
     assert graph.modules["A"].title == "Counts"
     assert graph.modules["B"].title == "B"
+
+
+def test_a_passive_input_keeps_no_source_awake_and_wants_what_comes_from_outside(
+    build: Build, make: Callable[..., Twist]
+) -> None:
+    graph = build(
+        {
+            "A": (Source, {}, {"numbers": "n"}),
+            "B": (Onlooker, {"numbers": "n"}, {}),
+            "C": (Onlooker, {"numbers": "outside"}, {}),
+        },
+        {"n": {}, "outside": {"external": True}},
+    )
+    source = graph.modules["A"].module
+    assert not source.numbers.wanted  # type: ignore[attr-defined]
+    source.numbers.publish(make(1))  # type: ignore[attr-defined]
+    assert graph.modules["B"].module.numbers.subscription.receive_nowait() == make(1)  # type: ignore[attr-defined]
+    assert graph.channel("outside").wanted, "a log feeds only what is wanted"
 
 
 def test_an_unknown_port_is_named_with_those_there_are(build: Build) -> None:
