@@ -39,3 +39,9 @@ def installing() -> Iterator[ModuleType]:
 def dev(page: ModuleType, installing: ModuleType) -> Iterator[ModuleType]:
     yield _load("dev")
     del sys.modules["dev"]
+
+
+@pytest.fixture(scope="session")
+def commit_message() -> Iterator[ModuleType]:
+    yield _load("commit_message")
+    del sys.modules["commit_message"]
