@@ -36,7 +36,13 @@ def installing() -> Iterator[ModuleType]:
 
 
 @pytest.fixture(scope="session")
-def dev(page: ModuleType, installing: ModuleType) -> Iterator[ModuleType]:
+def locking(installing: ModuleType) -> Iterator[ModuleType]:
+    yield _load("locking")
+    del sys.modules["locking"]
+
+
+@pytest.fixture(scope="session")
+def dev(page: ModuleType, installing: ModuleType, locking: ModuleType) -> Iterator[ModuleType]:
     yield _load("dev")
     del sys.modules["dev"]
 
