@@ -107,7 +107,7 @@ def letterboxed(color: NDArray[np.uint8], size: tuple[int, int]) -> tuple[NDArra
 
 def haar() -> Detector:
     """The peer."""
-    cascade = cv2.CascadeClassifier(cv2.data.haarcascades + "haarcascade_frontalface_alt2.xml")
+    cascade = cv2.CascadeClassifier(vars(cv2)["data"].haarcascades + "haarcascade_frontalface_alt2.xml")
 
     def find(color: NDArray[np.uint8]) -> list[Box]:
         grey = cv2.equalizeHist(cv2.cvtColor(color, cv2.COLOR_RGB2GRAY))

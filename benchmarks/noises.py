@@ -17,6 +17,7 @@ import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -65,11 +66,10 @@ def listen(plan: Script) -> Hour:
 def told_by_ours(hour: Hour, rule: Rule) -> Times:
     """When (s) ours tells a noise."""
     judge = LoudNoiseJudge(rule)
-    frames = [
-        n
-        for n, (e, w) in enumerate(zip(hour.band, hour.whole, strict=True))
-        if judge.judge(e, lambda w=w: w) is not None
-    ]
+    frames = []
+    for n, (e, w) in enumerate(zip(hour.band, hour.whole, strict=True)):
+        if judge.judge(e, partial(float, w)) is not None:
+            frames.append(n)
     return np.array(frames, np.float64) * (FRAME / RATE)
 
 

@@ -88,7 +88,9 @@ def tracked(scene: Scene, array: MicrophoneArray) -> tuple[NDArray[np.float32], 
         began = time.thread_time()
         _, block = pipeline.process(samples[begin : begin + pipeline.step], begin / scene.rate, begin)
         spent += time.thread_time() - began
-        for column, track in enumerate(() if block is None else block.tracks):
+        if block is None:
+            continue
+        for column, track in enumerate(block.tracks):
             sound = tracks.setdefault(track, np.zeros(length, np.float32))
             sound[block.first_sample :][: len(block.samples)] = block.samples[:, column] / 32768
     silent = np.random.default_rng(0).normal(0, 1e-6, (len(scene.talkers), length)).astype(np.float32)

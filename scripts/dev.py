@@ -18,6 +18,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from tempfile import TemporaryFile
+from typing import Any
 
 if sys.version_info < (3, 11):
     sys.exit(
@@ -141,7 +142,7 @@ def install(extras: set[str]) -> None:
     """Install the project, editable, with ``extras``, unless it is installed as pyproject.toml asks for now."""
     digest = hashlib.sha256()
     locks = sorted(path.relative_to(ROOT) for path in ROOT.glob("requirements/*.lock"))
-    for name in ("pyproject.toml", "hatch_build.py", *locks):
+    for name in (Path("pyproject.toml"), Path("hatch_build.py"), *locks):
         digest.update((ROOT / name).read_bytes())
     wanted = digest.hexdigest()
     stamp = read_stamp()
@@ -259,12 +260,13 @@ def install_debian_packages(*, browser: bool = True) -> None:
     )
 
 
-def read_stamp() -> dict[str, object] | None:
+def read_stamp() -> dict[str, Any] | None:
     """What was installed last, or None."""
     try:
-        return json.loads(STAMP.read_text(encoding="utf-8")) if PYTHON.is_file() else None
+        stamp: dict[str, Any] | None = json.loads(STAMP.read_text(encoding="utf-8")) if PYTHON.is_file() else None
     except (OSError, ValueError):
         return None
+    return stamp
 
 
 #: What starts a command that others go before: tests in virtual time take what those against the clock leave.

@@ -109,8 +109,8 @@ def install(
         raise failure("".join(said))
 
 
-def failure(said: str) -> str:
-    """What is to be done about a failure of pip, which wrote ``said``."""
+def failure(said: str) -> PipFailed:
+    """The failure of pip, which wrote ``said``, with what is to be done about it."""
     if found := _PROXY.search(said):
         return PipFailed(
             f"The proxy does not let pip through to the Python package index ({found[1].strip()}): correct the "

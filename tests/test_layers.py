@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from importlinter import cli as import_linter
 
-from app.runtime.graph import find_cycle
+from app.runtime.digraph import find_cycle
 
 ROOT = Path(__file__).resolve().parent.parent
 

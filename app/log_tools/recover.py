@@ -16,7 +16,7 @@ from io import BytesIO
 from mmap import mmap
 from typing import TypeAlias, TypeVar
 
-import lz4.frame  # type: ignore[import-untyped]
+import lz4.frame
 import zstandard
 from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.exceptions import McapError

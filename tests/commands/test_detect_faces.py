@@ -110,6 +110,7 @@ def test_mistakes_are_said_in_words(
     arguments: list[str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    code: object
     try:
         code = main(["detect", "faces", *arguments])
     except SystemExit as ended:
