@@ -26,9 +26,9 @@ from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeli
 from app.modules.perception.voices.resampling import Resampler
 from app.modules.perception.voices.separation import Separator
 from app.modules.perception.voices.voice_activity import CHUNK, SPEECH_RATE, SpeechJudge
-from benchmarks.bss_eval import Scores, bss_eval
 from benchmarks.report import Row, benchmark_main, row
 from benchmarks.voice_rooms import BOX, HELD_OUT, RATE, Scene, cached, recipes
+from tests.scenery.bss_eval import Scores, bss_eval
 
 BENCHMARK = "separation"
 PEER = "delay and sum"

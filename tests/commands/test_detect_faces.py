@@ -9,7 +9,7 @@ import pytest
 
 from app.base.geometry import Pose2
 from app.cli import main
-from benchmarks.face_scenes import facing, kinect_image
+from tests.scenery.face_scenes import facing, kinect_image
 
 
 @pytest.fixture(scope="module")

@@ -12,8 +12,8 @@ import pytest
 from app.base.geometry import Pose2
 from app.cli import main
 from app.commands.detect.videos import NoVideo, VideoFile, is_video
-from benchmarks.face_scenes import facing, kinect_image
-from benchmarks.posters import KINECT, TEXT, facing_camera, picture
+from tests.scenery.face_scenes import facing, kinect_image
+from tests.scenery.posters import KINECT, TEXT, facing_camera, picture
 
 RATE_HZ = 10.0
 KINDS = {".mp4": "mp4v", ".avi": "MJPG", ".webm": "VP80", ".mkv": "mp4v"}

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from app.base.geometry import FisheyeModel
 from app.modules.perception.fisheye_patches import HALF_FOV, STEP, FisheyePatches
-from benchmarks.posters import PANORAMA, TEXT, facing_camera, picture
+from tests.scenery.posters import PANORAMA, TEXT, facing_camera, picture
 
 PATCHES = FisheyePatches(PANORAMA)
 

@@ -25,8 +25,8 @@ from app.modules.perception.qr_codes import (
     edge_angle,
     locate,
 )
-from benchmarks.posters import PANORAMA, facing_camera, picture
 from tests.modules.perception.rendering import CODE_M, KINECT, X_BC, facing, kinect_image
+from tests.scenery.posters import PANORAMA, facing_camera, picture
 
 HERE = Pose2()
 PATCHES = FisheyePatches(PANORAMA)
