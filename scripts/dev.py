@@ -55,7 +55,7 @@ class SetupFailed(Exception):
 def main() -> int:
     """Do what the Makefile's target asks for."""
     parser = argparse.ArgumentParser(prog="scripts/dev.py", description=__doc__)
-    tasks = ["setup", "run", "test", "patient-tests", "lint", "lock", "soak", "bench", "references", "clean"]
+    tasks = ["setup", "run", "test", "patient-tests", "lint", "lock", "docs", "soak", "bench", "references", "clean"]
     parser.add_argument("task", choices=tasks)
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help="handed on to hbba run, pytest or the benchmarks")
     args = parser.parse_args()
@@ -67,13 +67,16 @@ def main() -> int:
             set_up(set(), debian=True, browser=False)
             run_hbba(args.arguments)
         if args.task == "setup":
-            set_up({"test"})
+            set_up({"test", "docs"})
             return 0
         if args.task == "lint":
             set_up({"test"}, page_wanted=False)
             return lint()
         if args.task == "lock":
             return lock(args.arguments)
+        if args.task == "docs":
+            set_up({"docs"}, page_wanted=False)
+            return run([PYTHON, ROOT / "scripts" / "documentation.py"])
         if args.task == "soak":
             set_up({"test"}, page_wanted=False, debian=True)
             os.environ["HBBA_SOAK_MINUTES"] = args.arguments[0] if args.arguments else "45"
@@ -322,7 +325,7 @@ def lint() -> int:
 def test(arguments: list[str]) -> int:
     """Set up, lint, the page's own tests, and pytest."""
     began = time.monotonic()
-    set_up({"test"}, debian=True)
+    set_up({"test", "docs"}, debian=True)
     say(f"set-up took {time.monotonic() - began:.0f} s")
     if arguments:
         return run([PYTHON, "-m", "pytest", *arguments])
