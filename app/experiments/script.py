@@ -212,7 +212,11 @@ class _Hands:
     def _publish(self, *, held: bool, sticks: Sticks) -> None:
         self._sequence += 1
         now = self._clock.now()
-        self._channel.publish(OperatorDrive(now, _OPERATOR, self._sequence, held, sticks.linear, sticks.angular))
+        self._channel.publish(
+            OperatorDrive(
+                now, _OPERATOR, sequence=self._sequence, held=held, linear=sticks.linear, angular=sticks.angular
+            )
+        )
 
 
 class _Watch:

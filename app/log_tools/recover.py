@@ -120,7 +120,7 @@ def scan(data: Buffer) -> Iterator[Sound | Broken]:
             )
             return
         what = "the file ends within a record" if end == size and broken.end > size else broken.what
-        yield Broken(position, end, what, broken.begin_ns, broken.end_ns, broken.remains)
+        yield Broken(position, end, what=what, begin_ns=broken.begin_ns, end_ns=broken.end_ns, remains=broken.remains)
         position = end
 
 
@@ -251,7 +251,7 @@ def _chunk(data: Buffer, position: int, end: int) -> Sound | Broken:
                 return Sound(Opcode.CHUNK, position, stop, content, compression)
     if not remains and payload + inner > len(data):
         remains = _decompress(data[payload:], compression, size)
-    return Broken(position, end, "a chunk", first, last, remains)
+    return Broken(position, end, what="a chunk", begin_ns=first, end_ns=last, remains=remains)
 
 
 def _proven(content: bytes, size: int, crc: int) -> bool:

@@ -142,10 +142,16 @@ class GoToward(Module):
         follower = self._follower
         self._teller.tell(
             NavigationStatus(
-                now, self.name, step.state, step.reason, None if goal is None else goal.pose, follower.target,
-                follower.remaining_m, follower.progress_stamp,
+                now,
+                self.name,
+                state=step.state,
+                reason=step.reason,
+                goal=None if goal is None else goal.pose,
+                target=follower.target,
+                remaining_m=follower.remaining_m,
+                progress_stamp=follower.progress_stamp,
             )
-        )  # fmt: skip
+        )
 
     def _decide(
         self,

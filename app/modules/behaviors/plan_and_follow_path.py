@@ -266,11 +266,21 @@ class PlanAndFollowPath(Module):
         if answer is not None and self._planned_for is not goal:
             answer = None
         senses = Senses(
-            now, motion, self._poses.X_MO, problem, goal, self._scan_with_poses(), self._image_with_pose(),
-            answer.plan if answer is not None and answer.changed else None,
-            None if answer is None else _speeds(answer, self._pilot.body.limits[1] * (goal.speed if goal else 1.0)),
-            self._grid, self._poses.astray(now) and self._grid is not None, self._given_mps,
-        )  # fmt: skip
+            now,
+            motion,
+            X_MO=self._poses.X_MO,
+            problem=problem,
+            goal=goal,
+            scan=self._scan_with_poses(),
+            image=self._image_with_pose(),
+            plan=answer.plan if answer is not None and answer.changed else None,
+            speed_at=None
+            if answer is None
+            else _speeds(answer, self._pilot.body.limits[1] * (goal.speed if goal else 1.0)),
+            grid=self._grid,
+            astray=self._poses.astray(now) and self._grid is not None,
+            given_mps=self._given_mps,
+        )
         if self._controller != self._steering_with:
             self._steering_with = self._controller
             await self.compute(self._pilot.steer_with, self._controller)
@@ -290,7 +300,9 @@ class PlanAndFollowPath(Module):
             return
         motion, scan, image = self._poses.motion(now), self._scan_with_poses(), self._image_with_pose()
         if motion is not None and (scan is not None or image is not None):
-            senses = Senses(now, motion, self._poses.X_MO, self._poses.problem(now), None, scan, image)
+            senses = Senses(
+                now, motion, X_MO=self._poses.X_MO, problem=self._poses.problem(now), goal=None, scan=scan, image=image
+            )
             await self.compute(self._pilot.remember, senses)
 
     def _scan_with_poses(self) -> tuple[LaserScan, Pose2, Pose2] | None:
@@ -322,12 +334,18 @@ class PlanAndFollowPath(Module):
             self._publish_path(now, answer.plan.poses)
         self._teller.tell(
             NavigationStatus(
-                now, self.name, told.step.state if goal is not None else "idle", told.step.reason,
-                None if goal is None else goal.pose, None if goal is None else told.target,
-                None if goal is None else told.remaining_m, None if goal is None else told.progress_stamp,
-                told.recoveries, self._periods.longest_s,
+                now,
+                self.name,
+                state=told.step.state if goal is not None else "idle",
+                reason=told.step.reason,
+                goal=None if goal is None else goal.pose,
+                target=None if goal is None else told.target,
+                remaining_m=None if goal is None else told.remaining_m,
+                progress_stamp=None if goal is None else told.progress_stamp,
+                recoveries=told.recoveries,
+                period_s=self._periods.longest_s,
             )
-        )  # fmt: skip
+        )
         if goal is None:
             self._planned_for = None
             self._forget_way(now)
@@ -370,9 +388,17 @@ class PlanAndFollowPath(Module):
         if localization is None or grid is None or X_MB is None:
             return
         request = Request(
-            grid, self._zones.zones, localization.X_MO, X_MB, goal.pose, told.around, told.opened_up, self._plan, why,
-            told.things,
-        )  # fmt: skip
+            grid,
+            self._zones.zones,
+            X_MO=localization.X_MO,
+            X_MB=X_MB,
+            goal=goal.pose,
+            around=told.around,
+            opened_up=told.opened_up,
+            kept=self._plan,
+            why=why,
+            things=told.things,
+        )
         self._planned_at, self._planned_from, self._planned_for = now, localization, goal
         self._wanted_plan = ""
         finding = self.compute_behind(self._wayfinder.find, request)

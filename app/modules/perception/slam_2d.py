@@ -180,7 +180,17 @@ class SLAM2D(Module):
             self._tell_search(scan.stamp, X_OB)
         else:
             match, state = followed.match, self._state(session, followed.match)
-            self._tell(Localization(scan.stamp, match.X_MO, match.X_MB, match.covariance, state, match.overlap, ""))
+            self._tell(
+                Localization(
+                    scan.stamp,
+                    match.X_MO,
+                    X_MB=match.X_MB,
+                    covariance=match.covariance,
+                    state=state,
+                    overlap=match.overlap,
+                    map="",
+                )
+            )
 
     def _take(self, session: MapSession, followed: Followed) -> None:
         """Note what is to be done for a scan that was matched, and whether it fitted."""
@@ -216,7 +226,11 @@ class SLAM2D(Module):
         X_MO = last if best is None else best.X_MO
         overlap = 0.0 if best is None else max(0.0, best.score)
         covariance = spread_of([place.X_MO @ X_OB for place in self._places], grid)
-        self._tell(Localization(stamp, X_MO, X_MO @ X_OB, covariance, "searching", overlap, ""))
+        self._tell(
+            Localization(
+                stamp, X_MO, X_MB=X_MO @ X_OB, covariance=covariance, state="searching", overlap=overlap, map=""
+            )
+        )
 
     def _tell(self, place: Localization) -> None:
         covariance = read_only(np.array(place.covariance, np.float64))

@@ -87,7 +87,7 @@ class LockstepWorld(LivingWorld):
             depth = np.zeros(size, dtype=np.uint16) if self._formats[stream].has_depth else None
             eye.measure(color, depth)
             frame, lens = self._lenses[stream]
-            self.send(stream, Image(stamp, frame, color, depth, lens, snapshot.X_BC), stamp)
+            self.send(stream, Image(stamp, frame, color=color, depth=depth, camera=lens, X_BC=snapshot.X_BC), stamp)
 
     def _eye(self, stream: str) -> Eye:
         """The camera of ``stream``; OpenGL is made ready for the first picture anybody wants."""

@@ -228,7 +228,13 @@ class Tracker:
         direction, power = peaks.directions[k], float(peaks.powers[k])
         motion = Motion(direction, np.zeros(3), math.radians(5.0) ** 2, 0.0, math.radians(10.0) ** 2)
         return Source(
-            motion, power, max(0.0, self._evidence(peaks, k, passed)), time_s, time_s, time_s, last_sure=time_s
+            motion,
+            power,
+            evidence=max(0.0, self._evidence(peaks, k, passed)),
+            born=time_s,
+            last_seen=time_s,
+            last_active=time_s,
+            last_sure=time_s,
         )
 
     def _end_lost(self, time_s: float) -> None:
@@ -289,4 +295,12 @@ class Tracker:
     def _track(self, source: Source, time_s: float) -> Track:
         active = time_s - source.last_active <= self.settings.active_s
         direction, velocity = source.motion.ahead(self.settings.lag_s if active else 0.0)
-        return Track(source.id, direction, velocity, source.power, active, source.born, source.last_seen)
+        return Track(
+            source.id,
+            direction,
+            velocity=velocity,
+            power=source.power,
+            active=active,
+            born=source.born,
+            last_seen=source.last_seen,
+        )

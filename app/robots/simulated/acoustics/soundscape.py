@@ -70,7 +70,13 @@ class Soundscape:
         headings = {person.name: person.heading for person in stage.people}
         sounds = tuple(
             Sounding(
-                cue.name, self._key(cue), cue.begin_s, cue.gain_db, cue.loop, stage.place(cue), _mouth(cue, headings)
+                cue.name,
+                self._key(cue),
+                begin_s=cue.begin_s,
+                gain_db=cue.gain_db,
+                loop=cue.loop,
+                p_W=stage.place(cue),
+                looks=_mouth(cue, headings),
             )
             for cue in stage.cues
             if self._heard_still(cue, time_s)

@@ -158,9 +158,15 @@ class Pilot:
             self._touch.forget()
         step = self._within_reach(step, senses.motion, period_s)
         return Told(
-            step, follower.target, follower.remaining_m, follower.progress_stamp, follower.recovery.count,
-            follower.opened_up, around, self._all_things(),
-        )  # fmt: skip
+            step,
+            follower.target,
+            remaining_m=follower.remaining_m,
+            progress_stamp=follower.progress_stamp,
+            recoveries=follower.recovery.count,
+            opened_up=follower.opened_up,
+            around=around,
+            things=self._all_things(),
+        )
 
     def remember(self, senses: Senses) -> None:
         """Keep what the camera sees in ``senses`` and the laser does not; not before :meth:`cycle` took them, or in
