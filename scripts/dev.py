@@ -55,8 +55,8 @@ class SetupFailed(Exception):
 def main() -> int:
     """Do what the Makefile's target asks for."""
     parser = argparse.ArgumentParser(prog="scripts/dev.py", description=__doc__)
-    tasks = ["setup", "run", "test", "patient-tests", "lint", "lock", "docs", "soak", "bench", "references", "clean"]
-    parser.add_argument("task", choices=tasks)
+    tasks = ["setup", "run", "test", "patient-tests", "lint", "lint-page", "lock", "docs"]
+    parser.add_argument("task", choices=[*tasks, "soak", "bench", "references", "clean"])
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help="handed on to hbba run, pytest or the benchmarks")
     args = parser.parse_args()
     os.chdir(ROOT)
@@ -72,6 +72,8 @@ def main() -> int:
         if args.task == "lint":
             set_up({"test"}, page_wanted=False)
             return lint()
+        if args.task == "lint-page":
+            return lint_page()
         if args.task == "lock":
             return lock(args.arguments)
         if args.task == "docs":
@@ -194,7 +196,7 @@ def lock(arguments: list[str]) -> int:
 
 def compile_kernels() -> None:
     """Compile the numerical kernels unless they stand in the cache as they are now."""
-    asked = [PYTHON, "-c", "import sys; from app import compiled; sys.exit(0 if compiled.is_ready() else 1)"]
+    asked = [PYTHON, "-c", "import sys; from app.base import compiled; sys.exit(0 if compiled.is_ready() else 1)"]
     if run(asked) == 0:
         return
     say("compiling the numerical kernels (a minute the first time)")
@@ -312,7 +314,7 @@ def run_hbba(arguments: list[str]) -> None:
 
 def lint() -> int:
     """Everything that reads the sources without running them."""
-    return first_failure(
+    status = first_failure(
         [
             ["ruff", "check", "--quiet", "--output-format=concise", "."],
             ["ruff", "format", "--quiet", "--output-format=concise", "--check", "."],
@@ -320,6 +322,13 @@ def lint() -> int:
             ["lint-imports", "--no-logo"],
         ]
     )
+    return lint_page() or status
+
+
+def lint_page() -> int:
+    """The same for the page's sources."""
+    say("running biome and tsc on the page")
+    return web_script("lint", "check")
 
 
 def test(arguments: list[str]) -> int:
@@ -369,10 +378,15 @@ def patient_tests() -> int:
 def web_tests() -> int:
     """The page's unit tests."""
     say("running the page's tests")
+    return web_script("test")
+
+
+def web_script(*scripts: str) -> int:
+    """Run ``scripts`` of ``web/package.json`` one after another; 0, or 1 if one failed, which says why."""
     try:
         node = node_or_install()
         page.install_packages(node)
-        output = page.run_npm(node, "test")
+        output = "".join(page.run_npm(node, "run", script) for script in scripts)
     except page.PageFailed as failure:
         sys.stderr.write(f"{failure}\n")
         return 1

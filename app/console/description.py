@@ -1,4 +1,4 @@
-"""REST and the live stream described for tools, and a page to read, all served without anything from elsewhere."""
+"""REST (OpenAPI) and the live stream (AsyncAPI) described for tools; ``docs`` leads to a page that shows REST."""
 
 from __future__ import annotations
 
@@ -7,11 +7,10 @@ from typing import Any
 
 from fastapi import FastAPI, Request
 from fastapi.openapi.utils import get_openapi
-from fastapi.responses import HTMLResponse, Response
+from fastapi.responses import RedirectResponse, Response
 from fastapi.routing import APIRoute
 
 from app.console.access.auth import COOKIE, OPEN_PATHS, cookie_name
-from app.console.description_page import page
 from app.console.json_schema import with_plain_lists
 from app.console.problems import ProblemDocument
 from app.console.rest.answers import Json, problem_content
@@ -31,11 +30,14 @@ _TAGS = [
     {"name": "robot", "description": "Its body: pose, guard, emergency stop."},
     {"name": "maps", "description": "Where the robot has been, where it is, and where it shall go."},
     {"name": "program", "description": "Modules and channels."},
-    {"name": "recordings", "description": "What the robot lived, kept on disk and lived again."},
+    {"name": "recordings", "description": "Logs of the robot: record, list, download, replay."},
     {"name": "playback", "description": "Where a recording is played: its transport."},
     {"name": "session", "description": "Logging in."},
 ]
 
+
+#: Swagger UI on ``openapi.json``, as Vite built it; relative to ``docs``.
+REST_PAGE = "../../rest.html"
 
 #: How a client shows that it may.
 _SCHEMES = {
@@ -112,8 +114,9 @@ def describe(app: FastAPI, prefix: str, *, token_needed: bool = False) -> None:
         return Json(await asyncio.to_thread(described))
 
     @app.get(f"{prefix}/docs", include_in_schema=False)
-    async def docs(request: Request) -> Response:
-        return HTMLResponse(page(await asyncio.to_thread(request.app.openapi)))
+    async def docs() -> Response:
+        # A built page beside the operator page: relative, so that a proxy may serve the console under a path.
+        return RedirectResponse(REST_PAGE)
 
 
 def _document(app: FastAPI, token_needed: bool) -> dict[str, Any]:

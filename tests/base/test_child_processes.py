@@ -11,7 +11,7 @@ import pytest
 
 from app.base import child_processes
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 #: Files that may start an interpreter by its name: the helper itself, and the benchmarks, which are not installed.
 ALLOWED = {ROOT / "app" / "base/child_processes.py", ROOT / "app" / "commands" / "bench.py"}
 SPAWNING = """

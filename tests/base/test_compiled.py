@@ -35,7 +35,7 @@ def test_a_file_with_kernels_imports_what_makes_them(text: str, has: bool, tmp_p
 
 def test_what_changed_is_compiled_again_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiled, "_stamp_file", lambda: tmp_path / "made" / "kernels.sha256")
-    names = ["app.modules.perception.slam.scan_matching", "app.modules.perception.slam.correlative_matching"]
+    names = ["app.modules.perception.slam.correlative_matching", "app.modules.perception.slam.scan_matching"]
     monkeypatch.setattr(compiled, "kernel_modules", lambda: names)
     told: list[str] = []
     assert not compiled.is_ready()

@@ -233,8 +233,41 @@ def test_a_failing_step_fails_the_whole_though_the_others_run(
     dev: ModuleType, checkout: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     programs = use(dev, monkeypatch, Programs())
+    of_the_page: list[tuple[str, ...]] = []
+    page_status = 0
+
+    def web_script(*scripts: str) -> int:
+        of_the_page.append(scripts)
+        return page_status
+
+    monkeypatch.setattr(dev, "web_script", web_script)
     assert dev.lint() == 0
     assert len(programs.commands) == 4
     programs.status = 3
     assert dev.lint() == 3
     assert len(programs.commands) == 8
+    programs.status, page_status = 0, 1
+    assert dev.lint() == 1
+    assert of_the_page == [("lint", "check")] * 3
+
+
+def test_the_page_s_scripts_run_one_after_another_until_one_fails(
+    dev: ModuleType, page: ModuleType, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run: list[str] = []
+
+    def run_npm(node: object, verb: str, script: str) -> str:
+        run.append(f"{verb} {script}")
+        if script == "broken":
+            raise page.PageFailed("npm run broken failed in web/: src/a.ts:1:1 lint/style/useConst")
+        return " 3 passed (3)\n" if script == "test" else "quiet\n"
+
+    monkeypatch.setattr(dev, "node_or_install", lambda: page.Node(Path("node"), ("npm",)))
+    monkeypatch.setattr(dev.page, "install_packages", lambda node: None)
+    monkeypatch.setattr(dev.page, "run_npm", run_npm)
+    assert dev.web_script("lint", "test") == 0
+    assert dev.web_script("lint", "broken", "test") == 1
+    assert run == ["run lint", "run test", "run lint", "run broken"]
+    written = capsys.readouterr()
+    assert written.out == " 3 passed (3)\n"
+    assert "src/a.ts:1:1" in written.err

@@ -182,8 +182,8 @@ class LaneSampler:
 def _state(desire: Wanted | None, strategies: list[str], reason: Why | None) -> tuple[str, str]:
     if desire is None:
         if strategies:
-            return "needed", f"Nobody desires it, but another strategy at work needs it: {', '.join(strategies)}."
-        return "undesired", "Nobody desires it."
+            return "needed", f"No desire for it, but another strategy needs it: {', '.join(strategies)}."
+        return "undesired", "No desire for it."
     if reason is None:
-        return "unfulfilled", "Being weighed: the next intention will tell."
+        return "unfulfilled", "Waiting for the next intention."
     return reason.state, reason.text

@@ -1,15 +1,10 @@
-"""What the console and the page's mock robot send is what the page declares, in ``web/src/protocol/types.ts``."""
+"""What the console sends is what the page declares, in ``web/src/protocol/types.ts``."""
 
 from __future__ import annotations
 
-import importlib
-import json
 import re
-import sys
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
@@ -18,6 +13,7 @@ from app.program.system import System
 from app.robots.config import circle
 from app.runtime.module import Caution
 from tests.console.live.whole_stream import heard, say_everything
+from tests.console.live_client import page
 from tests.console.page_types import PageTypes
 from tests.console.program import Body, build
 
@@ -47,31 +43,6 @@ def built(tmp_path: Path) -> tuple[System, Body]:
     return system, body
 
 
-@pytest.fixture
-def mock() -> Iterator[ModuleType]:
-    """The page's mock robot."""
-    folder = str(ROOT / "web" / "dev")
-    before = set(sys.modules)
-    sys.path.insert(0, folder)
-    try:
-        yield importlib.import_module("mock_server")
-    finally:
-        sys.path.remove(folder)
-        for name in set(sys.modules) - before:
-            if name.startswith("mock_"):
-                del sys.modules[name]
-
-
-def greeting(mock: ModuleType) -> dict[str, dict[str, Any]]:
-    """What the mock robot says to a page that has just connected, by type."""
-    robot = mock.Mock(None)
-    viewer = mock.Viewer(None, "Ann")
-    mock.greet(robot, viewer, None, mock.MockMap(robot))
-    viewer.send(mock.perceived(robot))
-    frames = [json.loads(viewer.outbox.get_nowait()) for _ in range(viewer.outbox.qsize())]
-    return {frame["type"]: frame for frame in frames}
-
-
 async def test_the_console_sends_what_the_page_declares(
     types: PageTypes, kinds: list[str], url: str, system: System, body: Body
 ) -> None:
@@ -84,13 +55,6 @@ async def test_the_console_sends_what_the_page_declares(
     assert hello["robot"]["footprint"] == [[round(x, 4), round(y, 4)] for x, y in circle(0.28)]
 
 
-def test_the_mock_robot_greets_as_the_page_declares(types: PageTypes, mock: ModuleType) -> None:
-    frames = greeting(mock)
-    assert types.problems(frames["hello"], "Hello") == []
-    assert frames["hello"]["robot"]["footprint"]
-    assert {kind: said for kind, frame in frames.items() if (said := types.problems(frame, "FromRobot"))} == {}
-
-
 @pytest.mark.parametrize(
     ("change", "said"),
     [
@@ -100,7 +64,8 @@ def test_the_mock_robot_greets_as_the_page_declares(types: PageTypes, mock: Modu
         (lambda robot: robot["footprint"].append([1.0]), ["Hello.robot.footprint[16] is no list of 2: [1.0]"]),
     ],
 )
-def test_a_drift_is_seen(types: PageTypes, mock: ModuleType, change: Any, said: list[str]) -> None:
-    hello = greeting(mock)["hello"]
+async def test_a_drift_is_seen(types: PageTypes, url: str, change: Any, said: list[str]) -> None:
+    async with page(url) as ann:
+        hello = await ann.until("hello")
     change(hello["robot"])
     assert types.problems(hello, "Hello") == said

@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import type { DesireClass, LaneRow } from "../protocol/types";
 import { laneRows } from "./rows";
 
-test("what nothing serves has no lane, unless somebody desires it", () => {
+test("what nothing serves has no lane, unless it is desired", () => {
   const rows = [
     { class: "SLAM", state: "undesired" },
     { class: "Record", state: "undesired" },

@@ -1,5 +1,5 @@
-import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import { signal } from "@preact/signals";
+import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import { Problem, type Rest } from "../protocol/rest";
 import type { Hello, KeptMaps, Localization } from "../protocol/types";
 import { createStore } from "../state/store";
@@ -30,13 +30,22 @@ function page({ name = "third", map = true, shown = true } = {}) {
   library.start();
   store.hello.value = { channels: { map } } as Hello;
   store.link.value = { phase: "live", retryAt: 0 };
-  const scan = (on: string) => (store.localization.value = { map: on } as Localization);
+  const scan = (on: string) => store.latest.put({ type: "localization", map: on } as Localization);
   const settle = () => vi.advanceTimersByTimeAsync(0);
-  return { robot, rest, store, looks, library, scan, settle, notices: () => store.notices.value.map(({ text }) => text) };
+  return {
+    robot,
+    rest,
+    store,
+    looks,
+    library,
+    scan,
+    settle,
+    notices: () => store.notices.value.map(({ text }) => text),
+  };
 }
 
 describe("the map in use", () => {
-  test("is what it was saved as, though SLAM rests and no scan tells", async () => {
+  test("is what it was saved as, though SLAM rests and no scan comes", async () => {
     const { library, scan, settle, notices } = page();
     scan("third");
     await settle();
@@ -45,7 +54,7 @@ describe("the map in use", () => {
     expect(notices()).toEqual(["Saved as fourth."]);
   });
 
-  test("is what it was renamed to, loaded as, or begun anew", async () => {
+  test("is what it was renamed to, loaded as, or started", async () => {
     const { library, scan, settle } = page();
     scan("third");
     await settle();
@@ -69,7 +78,7 @@ describe("the map in use", () => {
     expect(library.inUse.value).toBe("fourth");
   });
 
-  test("is another as soon as a scan tells, whatever list was being read then", async () => {
+  test("is another as soon as a scan is localized, whatever list was being read then", async () => {
     const { robot, library, rest, scan, settle } = page();
     scan("third");
     await settle();
@@ -97,7 +106,7 @@ describe("the map in use", () => {
     expect(rest.maps.mock.calls.length).toBe(before);
   });
 
-  test("is as it was while whoever keeps maps is being started", async () => {
+  test("is as it was while the module that keeps maps starts", async () => {
     const { robot, library, settle } = page();
     await settle();
     robot.available = false;

@@ -1,13 +1,16 @@
 /** Who is seen now and what is heard now: how far, and in which direction. */
 
-import { directionWords, faceMarks, soundMarks } from "../around/marks";
-import { whyClosed } from "../around/why";
+import { directionWords, faceMarks, soundMarks } from "../around/perceptMarks";
+import { whyClosed } from "../around/whyClosed";
 import { useApp } from "../state/context";
+import type { Message } from "../state/latest";
 import { PersonIcon, SoundIcon } from "../ui/icons";
+import { panel } from "./panel";
 
-export function People() {
+export const peoplePanel = panel({ type: "perceived", tab: "Found", Card: People, offered: () => true });
+
+function People({ message: perceived }: { message: Message<"perceived"> | null }) {
   const { store } = useApp();
-  const perceived = store.perceived.value;
   const now = store.now.value ?? perceived?.stamp ?? 0;
   const faces = faceMarks(perceived).reverse();
   const sounds = soundMarks(perceived, now).reverse();
@@ -19,7 +22,7 @@ export function People() {
       <h2>
         People and sounds now <span class="count">{faces.length + sounds.length}</span>
       </h2>
-      {faces.length + sounds.length === 0 && <p class="empty">Nobody is seen, nothing is heard.</p>}
+      {faces.length + sounds.length === 0 && <p class="empty">No people seen, no sounds heard.</p>}
       {faces.length + sounds.length > 0 && (
         <ul class="percepts">
           {faces.map((face) => (

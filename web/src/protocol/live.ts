@@ -61,7 +61,7 @@ export class LiveConnection {
     this.timers = [window.setInterval(() => this.ping(), PING_MS), window.setInterval(() => this.watch(), 500)];
   }
 
-  /** Closes for good; `open` starts anew. */
+  /** Closes for good; `open` starts again. */
   close(): void {
     this.closed = true;
     clearTimeout(this.retryTimer);

@@ -8,7 +8,7 @@ export interface FieldError {
   message: string;
 }
 
-/** A refusal, in words for people; `status` 0 means that nobody answered. */
+/** A refusal, in words for people; `status` 0: no answer. */
 export class Problem extends Error {
   constructor(
     readonly status: number,
@@ -164,7 +164,7 @@ export class Rest {
       throw new Problem(
         0,
         "No answer",
-        "The robot did not answer. Check that it runs and that you are on its network.",
+        "The robot did not answer. Check that its program runs and that you are on its network.",
       );
     }
     if (!response.ok) throw await readProblem(response);

@@ -14,7 +14,7 @@ export class PageClock {
     this.robot.reset();
     this.recording.reset();
     this.replay = playback !== null;
-    if (playback) this.recording.told(playback, at);
+    if (playback) this.recording.report(playback, at);
   }
 
   heard(stamp: number, at: number): void {
@@ -26,7 +26,7 @@ export class PageClock {
   }
 
   played(playback: Omit<Playback, "type">, at: number): void {
-    if (this.replay) this.recording.told(playback, at);
+    if (this.replay) this.recording.report(playback, at);
   }
 
   /** Seconds of what is shown per second: 1 of a robot, 0 of a paused recording. */
