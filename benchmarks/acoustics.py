@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import sys
 import time
+from collections.abc import Callable
 
 import numpy as np
 
@@ -55,10 +56,12 @@ def live(talkers: int, moving: bool, shadow: bool, seconds: float) -> tuple[floa
 def offline(seconds: float) -> float:
     """Seconds of a scene of two walking talkers rendered in one second of CPU."""
     library = ClipLibrary(RATE, -32.0)
+
+    def walker(number: int) -> Callable[[float], tuple[float, float, float]]:
+        return lambda t: (5.0 + 0.5 * t, 1.5 + 2.0 * number, 1.6)
+
     sources = [
-        OfflineSource(
-            library.get(name).samples, lambda t, n=n: (5.0 + 0.5 * t, 1.5 + 2.0 * n, 1.6), looks="listener", loop=True
-        )
+        OfflineSource(library.get(name).samples, walker(n), looks="listener", loop=True)
         for n, name in enumerate(CLIPS[:2])
     ]
     began = time.thread_time()

@@ -17,6 +17,7 @@ import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -65,11 +66,10 @@ def listen(plan: Script) -> Hour:
 def events_of_ours(hour: Hour, rule: LoudnessRule) -> Times:
     """Times (s) of our events."""
     judge = OnsetDetector(rule)
-    frames = [
-        n
-        for n, (e, w) in enumerate(zip(hour.band, hour.whole, strict=True))
-        if judge.judge(e, lambda w=w: w) is not None
-    ]
+    frames = []
+    for n, (e, w) in enumerate(zip(hour.band, hour.whole, strict=True)):
+        if judge.update(e, partial(float, w)) is not None:
+            frames.append(n)
     return np.array(frames, np.float64) * (FRAME / RATE)
 
 

@@ -26,8 +26,8 @@ from app.messages import Image
 from app.modules.perception.fisheye_patches import FisheyePatches
 from app.modules.perception.opencv import use_calling_thread
 from app.modules.perception.qr_codes import decode, detect_panorama
-from benchmarks.posters import KINECT, PANORAMA, TEXT, facing_camera, picture
 from benchmarks.report import Row, benchmark_main, row
+from tests.scenery.posters import KINECT, PANORAMA, TEXT, facing_camera, picture
 
 #: Texts read in an RGB image (H, W, 3).
 Reader = Callable[[NDArray[np.uint8]], list[str]]

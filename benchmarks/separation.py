@@ -26,9 +26,9 @@ from app.modules.perception.voices.pipeline import PipelineSettings, VoicePipeli
 from app.modules.perception.voices.resampling import Resampler
 from app.modules.perception.voices.separation import Separator
 from app.modules.perception.voices.voice_activity import CHUNK, SPEECH_RATE, VoiceActivityDetector
-from benchmarks.bss_eval import Scores, bss_eval
 from benchmarks.report import Row, benchmark_main, row
 from benchmarks.voice_rooms import BOX, HELD_OUT, RATE, Scene, cached, recipes
+from tests.scenery.bss_eval import Scores, bss_eval
 
 BENCHMARK = "separation"
 PEER = "delay and sum"
@@ -88,7 +88,9 @@ def tracked(scene: Scene, array: MicrophoneArray) -> tuple[NDArray[np.float32], 
         began = time.thread_time()
         _, block = pipeline.process(samples[begin : begin + pipeline.step], begin / scene.rate, begin)
         spent += time.thread_time() - began
-        for column, track in enumerate(() if block is None else block.tracks):
+        if block is None:
+            continue
+        for column, track in enumerate(block.tracks):
             sound = tracks.setdefault(track, np.zeros(length, np.float32))
             sound[block.first_sample :][: len(block.samples)] = block.samples[:, column] / 32768
     silent = np.random.default_rng(0).normal(0, 1e-6, (len(scene.talkers), length)).astype(np.float32)

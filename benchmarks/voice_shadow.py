@@ -37,8 +37,12 @@ def shadowed(recipe: Recipe, positions: NDArray[np.float64], speech: Path, torso
     samples += plan.rng.normal(0, noise, samples.shape)
     samples *= 0.3 / np.abs(samples).max()
     talkers = tuple(
-        Talker(file, np.arange(len(path)) * BLOCK_S, truth.directions[:1], float(truth.ranges_m[0]), truth.active)
+        Talker(file, _times(path), truth.directions[:1].astype(np.float64), float(truth.ranges_m[0]), truth.active)
         for file, path, truth in zip(plan.files, plan.paths, truths, strict=True)
     )
-    samples = samples.astype(np.float32)
-    return Scene(f"torso {torso}, seed {recipe.seed}", RATE, positions, samples, samples[:, :0].T, talkers)
+    single = samples.astype(np.float32)
+    return Scene(f"torso {torso}, seed {recipe.seed}", RATE, positions, single, single[:, :0].T, talkers)
+
+
+def _times(path: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.arange(len(path), dtype=np.float64) * BLOCK_S

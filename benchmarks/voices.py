@@ -123,8 +123,8 @@ def in_rooms(quick: bool, cast: Cast, speech: Path) -> list[Row]:
             if talkers == 1:
                 latencies += [seconds for s in mine for seconds in s.latencies_s]
         if all_mine:
-            cpu = [[s.cpu_percent for s in scores] for scores in (all_mine, all_others)]
-            rows.append(row(BENCHMARK, f"{name}, all", "CPU", "%", *cpu, PEER))
+            cpu, peer = ([s.cpu_percent for s in scores] for scores in (all_mine, all_others))
+            rows.append(row(BENCHMARK, f"{name}, all", "CPU", "%", cpu, peer, PEER))
             for share in (50, 95, 100):
                 value = 1e3 * float(np.percentile(latencies, share))
                 rows.append(row(BENCHMARK, f"{name}, one talker", f"onset to track p{share}", "ms", [value]))

@@ -18,6 +18,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from tempfile import TemporaryFile
+from typing import Any
 
 if sys.version_info < (3, 11):
     sys.exit(
@@ -25,6 +26,7 @@ if sys.version_info < (3, 11):
     )
 
 import installing
+import locking
 import page
 
 ROOT = page.ROOT
@@ -53,10 +55,8 @@ class SetupFailed(Exception):
 def main() -> int:
     """Do what the Makefile's target asks for."""
     parser = argparse.ArgumentParser(prog="scripts/dev.py", description=__doc__)
-    parser.add_argument(
-        "task",
-        choices=["setup", "run", "test", "patient-tests", "lint", "lint-page", "soak", "bench", "references", "clean"],
-    )
+    tasks = ["setup", "run", "test", "patient-tests", "lint", "lint-page", "lock", "docs"]
+    parser.add_argument("task", choices=[*tasks, "soak", "bench", "references", "clean"])
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help="handed on to hbba run, pytest or the benchmarks")
     args = parser.parse_args()
     os.chdir(ROOT)
@@ -67,13 +67,18 @@ def main() -> int:
             set_up(set(), debian=True, browser=False)
             run_hbba(args.arguments)
         if args.task == "setup":
-            set_up({"test"})
+            set_up({"test", "docs"})
             return 0
         if args.task == "lint":
             set_up({"test"}, page_wanted=False)
             return lint()
         if args.task == "lint-page":
             return lint_page()
+        if args.task == "lock":
+            return lock(args.arguments)
+        if args.task == "docs":
+            set_up({"docs"}, page_wanted=False)
+            return run([PYTHON, ROOT / "scripts" / "documentation.py"])
         if args.task == "soak":
             set_up({"test"}, page_wanted=False, debian=True)
             os.environ["HBBA_SOAK_MINUTES"] = args.arguments[0] if args.arguments else "45"
@@ -142,7 +147,8 @@ def make_environment() -> None:
 def install(extras: set[str]) -> None:
     """Install the project, editable, with ``extras``, unless it is installed as pyproject.toml asks for now."""
     digest = hashlib.sha256()
-    for name in ("pyproject.toml", "hatch_build.py"):
+    locks = sorted(path.relative_to(ROOT) for path in ROOT.glob("requirements/*.lock"))
+    for name in (Path("pyproject.toml"), Path("hatch_build.py"), *locks):
         digest.update((ROOT / name).read_bytes())
     wanted = digest.hexdigest()
     stamp = read_stamp()
@@ -152,12 +158,41 @@ def install(extras: set[str]) -> None:
     extras = extras | installed
     say("installing Python packages (a minute or two the first time)")
     target = f".[{','.join(sorted(extras))}]" if extras else "."
+    options = ["--no-build-isolation"] if install_locked(extras) else []
     try:
-        installing.install(PYTHON, "-e", target, title="Python packages", environment={"HBBA_SKIP_WEB": "1"})
+        # After the locks only the project itself is left, and what pyproject.toml asks for since they were made.
+        installing.install(PYTHON, *options, "-e", target, title="Python packages", environment={"HBBA_SKIP_WEB": "1"})
     except installing.PipFailed as failure:
         raise SetupFailed(str(failure)) from None
     content = {"hash": wanted, "extras": sorted(extras), "root": str(ROOT), "python": sys.version}
     STAMP.write_text(json.dumps(content), encoding="utf-8")
+
+
+def install_locked(extras: set[str]) -> bool:
+    """Install what the locks name for ``extras``; False where they are not for this computer or its package index."""
+    needs = ["build", "run", *sorted(extras)]
+    if (other := installing.not_covered()) is not None:
+        say(f"the locked versions are not for {other}: installing what pyproject.toml allows")
+        return False
+    try:
+        installing.install_locked(PYTHON, ROOT, needs, title="Python packages")
+    except installing.NotAsLocked:
+        say("the package index serves other files than the locked ones: installing what pyproject.toml allows")
+        return False
+    except installing.PipFailed as failure:
+        raise SetupFailed(str(failure)) from None
+    return True
+
+
+def lock(arguments: list[str]) -> int:
+    """Renew ``requirements/*.lock``."""
+    make_environment()
+    try:
+        installing.install(PYTHON, locking.UV_REQUIREMENT, title="uv")
+    except installing.PipFailed as failure:
+        raise SetupFailed(str(failure)) from None
+    say("resolving all packages for all platforms")
+    return locking.main(VENV / "bin" / "uv", ROOT, arguments)
 
 
 def compile_kernels() -> None:
@@ -231,12 +266,13 @@ def install_debian_packages(*, browser: bool = True) -> None:
     )
 
 
-def read_stamp() -> dict[str, object] | None:
+def read_stamp() -> dict[str, Any] | None:
     """The stamp of the last installation, or None."""
     try:
-        return json.loads(STAMP.read_text(encoding="utf-8")) if PYTHON.is_file() else None
+        stamp: dict[str, Any] | None = json.loads(STAMP.read_text(encoding="utf-8")) if PYTHON.is_file() else None
     except (OSError, ValueError):
         return None
+    return stamp
 
 
 #: Prefix of a command with lower priority: tests in virtual time leave the processor to those against the clock.
@@ -299,7 +335,7 @@ def lint_page() -> int:
 def test(arguments: list[str]) -> int:
     """Set up, lint, the page's own tests, and pytest."""
     began = time.monotonic()
-    set_up({"test"}, debian=True)
+    set_up({"test", "docs"}, debian=True)
     say(f"set-up took {time.monotonic() - began:.0f} s")
     if arguments:
         return run([PYTHON, "-m", "pytest", *arguments])

@@ -18,6 +18,7 @@ import sys
 import tempfile
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -61,7 +62,7 @@ ROUTE: tuple[tuple[str, float, float, float], ...] = (
 )
 
 #: When who desires what: (from s, to s, who, class, intensity, utility, parameters).
-DESIRES = (
+DESIRES: tuple[tuple[float, float, Source, str, float, float, dict[str, Any]], ...] = (
     (2.0, 10.0, OPERATOR, "Telepresence", 4.0, 1.0, {}),
     (11.0, 18.0, PROGRAM, "FindQRCodes", 8.0, 8.0, {"upscale": True}),
     (18.0, 26.0, OPERATOR, "Telepresence", 8.0, 8.0, {"max_points": 5000, "jpeg_quality": 60}),

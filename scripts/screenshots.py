@@ -14,15 +14,16 @@ from pathlib import Path
 from typing import Any
 
 import cv2
-from playwright.sync_api import Browser, Locator, Page, TimeoutError, sync_playwright
+import numpy as np
+from playwright.sync_api import Browser, Locator, Page, TimeoutError, ViewportSize, sync_playwright
 
 from app.base.paths import config_dir
 from app.commands.doctor import find_chromium
 from tests.browser.running import CHROMIUM_ARGUMENTS, Robot, running_robot
 
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "images"
-DESKTOP = {"width": 1440, "height": 900}
-PHONE = {"width": 390, "height": 844}
+DESKTOP: ViewportSize = {"width": 1440, "height": 900}
+PHONE: ViewportSize = {"width": 390, "height": 844}
 #: Before the door of the room across, as seen on the map from where the robot starts.
 ZONE = {"name": "Deliveries", "kind": "keep_out", "polygon": [[2.5, 2.4], [3.3, 2.4], [3.3, 3.6], [2.5, 3.6]]}
 #: To stop a replay so many seconds after its beginning, in JavaScript.
@@ -202,7 +203,7 @@ def spoken_to(page: Page) -> None:
     page.get_by_test_id("around-face").first.wait_for(state="attached")
 
 
-def opened(browser: Browser, url: str, size: dict[str, int]) -> Page:
+def opened(browser: Browser, url: str, size: ViewportSize) -> Page:
     """A window of its own on the console, live."""
     page = browser.new_context(viewport=size).new_page()
     page.set_default_timeout(90_000)
@@ -236,7 +237,7 @@ def shoot(page: Page, name: str, there: Locator | None = None) -> None:
     for view in views:
         view.evaluate(_GO_ON)
     # A tenth of the size of a PNG, for a repository that keeps every version.
-    cv2.imwrite(str(picture.with_suffix(".jpg")), cv2.imread(str(picture)), [cv2.IMWRITE_JPEG_QUALITY, 88])
+    cv2.imwrite(str(picture.with_suffix(".jpg")), np.asarray(cv2.imread(str(picture))), [cv2.IMWRITE_JPEG_QUALITY, 88])
     picture.unlink()
     print(json.dumps({"picture": name}))
 

@@ -137,7 +137,8 @@ def report(root: Path, *, listing: bool = False, quiet: bool = False) -> int:
 
 def total(files: Iterable[Path]) -> tuple[int, list[Finding]]:
     """As :func:`measured`, for all ``files``."""
-    words, findings = 0, []
+    words = 0
+    findings: list[Finding] = []
     for path in files:
         more, found = measured(path)
         words, findings = words + more, findings + found

@@ -59,6 +59,8 @@ ALLOWED = {
 def readings(source: str) -> Iterator[int]:
     """The lines of ``source`` that read the computer's clock, or could by another name."""
     for node in ast.walk(ast.parse(source)):
+        if not isinstance(node, ast.ImportFrom | ast.Call | ast.Attribute):
+            continue
         named = isinstance(node, ast.ImportFrom) and node.module == "time" and any(a.name in _ALL for a in node.names)
         of_now = isinstance(node, ast.Call) and _is_of_now(node)
         if named or of_now or (isinstance(node, ast.Attribute) and _is_reading(node)):

@@ -149,10 +149,10 @@ def build_integer_program(problem: Problem, *, relaxed: frozenset[str] = frozens
     criteria = _criteria(
         problem,
         intensity,
-        cls,
-        utility,
-        tuple(int(table.strategies[index].name not in problem.previous) for index in kept),
-        tuple(costs.get(thrift, 0) if thrift else 0 for costs in cost_of),
+        cls=cls,
+        utility=utility,
+        fresh=tuple(int(table.strategies[index].name not in problem.previous) for index in kept),
+        thrift_cost=tuple(costs.get(thrift, 0) if thrift else 0 for costs in cost_of),
     )
     fulfil, serve, pay, omega_unit, omega_shift = _combined(criteria, frozenset(desired))
     return IntegerProgram(

@@ -70,13 +70,13 @@ def prepare(strategies: tuple[Strategy, ...]) -> PreparedTable:
     return PreparedTable(
         strategies,
         tuple(thousandths(s.utility, s.name, ": utility") for s in strategies),
-        tuple(
+        requires=tuple(
             {c: thousandths(need, s.name, ": requires ", c) for c, need in s.requires.items() if need > 0}
             for s in strategies
         ),
-        tuple(costs),
-        {cls: _members(strategies, indices) for cls, indices in by_class.items()},
-        totals,
+        costs=tuple(costs),
+        members={cls: _members(strategies, indices) for cls, indices in by_class.items()},
+        totals=totals,
     )
 
 

@@ -194,7 +194,13 @@ def assess(problem: Problem, selected: Collection[str], *, relaxed: Collection[s
             omega += problem.weights.spare * (problem.capacities[resource] - use[resource])
     omega = round(omega, 6)
     return Selection(
-        tuple(s.name for s in chosen), tuple(fulfilled), omega, float("inf"), use, False, relaxed=tuple(relaxed)
+        tuple(s.name for s in chosen),
+        tuple(fulfilled),
+        omega=omega,
+        bound=float("inf"),
+        use=use,
+        proven=False,
+        relaxed=tuple(relaxed),
     )
 
 

@@ -81,12 +81,12 @@ def read_problem(document: Document, folder: Path) -> StatedProblem:
             Desire(
                 f"desires[{index}]",
                 entry.cls,
-                entry.intensity,
-                entry.utility,
-                entry.security,
-                entry.params,
-                _HERE,
-                float(index),
+                intensity=entry.intensity,
+                utility=entry.utility,
+                security=entry.security,
+                params=entry.params,
+                source=_HERE,
+                created=float(index),
             )
         )
     strongest: dict[str, Desire] = {}

@@ -83,19 +83,21 @@ def _reason(facts: _Facts, desire: Desire, variants: Variants | None) -> Reason:
     if got and got >= best:
         return Reason("fulfilled", got, wanted, best, f"fulfilled at its best ({got:g}) by {by}")
     why = "" if got else _obstacle(facts, desire, best)
-    alternatives, searched = _alternatives(facts, desire, got, best, why, variants)
+    alternatives, searched = _alternatives(facts, desire, got=got, best=best, why=why, variants=variants)
     offer = " or ".join(_words(alternative) for alternative in alternatives)
     if got:
         text = f"fulfilled at {got:g} of {best:g} by {by}"
         if offer:
             text += f"; would get {alternatives[0].utility:g} {offer}"
-        return Reason("degraded", got, wanted, best, text, alternatives, searched)
+        return Reason(
+            "degraded", got, wanted=wanted, best=best, text=text, alternatives=alternatives, searched=searched
+        )
     text = f"unfulfilled: {why}" if why else "unfulfilled: what it needs does not fit beside what is worth more"
     if cls in facts.selection.relaxed:
         text += ", though its security is asked for"
     if offer:
         text += f"; would be fulfilled {offer}"
-    return Reason("unfulfilled", 0.0, wanted, best, text, alternatives, searched)
+    return Reason("unfulfilled", 0.0, wanted=wanted, best=best, text=text, alternatives=alternatives, searched=searched)
 
 
 def _alternatives(

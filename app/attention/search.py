@@ -77,7 +77,9 @@ def solve_search(
         multipliers = _multipliers(choice, instance.omega_unit)
         choice, multipliers = _ordered(choice, multipliers)
         known, _, _ = _search(choice, multipliers, None, _BEAM, deadline if firm else math.inf)
-    found, cut, finished = _search(choice, multipliers, known and known[0], most_labels, deadline, most_steps)
+    found, cut, finished = _search(
+        choice, multipliers, known=known and known[0], width=most_labels, deadline=deadline, most_steps=most_steps
+    )
     result = found or known
     if firm and not finished and time.perf_counter() > deadline:
         return None

@@ -293,19 +293,19 @@ def build_table(
                 raise document.error(
                     f"strategy {item.name!r} is already declared at {table[item.name].location}", (*at, "name")
                 )
-            _check_names(document, at, item, known, resources, ports, undivided)
+            _check_names(document, at, item=item, classes=known, resources=resources, ports=ports, undivided=undivided)
             costs = _costs(document, at, item, calibration)
             for key, value in (("utility", item.utility), *((f"requires.{c}", v) for c, v in item.requires.items())):
                 _check_amount(document, (*at, *key.split(".", 1)), value)
             table[item.name] = Strategy(
                 item.name,
                 item.cls,
-                item.utility,
-                dict(item.requires),
-                dict(item.filters),
-                {module: dict(values) for module, values in item.parameters.items()},
-                {name: cost for name, cost in costs.items() if cost},
-                Location(document.file, document.line(at)),
+                utility=item.utility,
+                requires=dict(item.requires),
+                filters=dict(item.filters),
+                parameters={module: dict(values) for module, values in item.parameters.items()},
+                costs={name: cost for name, cost in costs.items() if cost},
+                location=Location(document.file, document.line(at)),
             )
     return StrategyTable(tuple(table.values()), resources)
 

@@ -75,7 +75,7 @@ class Timeline:
                 raise ValueError("a timeline without a clock needs each event's stamp")
             stamp = self._now()
         self._last += 1
-        event = TimelineEvent(self._last, stamp, kind, subject, text, dict(data or {}))
+        event = TimelineEvent(self._last, stamp, kind=kind, subject=subject, text=text, data=dict(data or {}))
         self._events.append(event)
         self._observers.notify(event)
         return event

@@ -182,7 +182,9 @@ class IntentionTranslator:
         """Translate until cancelled. The safe strategies hold until the solver's first answer."""
         if self._current is None and self._safe:
             problem = self.problem()
-            safe = assess(problem, self._safe) or Selection(self._safe, (), 0.0, math.inf, {}, False)
+            safe = assess(problem, self._safe) or Selection(
+                self._safe, (), omega=0.0, bound=math.inf, use={}, proven=False
+            )
             self._apply(problem, safe)
         try:
             async with asyncio.TaskGroup() as group:

@@ -126,7 +126,9 @@ def _calibrate(args: argparse.Namespace, configuration: Configuration, log: Log)
         _check_writable(file)
     before = _before(output)
     try:
-        results = _measure(log, configuration, runs, progress, info.begin + args.begin, seconds)
+        results = _measure(
+            log, configuration, runs=runs, progress=progress, begin=info.begin + args.begin, seconds=seconds
+        )
         calibration = _calibration(results, version, f"{info.path.name}, {seconds:.0f} s", before)
         _write(calibration, output)
         progress.discard()

@@ -192,7 +192,7 @@ def _export(args: argparse.Namespace) -> int:
     try:
         begin, end = _times(args, log.info.begin, log.info.end)
         folder = args.out or Path(f"{path.stem}-export")
-        wish = Wish(args.kind, folder, args.channels, begin, end, args.every, args.force)
+        wish = Wish(args.kind, folder, channels=args.channels, begin=begin, end=end, every=args.every, force=args.force)
         with shown(f"export {path.name}") as progress:
             result = export(log, wish, progress)
     finally:

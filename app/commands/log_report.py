@@ -87,10 +87,10 @@ def look_into(path: Path, remap: Remap | None = None, progress: Progress = unwat
         ChannelContents(
             channel.name,
             channel.message_type.__name__,
-            channel.count,
-            channel.count / info.duration_s if info.duration_s > 0 else None,
-            channel.rate_hz,
-            sizes.get(channel.name),
+            messages=channel.count,
+            rate_hz=channel.count / info.duration_s if info.duration_s > 0 else None,
+            nominal_hz=channel.rate_hz,
+            bytes=sizes.get(channel.name),
         )
         for channel in sorted(info.channels.values(), key=lambda channel: channel.name)
     )

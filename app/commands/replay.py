@@ -177,7 +177,7 @@ def _with_console(
         print(note)
     listener = stack.enter_context(listen(host, console.port if args.port is None else args.port))
     host_names = (*console.host_names, *args.host_name)
-    live = _live(args, replay, clock, past, listener, token, host_names)
+    live = _live(args, replay, clock=clock, past=past, listener=listener, token=token, host_names=host_names)
     return asyncio.run(until_stopped(live, Stopping()))
 
 

@@ -42,7 +42,9 @@ class RecorderReport:
     def status(self) -> RecorderStatus:
         """What it said last; before that, that it is idle."""
         latest = None if self.channel is None else self.channel.latest
-        return latest or RecorderStatus(0.0, "idle", "", 0.0, 0.0, 0, 0, 0, 0, "")
+        return latest or RecorderStatus(
+            0.0, "idle", name="", began=0.0, duration_s=0.0, bytes=0, messages=0, dropped=0, queued_bytes=0, reason=""
+        )
 
     def writes(self, name: str) -> bool:
         """Whether the recording ``name`` is being written now."""

@@ -210,7 +210,11 @@ class _ScriptOperator:
     def _publish(self, *, held: bool, sticks: StickCommand) -> None:
         self._sequence += 1
         now = self._clock.now()
-        self._channel.publish(OperatorDrive(now, _OPERATOR, self._sequence, held, sticks.linear, sticks.angular))
+        self._channel.publish(
+            OperatorDrive(
+                now, _OPERATOR, sequence=self._sequence, held=held, linear=sticks.linear, angular=sticks.angular
+            )
+        )
 
 
 class _LegProgress:

@@ -76,9 +76,13 @@ def cut(
             )
         wanted = _wanted(path, summary, channels)
         with replacing(out, force) as part, part.open("wb") as target:
-            messages, standing = _copy(path, stream, summary, target, (begin_ns, end_ns), wanted, progress)
+            messages, standing = _copy(
+                path, stream, summary=summary, target=target, span=(begin_ns, end_ns), wanted=wanted, progress=progress
+            )
             durable(target)
-    return CutReport(out, from_ns(begin_ns), from_ns(end_ns), messages, standing, out.stat().st_size)
+    return CutReport(
+        out, from_ns(begin_ns), end=from_ns(end_ns), messages=messages, standing=standing, bytes=out.stat().st_size
+    )
 
 
 def span(path: Path) -> tuple[float, float]:

@@ -16,7 +16,7 @@ from io import BytesIO
 from mmap import mmap
 from typing import TypeAlias, TypeVar
 
-import lz4.frame  # type: ignore[import-untyped]
+import lz4.frame
 import zstandard
 from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.exceptions import McapError
@@ -121,7 +121,9 @@ def scan(data: Buffer) -> Iterator[IntactRecord | DamagedStretch]:
             )
             return
         what = "the file ends within a record" if end == size and broken.end > size else broken.what
-        yield DamagedStretch(position, end, what, broken.begin_ns, broken.end_ns, broken.remains)
+        yield DamagedStretch(
+            position, end, what=what, begin_ns=broken.begin_ns, end_ns=broken.end_ns, remains=broken.remains
+        )
         position = end
 
 
@@ -256,7 +258,7 @@ def _chunk(data: Buffer, position: int, end: int) -> IntactRecord | DamagedStret
                 return IntactRecord(Opcode.CHUNK, position, stop, content, compression)
     if not remains and payload + inner > len(data):
         remains = _decompress(data[payload:], compression, size)
-    return DamagedStretch(position, end, "a chunk", first, last, remains)
+    return DamagedStretch(position, end, what="a chunk", begin_ns=first, end_ns=last, remains=remains)
 
 
 def _proven(content: bytes, size: int, crc: int) -> bool:

@@ -120,7 +120,15 @@ class MapLibrary(Library):
         cell = grid.resolution_m
         known = int(np.count_nonzero(grid.cells >= 0))
         size = width * cell, height * cell
-        return MapFacts(name, saved, size, cell, known * cell**2, (path / GRAPH).is_file(), len(zones))
+        return MapFacts(
+            name,
+            saved,
+            size_m=size,
+            resolution_m=cell,
+            known_m2=known * cell**2,
+            graph=(path / GRAPH).is_file(),
+            zones=len(zones),
+        )
 
     def grid(self, name: str) -> OccupancyGrid:
         """Its cells."""

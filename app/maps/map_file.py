@@ -64,7 +64,12 @@ def read_map(path: Path) -> OccupancyGrid:
     picture = path.parent / file.image
     cells = _cells(*_pixels(picture), file)
     return OccupancyGrid(
-        path.stat().st_mtime, "map", read_only(cells), file.resolution, (file.origin[0], file.origin[1]), 0
+        path.stat().st_mtime,
+        "map",
+        cells=read_only(cells),
+        resolution_m=file.resolution,
+        origin=(file.origin[0], file.origin[1]),
+        version=0,
     )
 
 

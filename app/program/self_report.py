@@ -141,7 +141,9 @@ def intention_record(intention: Intention) -> IntentionRecord:
         capacities=tuple(intention.capacities.values()),
         parameters=json.dumps(parameters, ensure_ascii=False),
         reasons=tuple(
-            ReasonRecord(cls, reason.state, reason.utility, reason.wanted, reason.best, reason.text)
+            ReasonRecord(
+                cls, reason.state, utility=reason.utility, wanted=reason.wanted, best=reason.best, text=reason.text
+            )
             for cls, reason in intention.reasons.items()
         ),
     )

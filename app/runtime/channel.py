@@ -323,7 +323,14 @@ class Channel(Generic[M]):
         if self._closed:
             raise ChannelClosed(f"{self.name}: {name} subscribed to a closed channel")
         subscription: Subscription[M] = Subscription(
-            name, self._now, capacity, lossless, divisor, self._update_wanted, self.unsubscribe, passive=passive
+            name,
+            self._now,
+            capacity=capacity,
+            lossless=lossless,
+            divisor=divisor,
+            on_filter=self._update_wanted,
+            on_close=self.unsubscribe,
+            passive=passive,
         )
         self._set_subscriptions((*self._subscriptions, subscription))
         return subscription

@@ -194,7 +194,7 @@ class FreshnessWatch:
         if name not in self._sources:
             age_s = None if last_stamp is None else now - last_stamp
             return Freshness("closed" if divisor == CLOSED else "waiting", age_s, None, None)
-        freshness = judge(spec, divisor, last_stamp, state, now, since, opened)
+        freshness = judge(spec, divisor, last_stamp=last_stamp, producer=state, now=now, since=since, opened=opened)
         rate_hz = self._rates[name].sample(now, channel.published)
         return Freshness(freshness.state, freshness.age_s, freshness.limit_s, freshness.commanded_hz, rate_hz)
 

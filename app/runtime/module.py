@@ -144,7 +144,14 @@ class Module:
         port = self._context.inputs.get(name)
         if port is None:
             port = Input(
-                self.name, name, message_type, capacity, lossless, always_open=always_open, moves=moves, passive=passive
+                self.name,
+                name,
+                message_type=message_type,
+                capacity=capacity,
+                lossless=lossless,
+                always_open=always_open,
+                moves=moves,
+                passive=passive,
             )
             self._context.inputs[name] = port
         return port

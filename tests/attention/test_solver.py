@@ -218,7 +218,7 @@ def test_equals_exhaustive_search(p: Problem) -> None:
 def test_both_searches_agree(p: Problem) -> None:
     """The label search and CP-SAT find the same selection or both find the security desires cannot be met."""
     instance = build_integer_program(p)
-    answers = []
+    answers: list[tuple[tuple[int, ...], float] | None] = []
     for search in (lambda: solve_search(instance, float("inf")), lambda: solve_cpsat(instance, float("inf"))):
         try:
             answer = search()
@@ -226,6 +226,7 @@ def test_both_searches_agree(p: Problem) -> None:
             answers.append(None)
         else:
             assume(answer is not None)  # many strategies that exclude nothing: not for the label search
+            assert answer is not None
             assert answer.proven
             answers.append((tuple(sorted(answer.chosen)), answer.bound))
     assert answers[0] == answers[1]

@@ -27,7 +27,6 @@ from app import cli
 from app.commands import progress as progressing
 from app.commands.arguments import moment
 from app.commands.log_report import clock, size
-from app.logs import output_file
 from app.logs.manifest import YAML, AttachedFile, Manifest
 from app.logs.mcap.open_file import create
 from app.logs.mcap.reader import McapLog
@@ -361,7 +360,7 @@ def test_a_full_disk_is_said_and_leaves_nothing(
     def full(_: int) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(output_file.os, "fsync", full)
+    monkeypatch.setattr("app.logs.output_file.os.fsync", full)
     assert hbba("cut", "tour") == 1
     assert f"the disk under {library} is full: tour-cut.mcap was not written" in capsys.readouterr().err
     assert [each.name for each in library.iterdir()] == ["tour.mcap"]

@@ -6,7 +6,6 @@ import io
 
 import pytest
 
-from app.commands import progress as progressing
 from app.commands.progress import shown
 
 
@@ -23,7 +22,7 @@ class Clock:
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     made = Clock()
-    monkeypatch.setattr(progressing.time, "monotonic", made.monotonic)
+    monkeypatch.setattr("app.commands.progress.time.monotonic", made.monotonic)
     return made
 
 

@@ -31,7 +31,7 @@ def hbba_solve(*arguments: str) -> int:
 
 def answer(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict[str, Any]:
     assert hbba_solve(*arguments, "--json") == 0
-    return json.loads(capsys.readouterr().out)  # type: ignore[no-any-return]
+    return json.loads(capsys.readouterr().out)
 
 
 def names(found: dict[str, Any]) -> list[str]:

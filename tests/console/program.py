@@ -262,4 +262,4 @@ def sound(stamp: float, first_sample: int, *, samples: int = 512, level: int = 1
     """A frame of eight microphones: each has its own number added to ``level``; number 1 is the front one."""
     places = np.array([[0.1 if number == 1 else 0.0, 0.0, 0.5] for number in range(8)])
     values = np.full((samples, 8), level, np.int16) + np.arange(8, dtype=np.int16)
-    return Audio(stamp, "microphones", values, 48_000, first_sample, places)
+    return Audio(stamp, "microphones", values.astype(np.int16), 48_000, first_sample, places)

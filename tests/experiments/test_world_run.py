@@ -95,7 +95,7 @@ def test_the_scripts_mistakes_and_the_worlds_are_raised(
         def fall(*_: object) -> None:
             raise RuntimeError("the sky falls")
 
-        run.link._simulation.turn = fall  # type: ignore[method-assign,assignment]
+        run.link._simulation.turn = fall  # type: ignore[assignment]
         await run.system.clock.sleep(10.0)
 
     with pytest.raises(LinkFailed, match="the sky falls"):

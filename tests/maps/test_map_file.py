@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from app.base import image_source
 from app.base.errors import ConfigError
 from app.maps.map_file import pgm_bytes, read_map, yaml_text
 from app.messages import OccupancyGrid
@@ -129,7 +128,7 @@ def white_png(width: int, height: int, rows: int) -> bytes:
 def test_a_picture_of_too_many_cells_is_refused_before_it_is_decoded(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(image_source.cv2, "imdecode", None)
+    monkeypatch.setattr("app.base.image_source.cv2.imdecode", None)
     for picture in (b"P5\n8000 8001\n255\n", white_png(14_000, 14_000, 1), b"P5\n2000000000 2000000000\n255\n"):
         path = write(tmp_path, FOREIGN_YAML, picture)
         with pytest.raises(ConfigError, match=r"the map's picture has \d+ x \d+ pixels; at most 64 million") as refusal:

@@ -328,7 +328,7 @@ def test_an_unknown_filter_is_named_with_those_there_are() -> None:
 
 
 def test_a_module_that_names_no_inputs_may_choose_its_own(build: Build) -> None:
-    source = (Source, {}, {"numbers": "n"})
+    source: tuple[type[Module], dict[str, str], dict[str, str]] = (Source, {}, {"numbers": "n"})
     channels = {"n": {}, "quiet": {"log": "never", "external": True}, "hands": {"external": True}, "unfed": {}}
     graph = build({"A": source, "C": (Collector, {}, {})}, channels)
     assert graph.ports()["C"] == {"of_n", "of_hands"}

@@ -36,7 +36,13 @@ def installing() -> Iterator[ModuleType]:
 
 
 @pytest.fixture(scope="session")
-def dev(page: ModuleType, installing: ModuleType) -> Iterator[ModuleType]:
+def locking(installing: ModuleType) -> Iterator[ModuleType]:
+    yield _load("locking")
+    del sys.modules["locking"]
+
+
+@pytest.fixture(scope="session")
+def dev(page: ModuleType, installing: ModuleType, locking: ModuleType) -> Iterator[ModuleType]:
     yield _load("dev")
     del sys.modules["dev"]
 
@@ -45,3 +51,8 @@ def dev(page: ModuleType, installing: ModuleType) -> Iterator[ModuleType]:
 def words() -> Iterator[ModuleType]:
     yield _load("words")
     del sys.modules["words"]
+
+
+def commit_message() -> Iterator[ModuleType]:
+    yield _load("commit_message")
+    del sys.modules["commit_message"]

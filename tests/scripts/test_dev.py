@@ -9,6 +9,10 @@ from typing import Any
 
 import pytest
 
+#: What is asked of pip after the locks.
+LOCKED = ("--no-build-isolation", "-e", ".")
+LOCKED_TEST = ("--no-build-isolation", "-e", ".[test]")
+
 
 class Programs:
     """Replaces subprocess.run: notes the commands and answers for them."""
@@ -29,7 +33,8 @@ def checkout(dev: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     venv = tmp_path / ".venv"
     (venv / "bin").mkdir(parents=True)
     (venv / "bin" / "python").write_text("")
-    for name in ("pyproject.toml", "hatch_build.py"):
+    (tmp_path / "requirements").mkdir()
+    for name in ("pyproject.toml", "hatch_build.py", "requirements/run.lock"):
         (tmp_path / name).write_text(name)
     for name, value in {
         "ROOT": tmp_path,
@@ -47,20 +52,32 @@ def use(dev: ModuleType, monkeypatch: pytest.MonkeyPatch, programs: Programs) ->
 
 
 class Pip:
-    """Replaces ``installing.install``: notes what it is asked for, and fails with ``failure``."""
+    """Replaces ``installing.install`` and ``install_locked``: notes what they are asked for, and fails.
 
-    def __init__(self, failure: Exception | None = None) -> None:
+    ``failure`` is raised by the first, ``unlike`` by the second.
+    """
+
+    def __init__(self, failure: Exception | None = None, unlike: Exception | None = None) -> None:
         self.asked: list[tuple[str, ...]] = []
+        self.locked: list[list[str]] = []
         self.failure = failure
+        self.unlike = unlike
 
     def __call__(self, _python: Path, *arguments: str, **_: Any) -> None:
         self.asked.append(arguments)
         if self.failure is not None:
             raise self.failure
 
+    def install_locked(self, _python: Path, _root: Path, needs: list[str], **_: Any) -> None:
+        self.locked.append(needs)
+        if self.unlike is not None:
+            raise self.unlike
+
 
 def use_pip(dev: ModuleType, monkeypatch: pytest.MonkeyPatch, pip: Pip) -> Pip:
     monkeypatch.setattr(dev.installing, "install", pip)
+    monkeypatch.setattr(dev.installing, "install_locked", pip.install_locked)
+    monkeypatch.setattr(dev.installing, "not_covered", lambda: None)
     return pip
 
 
@@ -70,13 +87,46 @@ def test_packages_are_installed_once_and_again_when_the_project_asks_for_others(
     pip = use_pip(dev, monkeypatch, Pip())
     dev.install(set())
     dev.install(set())
-    assert pip.asked == [("-e", ".")]
+    assert pip.asked == [LOCKED]
     dev.install({"test"})
     dev.install(set())
-    assert pip.asked == [("-e", "."), ("-e", ".[test]")]
+    assert pip.asked == [LOCKED, LOCKED_TEST]
     (checkout / "pyproject.toml").write_text("changed")
     dev.install(set())
-    assert pip.asked == [("-e", "."), ("-e", ".[test]"), ("-e", ".[test]")]
+    assert pip.asked == [LOCKED, LOCKED_TEST, LOCKED_TEST]
+    (checkout / "requirements" / "run.lock").write_text("changed")
+    dev.install(set())
+    assert len(pip.asked) == 4
+    assert pip.locked == [["build", "run"], *([["build", "run", "test"]] * 3)]
+
+
+def test_another_computer_gets_what_the_project_allows(
+    dev: ModuleType, checkout: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pip = use_pip(dev, monkeypatch, Pip())
+    monkeypatch.setattr(dev.installing, "not_covered", lambda: "Darwin on arm64")
+    dev.install({"test"})
+    assert pip.locked == []
+    assert pip.asked == [("-e", ".[test]")]
+    assert "the locked versions are not for Darwin on arm64: installing what pyproject.toml" in capsys.readouterr().out
+
+
+def test_another_index_gives_what_the_project_allows(
+    dev: ModuleType, checkout: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pip = use_pip(dev, monkeypatch, Pip(unlike=dev.installing.NotAsLocked("other hashes")))
+    dev.install(set())
+    assert pip.asked == [("-e", ".")]
+    assert "the package index serves other files than the locked ones" in capsys.readouterr().out
+
+
+def test_an_index_out_of_reach_ends_the_set_up(
+    dev: ModuleType, checkout: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pip = use_pip(dev, monkeypatch, Pip(unlike=dev.installing.PipFailed("cannot be reached")))
+    with pytest.raises(dev.SetupFailed, match="cannot be reached"):
+        dev.install(set())
+    assert pip.asked == []
 
 
 def test_a_failed_installation_is_tried_again(dev: ModuleType, checkout: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -139,7 +139,14 @@ def _listen(path: Path, args: argparse.Namespace, names: set[str], progress: Pro
             raise NoRecording(f"has {channels} channel{'s' * (channels != 1)}, so no --microphone {args.microphone}")
         from app.modules.perception.loud_noises import LoudnessRule
 
-        rule = LoudnessRule.lasting(RATE, args.ratio, args.floor, args.window, args.history, args.hold_off)
+        rule = LoudnessRule.lasting(
+            RATE,
+            args.ratio,
+            floor_db=args.floor,
+            window_s=args.window,
+            history_s=args.history,
+            hold_off_s=args.hold_off,
+        )
         chosen = list(range(channels)) if args.microphone is None else [args.microphone]
         levels = None
         if args.draw is not None:

@@ -114,7 +114,7 @@ def _listen(
             )
         if rate < LEAST_RATE:
             raise NoRecording(f"has {rate} samples a second; at least {LEAST_RATE} are needed")
-        return _heard(path, recording, array, args, names, progress)
+        return _heard(path, recording, array=array, args=args, names=names, progress=progress)
 
 
 def _heard(

@@ -70,7 +70,7 @@ def run(args: argparse.Namespace) -> int:
     if not log.rows:
         raise ConfigError(f"{args.log}: has no scan with odometry to it that shows anything")
     check = checked(log)
-    document = figures(source, log, args.phi, check, relations, reference)
+    document = figures(source, log, phi=args.phi, check=check, relations=relations, reference=reference)
     if args.out is not None:
         from app.commands.slam.outputs import write
 

@@ -58,7 +58,14 @@ def drawn(log: MappedLog) -> OccupancyGrid:
         counts.origin[1] + rows.start * counts.resolution_m,
     )
     cells = read_only(np.ascontiguousarray(counts.cells[rows, columns]))
-    return OccupancyGrid(float(log.stamps()[-1]), "map", cells, counts.resolution_m, origin, log.slam.version)
+    return OccupancyGrid(
+        float(log.stamps()[-1]),
+        "map",
+        cells=cells,
+        resolution_m=counts.resolution_m,
+        origin=origin,
+        version=log.slam.version,
+    )
 
 
 def _tum(log: MappedLog) -> str:

@@ -76,8 +76,8 @@ def open_sweeps(args: argparse.Namespace) -> SweepSource:
     channels = log.info.channels
     types = {name: channel.message_type for name, channel in channels.items()}
     try:
-        scans = _channel(path, types, LaserScan, args.scans, "--scans", "scan")
-        odometry = _channel(path, types, Odometry, args.odometry, "--odometry", "odometry")
+        scans = _channel(path, types, wanted=LaserScan, named=args.scans, option="--scans", usual="scan")
+        odometry = _channel(path, types, wanted=Odometry, named=args.odometry, option="--odometry", usual="odometry")
     except ConfigError as lack:
         log.close()
         lines = [f"{what}: {why}" for what, why in log.info.ignored.items() if not what.startswith("/")]
@@ -130,7 +130,7 @@ def _of_log(source: SweepSource, log: Log, scans: str, odometry: str) -> Iterato
             return
         source.keys.append(sweep_key(scan.ranges))
         readings.count(scan.ranges, scan.range_min)
-        yield Sweep(scan.stamp, scan.ranges, beams(scan), X_OB, twist, scan.duration_s)
+        yield Sweep(scan.stamp, scan.ranges, beams=beams(scan), X_OB=X_OB, twist=twist, sweep_s=scan.duration_s)
 
     try:
         for logged in log.messages(channels=(scans, odometry)):

@@ -70,12 +70,12 @@ def _take(text: str | bytes, viewer: Viewer, hub: Hub, clock: Clock) -> None:
                 drive_lease.Drive(
                     session,
                     message.seq,
-                    message.held,
-                    message.linear,
-                    message.angular,
-                    message.override,
-                    judged.cause,
-                    judged.lasting,
+                    held=message.held,
+                    linear=message.linear,
+                    angular=message.angular,
+                    override=message.override,
+                    cause=judged.cause,
+                    lasting=judged.lasting,
                 )
             )
         case protocol.PingMessage():

@@ -137,7 +137,14 @@ class LaneSampler:
             if strategy in self._class_of:
                 at_work.setdefault(self._class_of[strategy], []).append(strategy)
         return [
-            self._row(cls, strongest.get(cls), at_work.get(cls, []), reasons.get(cls), divisors, ratios)
+            self._row(
+                cls,
+                strongest.get(cls),
+                strategies=at_work.get(cls, []),
+                reason=reasons.get(cls),
+                divisors=divisors,
+                passing=ratios,
+            )
             for cls in self._classes
         ]
 

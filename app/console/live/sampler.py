@@ -108,7 +108,9 @@ class Sampler:
         self._lanes.forget()
         self._history.forget()
         begin = stamp - RECORDED_S
-        for at, rows in recorded_lanes(self._lanes, attention, begin, stamp, lane_history.PERIOD_S, spoke):
+        for at, rows in recorded_lanes(
+            self._lanes, attention, begin=begin, end=stamp, period_s=lane_history.PERIOD_S, spoke=spoke
+        ):
             self._history.add(at, rows)
         self._exploitation = None
         self._odometry = None

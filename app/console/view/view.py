@@ -275,16 +275,16 @@ class View:
                 world = World(
                     robot,
                     joints,
-                    self._placed,
-                    self._cloud,
-                    self._landmarks,
-                    perceived,
-                    latest(LOCALIZATION),
-                    latest(MAP),
-                    latest(ZONES),
-                    self._way.path(),
-                    self._way.goal(),
-                    self._way.costmap(),
+                    scan=self._placed,
+                    cloud=self._cloud,
+                    landmarks=self._landmarks,
+                    perceived=perceived,
+                    localization=latest(LOCALIZATION),
+                    map=latest(MAP),
+                    zones=latest(ZONES),
+                    path=self._way.path(),
+                    goal=self._way.goal(),
+                    costmap=self._way.costmap(),
                 )
                 self._painter.show(world)
             await self._system.pace.sleep(PERIOD_S)

@@ -61,7 +61,15 @@ def plan(
     config = config or paths.config_dir() / "jackal.yaml"
     if not config.is_file():
         raise ConfigError("there is no such file", str(config))
-    return BarnPlan(file, chosen(file, only), config, jobs, program_digest(config), seed, overrides or {})
+    return BarnPlan(
+        file,
+        chosen(file, only),
+        config=config,
+        jobs=jobs,
+        digest=program_digest(config),
+        seed=seed,
+        overrides=overrides or {},
+    )
 
 
 def run(what: BarnPlan, kept: ResultsStore, on_result: OnResult, drive: Drive = desire_goal) -> tuple[WorldResult, ...]:

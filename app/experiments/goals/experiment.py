@@ -78,7 +78,9 @@ def plan(
         )
     simulated_parts(simulated_body(config, scenario))
     tour = folder / "scenarios" / "mapping.yaml"
-    return GoalsPlan(config, scenario, tour, count, seed, jobs, cameras, program_digest(config))
+    return GoalsPlan(
+        config, scenario, tour=tour, count=count, seed=seed, jobs=jobs, cameras=cameras, digest=program_digest(config)
+    )
 
 
 def run(

@@ -125,9 +125,16 @@ class CarmenLog:
             for name, (kind, count) in counts.items()
         }
         self._info = LogInfo(
-            path, "CARMEN", survey.begin, survey.end, channels, path.stat().st_size, self._ignored(),
-            self._notes(), not survey.wrong_times,
-        )  # fmt: skip
+            path,
+            "CARMEN",
+            begin=survey.begin,
+            end=survey.end,
+            channels=channels,
+            bytes=path.stat().st_size,
+            ignored=self._ignored(),
+            notes=self._notes(),
+            timed=not survey.wrong_times,
+        )
         streams = {"stream.hokuyo": "scan", "stream.odometry": "odometry"}
         self._manifest = Manifest(facts={stream: name for stream, name in streams.items() if name in channels})
 
@@ -197,10 +204,17 @@ class CarmenLog:
         ranges = np.where(row.ranges < limit, row.ranges, np.float32(np.inf))
         intensities = np.zeros_like(ranges) if row.intensities is None else row.intensities
         return LaserScan(
-            stamp, "laser" if channel == "scan" else "rear_laser", read_only(ranges),
-            read_only(intensities), row.angle_min, row.angle_increment, _RANGE_MIN_M, limit, 0.0,
-            self._mount(channel, row),
-        )  # fmt: skip
+            stamp,
+            "laser" if channel == "scan" else "rear_laser",
+            ranges=read_only(ranges),
+            intensities=read_only(intensities),
+            angle_min=row.angle_min,
+            angle_increment=row.angle_increment,
+            range_min=_RANGE_MIN_M,
+            range_max=limit,
+            duration_s=0.0,
+            X_BL=self._mount(channel, row),
+        )
 
     def _limit(self, row: CarmenScan) -> float:
         """The range (m) from which a reading says that nothing was seen."""
@@ -285,9 +299,22 @@ def _surveyed(path: Path) -> _Survey:
 
 def _gone_through(path: Path, clock: Clock, advance: Advance) -> _Survey:
     survey = _Survey(
-        Counter(), Counter(), 0, "", math.inf, -math.inf, {}, {}, {}, Counter(), Counter(), "", "",
-        [_Mark(0, clock.copy(), (0.0, 0.0))], "",
-    )  # fmt: skip
+        Counter(),
+        Counter(),
+        malformed=0,
+        complaint="",
+        begin=math.inf,
+        end=-math.inf,
+        params={},
+        farthest_m={},
+        far_ends={},
+        blank=Counter(),
+        wordless=Counter(),
+        back="",
+        wrong_times="",
+        marks=[_Mark(0, clock.copy(), (0.0, 0.0))],
+        truncated="",
+    )
     twist = (0.0, 0.0)
     number = 0
     first_back = 0

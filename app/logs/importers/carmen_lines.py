@@ -116,7 +116,19 @@ def _old(kind: str, times: CarmenTimes, body: Sequence[str]) -> CarmenScan:
     ranges, blank = _distances(body[1 : 1 + count])
     angle_min, increment = lms_angles(count)
     laser, robot = _poses(body[1 + count :])
-    return CarmenScan(times, kind, ranges, None, angle_min, increment, None, robot, laser, None, blank)
+    return CarmenScan(
+        times,
+        kind,
+        ranges=ranges,
+        intensities=None,
+        angle_min=angle_min,
+        angle_increment=increment,
+        maximum=None,
+        robot=robot,
+        laser=laser,
+        twist=None,
+        blank=blank,
+    )
 
 
 def _new(kind: str, times: CarmenTimes, body: Sequence[str]) -> CarmenScan:
@@ -143,9 +155,18 @@ def _new(kind: str, times: CarmenTimes, body: Sequence[str]) -> CarmenScan:
         twist = (tv, rv)
     ranges, blank = _distances(body[8:after])
     return CarmenScan(
-        times, kind, ranges, _array(body[after + 1 : after + 1 + remissions]) if remissions else None,
-        start, resolution, maximum if maximum > 0 else None, robot, laser, twist, blank,
-    )  # fmt: skip
+        times,
+        kind,
+        ranges=ranges,
+        intensities=_array(body[after + 1 : after + 1 + remissions]) if remissions else None,
+        angle_min=start,
+        angle_increment=resolution,
+        maximum=maximum if maximum > 0 else None,
+        robot=robot,
+        laser=laser,
+        twist=twist,
+        blank=blank,
+    )
 
 
 def _poses(words: Sequence[str]) -> tuple[Pose2, Pose2]:

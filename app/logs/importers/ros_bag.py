@@ -280,12 +280,12 @@ class RosBag:
         return LogInfo(
             self._path,
             "ROS 2 bag" if self._reader.is2 else "ROS 1 bag",
-            0.0 if empty else from_ns(self._reader.start_time),
-            0.0 if empty else from_ns(self._reader.end_time - 1),
-            channels,
-            _size(self._path),
-            reasons,
-            notes,
+            begin=0.0 if empty else from_ns(self._reader.start_time),
+            end=0.0 if empty else from_ns(self._reader.end_time - 1),
+            channels=channels,
+            bytes=_size(self._path),
+            ignored=reasons,
+            notes=notes,
         )
 
 

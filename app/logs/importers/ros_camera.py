@@ -20,7 +20,7 @@ _FISHEYE = ("equidistant", "fisheye")
 def assumed(width: int, height: int) -> CameraModel:
     """The camera of a picture that has no CameraInfo."""
     f = 0.5 * width / math.tan(0.5 * _UNKNOWN_FOV)
-    return CameraModel(width, height, f, f, 0.5 * (width - 1), 0.5 * (height - 1))
+    return CameraModel(width, height, fx=f, fy=f, cx=0.5 * (width - 1), cy=0.5 * (height - 1))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,7 +44,12 @@ class CameraInfo:
         if not K[0]:
             return None
         return CameraInfo(
-            int(info.width), int(info.height), str(info.distortion_model), K.reshape(3, 3), D, P.reshape(3, 4)
+            int(info.width),
+            int(info.height),
+            model=str(info.distortion_model),
+            K=K.reshape(3, 3),
+            D=D,
+            P=P.reshape(3, 4),
         )
 
 

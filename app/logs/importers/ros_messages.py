@@ -109,10 +109,17 @@ def laser_scan(message: Any, at: float, X_BL: Pose3) -> LaserScan:
         turn = abs(float(message.angle_increment)) * max(ranges.size - 1, 0)
         duration = float(message.scan_time) * min(turn / (2 * math.pi), 1.0)
     return LaserScan(
-        stamp_of(message, at), frame_of(message), read_only(ranges), read_only(intensities), float(message.angle_min),
-        float(message.angle_increment), max(float(message.range_min), _RANGE_MIN_M), float(message.range_max), duration,
-        X_BL,
-    )  # fmt: skip
+        stamp_of(message, at),
+        frame_of(message),
+        ranges=read_only(ranges),
+        intensities=read_only(intensities),
+        angle_min=float(message.angle_min),
+        angle_increment=float(message.angle_increment),
+        range_min=max(float(message.range_min), _RANGE_MIN_M),
+        range_max=float(message.range_max),
+        duration_s=duration,
+        X_BL=X_BL,
+    )
 
 
 def _first_echoes(values: Any) -> NDArray[np.float32]:

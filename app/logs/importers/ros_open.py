@@ -14,7 +14,7 @@ from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, cast
 
 import apsw
-import lz4.frame  # type: ignore[import-untyped]
+import lz4.frame
 from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.interfaces import Connection
 from rosbags.rosbag1 import Reader as Bag1

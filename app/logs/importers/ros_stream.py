@@ -156,7 +156,14 @@ class RosStream:
                     raise ValueError("the depth has another shape than the colour")
                 depth = measured if rectified(source.depth) else camera.depth(measured)
             depth = read_only(depth)
-        return Image(stamp, ros.frame_of(item.message), read_only(camera.color(color)), depth, camera.model, pose)
+        return Image(
+            stamp,
+            ros.frame_of(item.message),
+            color=read_only(camera.color(color)),
+            depth=depth,
+            camera=camera.model,
+            X_BC=pose,
+        )
 
     def _camera(self, channel: str, width: int, height: int, *, rectified: bool) -> PinholeCamera:
         cameras = self._cameras[channel].cameras

@@ -93,7 +93,13 @@ def records_of(chunk: Chunk, *, validate_crc: bool = False) -> Iterable[McapReco
 
 def _check_packed(path: Path, file: IO[bytes], index: ChunkIndex, at: int) -> None:
     _bounded(
-        path, file, index.chunk_start_offset, at, index.compressed_size, index.compression, index.uncompressed_size
+        path,
+        file,
+        offset=index.chunk_start_offset,
+        at=at,
+        size=index.compressed_size,
+        compression=index.compression,
+        declared=index.uncompressed_size,
     )
 
 
@@ -107,7 +113,7 @@ def _check(path: Path, file: IO[bytes], offset: int) -> None:
         (packed,) = struct.unpack_from("<Q", head, at)
     except struct.error:
         return  # the library that reads it reports the damage
-    _bounded(path, file, offset, offset + at + 8, packed, name, size)
+    _bounded(path, file, offset=offset, at=offset + at + 8, size=packed, compression=name, declared=size)
 
 
 def _bounded(path: Path, file: IO[bytes], offset: int, at: int, size: int, compression: str, declared: int) -> None:

@@ -322,7 +322,16 @@ def _chunk_span(file: BinaryIO, span: Span, indexes: tuple[Span, ...]) -> ChunkS
     for index in indexes:
         channel, length = _index_head(file, index)
         counts[channel] = length // 16
-    return ChunkSpan(span, indexes, counts, begin_ns, end_ns, compression, compressed, uncompressed)
+    return ChunkSpan(
+        span,
+        indexes,
+        counts=counts,
+        begin_ns=begin_ns,
+        end_ns=end_ns,
+        compression=compression,
+        compressed=compressed,
+        uncompressed=uncompressed,
+    )
 
 
 def _index_head(file: BinaryIO, span: Span) -> tuple[int, int]:

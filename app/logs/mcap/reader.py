@@ -163,7 +163,15 @@ class McapLog:
         }
         begin, end = self._statistics.message_start_time, self._statistics.message_end_time
         size = self._path.stat().st_size
-        return LogInfo(self._path, FORMAT, from_ns(begin), from_ns(end), channels, size, self._contents.ignored)
+        return LogInfo(
+            self._path,
+            FORMAT,
+            begin=from_ns(begin),
+            end=from_ns(end),
+            channels=channels,
+            bytes=size,
+            ignored=self._contents.ignored,
+        )
 
     @property
     def _statistics(self) -> Statistics:

@@ -162,12 +162,16 @@ class Ring:
         self._file = self._create(self._home / f"{self._number:06}{SEGMENT}", Manifest(), at)
 
     def _create(self, path: Path, manifest: Manifest, at: float) -> McapFile:
-        return McapFile(path, self._new_encoder(), manifest, at, self._topics, self._open_file)
+        return McapFile(
+            path, self._new_encoder(), manifest=manifest, at=at, topics=self._topics, open_file=self._open_file
+        )
 
     def _rotate(self, at: float) -> None:
         file = self._file
         file.close()
-        closed = Segment(self._state_path, file.path, self._begin, self._end, file.bytes, file.messages)
+        closed = Segment(
+            self._state_path, file.path, begin=self._begin, end=self._end, bytes=file.bytes, messages=file.messages
+        )
         with self._guard:
             self._segments.append(closed)
         self._begin_segment(at)

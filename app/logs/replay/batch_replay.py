@@ -73,10 +73,10 @@ def batch_program(configuration: Configuration, runs: Sequence[Run], attended: C
             configuration, program=configuration.program.model_copy(update={"modules": modules}), channels=channels
         ),
         tuple(runs),
-        names,
-        tuple(events),
-        pins,
-        {name: json.loads(run.parameters) for name, run in zip(names, runs, strict=True)},
+        names=names,
+        events=tuple(events),
+        pins=pins,
+        parameters={name: json.loads(run.parameters) for name, run in zip(names, runs, strict=True)},
     )
 
 

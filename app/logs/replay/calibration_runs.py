@@ -94,7 +94,7 @@ def plan(
             if port in inputs.get(module, ())
         }
     return [
-        Run(module, port, phi, offset, repeat, parameters)
+        Run(module, port, phi=phi, offset=offset, repeat=repeat, parameters=parameters)
         for repeat in range(repeats)
         for module, port, phi, parameters in sorted(wanted)
         for offset in range(phi if every_offset else 1)

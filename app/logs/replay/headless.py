@@ -145,7 +145,12 @@ def _module(system: System, name: str, before_ns: int) -> ReplayedModule:
         if port.connected and port.channel is not None:
             count = port.subscription.statistics()
             inputs[port_name] = InputReport(
-                port.channel.name, float(count.divisor), count.received, count.passed, count.taken, count.dropped
+                port.channel.name,
+                float(count.divisor),
+                received=count.received,
+                passed=count.passed,
+                taken=count.taken,
+                dropped=count.dropped,
             )
     return ReplayedModule(
         cpu_s=(slot.context.meter.cpu_ns - before_ns) / 1e9,
@@ -207,10 +212,10 @@ class _Journal:
         line = IntentionLine(
             intention.stamp,
             selection.strategies,
-            selection.fulfilled,
-            selection.relaxed,
-            selection.omega,
-            {name: divisors[name] for name in intention.divisors},
+            fulfilled=selection.fulfilled,
+            relaxed=selection.relaxed,
+            omega=selection.omega,
+            divisors={name: divisors[name] for name in intention.divisors},
         )
         # An intention is reported again once its reasons are complete.
         if not self.intentions or self.intentions[-1] != line:

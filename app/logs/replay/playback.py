@@ -127,11 +127,11 @@ class Playback:
         return PlaybackState(
             min(max(position, self._info.begin), self._end),
             self._info.begin,
-            self._end,
-            self._speed,
-            self._playing,
-            phase,
-            self._problem,
+            end=self._end,
+            speed=self._speed,
+            playing=self._playing,
+            phase=phase,
+            problem=self._problem,
         )
 
     def observe(self, callback: Callable[[PlaybackState], None]) -> Callable[[], None]:

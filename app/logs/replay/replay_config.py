@@ -95,10 +95,10 @@ def prepare(log: Log, options: ReplayOptions, folder: Path, idle: Mapping[str, s
             simulated=False,
             **_extent(robot),
         ),
-        streams,
-        fed,
-        left_out,
-        silent,
+        streams=streams,
+        fed=fed,
+        left_out=left_out,
+        silent=silent,
     )
 
 

@@ -128,7 +128,7 @@ class ImageConverter:
             raw = typestore.deserialise(_RAW, parts["depth"])
             depth = raw.data.view("<u2").reshape(raw.height, raw.width)
         pixels = read_only(color.astype(np.uint8, copy=False))
-        return Image(info.stamp, info.frame, pixels, depth, info.camera, info.X_BC)
+        return Image(info.stamp, info.frame, color=pixels, depth=depth, camera=info.camera, X_BC=info.X_BC)
 
     def _set_lens(self, lens: type[CameraModel] | type[FisheyeModel]) -> None:
         self._lens = lens
@@ -179,4 +179,6 @@ class EncodedImageConverter:
         info = self._info.decode(parts[MAIN])
         ros = typestore.deserialise(_COMPRESSED, parts["jpeg"])
         data = ros.data.tobytes()
-        return EncodedImage(info.stamp, ros.header.frame_id, data, info.width, info.height, info.X_BC)
+        return EncodedImage(
+            info.stamp, ros.header.frame_id, jpeg=data, width=info.width, height=info.height, X_BC=info.X_BC
+        )

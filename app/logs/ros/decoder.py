@@ -164,7 +164,9 @@ def _channel(name: str, stored: list[StoredTopic]) -> DecodableChannel:
         by_part[part] = topic.name
     if MAIN not in by_part:
         raise _Unreadable(f"the topic {parts[MAIN].name}, which says what the others mean, is not in the file")
-    return DecodableChannel(name, cls, _rate(stored), by_part, parts[MAIN].type, main_fields)
+    return DecodableChannel(
+        name, cls, rate_hz=_rate(stored), topics=by_part, main_type=parts[MAIN].type, main_fields=main_fields
+    )
 
 
 def _rate(stored: list[StoredTopic]) -> float | None:

@@ -82,9 +82,15 @@ class LaserScanConverter:
             self._transform_key, self._transform_ns = placed, stamp_ns
             records.append(Transform(BASE, message.frame).record(stamp_ns, pose3_numbers(message.X_BL)))
         info = LaserScanInfo(
-            message.stamp, message.frame, message.angle_min, message.angle_increment, message.range_min,
-            message.range_max, message.duration_s, message.X_BL,
-        )  # fmt: skip
+            message.stamp,
+            message.frame,
+            angle_min=message.angle_min,
+            angle_increment=message.angle_increment,
+            range_min=message.range_min,
+            range_max=message.range_max,
+            duration_s=message.duration_s,
+            X_BL=message.X_BL,
+        )
         records.append(self._info.record(info, stamp_ns, (known, pose)))
         return records
 
@@ -95,9 +101,17 @@ class LaserScanConverter:
         info = self._info.decode(parts[MAIN])
         ros = typestore.deserialise(_SCAN, parts["scan"])
         return LaserScan(
-            info.stamp, info.frame, read_only(ros.ranges), read_only(ros.intensities), info.angle_min,
-            info.angle_increment, info.range_min, info.range_max, info.duration_s, info.X_BL,
-        )  # fmt: skip
+            info.stamp,
+            info.frame,
+            ranges=read_only(ros.ranges),
+            intensities=read_only(ros.intensities),
+            angle_min=info.angle_min,
+            angle_increment=info.angle_increment,
+            range_min=info.range_min,
+            range_max=info.range_max,
+            duration_s=info.duration_s,
+            X_BL=info.X_BL,
+        )
 
     def _prepare(self, message: LaserScan, count: int) -> None:
         none = np.zeros(0, np.float32)

@@ -62,7 +62,14 @@ class OccupancyGridConverter:
         info = self._info.decode(parts[MAIN])
         ros = typestore.deserialise(_GRID, parts["cells"])
         cells = np.asarray(ros.data, np.int8).reshape(ros.info.height, ros.info.width)
-        return OccupancyGrid(info.stamp, info.frame, read_only(cells), info.resolution_m, info.origin, info.version)
+        return OccupancyGrid(
+            info.stamp,
+            info.frame,
+            cells=read_only(cells),
+            resolution_m=info.resolution_m,
+            origin=info.origin,
+            version=info.version,
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

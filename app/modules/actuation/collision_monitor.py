@@ -159,7 +159,15 @@ class CollisionMonitor:
     def _scale(self, points: Points, linear: float, angular: float, stands: bool) -> tuple[float, int | None]:
         """The allowed share of the command, in [0, 1], and the point that limits it."""
         rules, horizon = self.rules, self._horizon_s
-        near = may_decide(points, self._tight, self._grown, linear, angular, horizon, rules.evidence)
+        near = may_decide(
+            points,
+            self._tight,
+            grown=self._grown,
+            linear=linear,
+            angular=angular,
+            horizon_s=horizon,
+            evidence=rules.evidence,
+        )
         if len(near) < rules.evidence:
             return 1.0, None
         times = contact_times(points[near], self._grown, linear, angular, horizon)

@@ -89,7 +89,7 @@ def may_decide(
     reach the inner one cannot be among the first.
     """
     if abs(angular) * horizon_s < STRAIGHT_RAD:
-        return _first_on_line(points, tight, grown, linear, horizon_s, evidence)
+        return _first_on_line(points, tight, grown=grown, linear=linear, horizon_s=horizon_s, evidence=evidence)
     centre = linear / angular
     distance = abs(centre)
     around = points - 1j * centre

@@ -144,10 +144,16 @@ class GoToward(Module):
         path_tracker = self._path_tracker
         self._status_publisher.update(
             NavigationStatus(
-                now, self.name, step.state, step.reason, None if goal is None else goal.pose, path_tracker.target,
-                path_tracker.remaining_m, path_tracker.progress_stamp,
+                now,
+                self.name,
+                state=step.state,
+                reason=step.reason,
+                goal=None if goal is None else goal.pose,
+                target=path_tracker.target,
+                remaining_m=path_tracker.remaining_m,
+                progress_stamp=path_tracker.progress_stamp,
             )
-        )  # fmt: skip
+        )
 
     def _decide(
         self,

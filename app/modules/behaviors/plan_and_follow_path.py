@@ -272,11 +272,21 @@ class PlanAndFollowPath(Module):
         if answer is not None and self._planned_for is not goal:
             answer = None
         inputs = CycleInput(
-            now, motion, self._poses.X_MO, problem, goal, self._scan_with_poses(), self._image_with_pose(),
-            answer.plan if answer is not None and answer.changed else None,
-            None if answer is None else _speeds(answer, self._control.body.limits[1] * (goal.speed if goal else 1.0)),
-            self._grid, self._poses.is_lost(now) and self._grid is not None, self._given_mps,
-        )  # fmt: skip
+            now,
+            motion,
+            X_MO=self._poses.X_MO,
+            problem=problem,
+            goal=goal,
+            scan=self._scan_with_poses(),
+            image=self._image_with_pose(),
+            plan=answer.plan if answer is not None and answer.changed else None,
+            speed_at=None
+            if answer is None
+            else _speeds(answer, self._control.body.limits[1] * (goal.speed if goal else 1.0)),
+            grid=self._grid,
+            is_lost=self._poses.is_lost(now) and self._grid is not None,
+            given_mps=self._given_mps,
+        )
         if self._controller != self._controller_in_use:
             self._controller_in_use = self._controller
             await self.compute(self._control.use_controller, self._controller)
@@ -296,7 +306,9 @@ class PlanAndFollowPath(Module):
             return
         motion, scan, image = self._poses.motion(now), self._scan_with_poses(), self._image_with_pose()
         if motion is not None and (scan is not None or image is not None):
-            inputs = CycleInput(now, motion, self._poses.X_MO, self._poses.problem(now), None, scan, image)
+            inputs = CycleInput(
+                now, motion, X_MO=self._poses.X_MO, problem=self._poses.problem(now), goal=None, scan=scan, image=image
+            )
             await self.compute(self._control.remember, inputs)
 
     def _scan_with_poses(self) -> tuple[LaserScan, Pose2, Pose2] | None:
@@ -328,12 +340,18 @@ class PlanAndFollowPath(Module):
             self._publish_path(now, answer.plan.poses)
         self._status_publisher.update(
             NavigationStatus(
-                now, self.name, output.step.state if goal is not None else "idle", output.step.reason,
-                None if goal is None else goal.pose, None if goal is None else output.target,
-                None if goal is None else output.remaining_m, None if goal is None else output.progress_stamp,
-                output.recoveries, self._periods.longest_s,
+                now,
+                self.name,
+                state=output.step.state if goal is not None else "idle",
+                reason=output.step.reason,
+                goal=None if goal is None else goal.pose,
+                target=None if goal is None else output.target,
+                remaining_m=None if goal is None else output.remaining_m,
+                progress_stamp=None if goal is None else output.progress_stamp,
+                recoveries=output.recoveries,
+                period_s=self._periods.longest_s,
             )
-        )  # fmt: skip
+        )
         if goal is None:
             self._planned_for = None
             self._clear_path(now)
@@ -376,9 +394,17 @@ class PlanAndFollowPath(Module):
         if localization is None or grid is None or X_MB is None:
             return
         request = PlanRequest(
-            grid, self._zones.zones, localization.X_MO, X_MB, goal.pose, output.around, output.opened_up, self._plan,
-            why, output.persistent_obstacles,
-        )  # fmt: skip
+            grid,
+            self._zones.zones,
+            X_MO=localization.X_MO,
+            X_MB=X_MB,
+            goal=goal.pose,
+            around=output.around,
+            opened_up=output.opened_up,
+            kept=self._plan,
+            why=why,
+            persistent_obstacles=output.persistent_obstacles,
+        )
         self._planned_at, self._planned_from, self._planned_for = now, localization, goal
         self._wanted_plan = ""
         finding = self.compute_background(self._global_planner.find, request)

@@ -69,7 +69,9 @@ class CameraStream(Module):
 
     async def _encode(self, image: Image) -> None:
         jpeg, width, height = await self.compute(self.picture, image, self._quality)
-        self.pictures.publish(EncodedImage(image.stamp, image.frame, jpeg, width, height, image.X_BC))
+        self.pictures.publish(
+            EncodedImage(image.stamp, image.frame, jpeg=jpeg, width=width, height=height, X_BC=image.X_BC)
+        )
 
     def picture(self, image: Image, quality: int) -> tuple[bytes, int, int]:
         """The published picture of ``image``, as of :func:`encode_jpeg`; runs in the module's own thread."""

@@ -100,7 +100,7 @@ class FaceDetector(Module):
         self.persistent[_NEXT_TRACK] = self._tracks.next
         faces = tuple(_face(sighting, where) for sighting, where in zip(sightings, placed, strict=True))
         height, width = image.color.shape[:2]
-        self.faces.publish(Faces(image.stamp, image.frame, width, height, image.X_BC, faces))
+        self.faces.publish(Faces(image.stamp, image.frame, width=width, height=height, X_BC=image.X_BC, faces=faces))
 
     def _find(self, image: Image, min_score: float, fine: bool) -> list[FaceSighting]:
         assert self._looker is not None
@@ -128,10 +128,10 @@ def _face(sighting: FaceSighting, placed: PlacedFace) -> Face:
     return Face(
         placed.track,
         sighting.face.score,
-        sighting.face.box,
-        read_only(sighting.face.landmarks),
-        (x, y, z),
-        read_only(placed.covariance),
-        range_m,
-        float(np.sqrt(ray @ placed.covariance @ ray)),
+        box=sighting.face.box,
+        landmarks=read_only(sighting.face.landmarks),
+        p_BF=(x, y, z),
+        covariance=read_only(placed.covariance),
+        range_m=range_m,
+        range_sigma_m=float(np.sqrt(ray @ placed.covariance @ ray)),
     )

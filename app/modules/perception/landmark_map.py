@@ -57,7 +57,7 @@ class LandmarkMap:
         sigma_m = max(self._model.floor_m, sigma_m)
         index = self._nearest(text, p_OQ, sigma_m)
         if index is None:
-            landmark = Landmark(text, p_OQ, sigma_m, 1, stamp, stamp)
+            landmark = Landmark(text, p_OQ, sigma_m=sigma_m, sightings=1, first_seen=stamp, last_seen=stamp)
             self._landmarks.append(landmark)
         else:
             landmark = merged(self._landmarks[index], stamp, p_OQ, sigma_m, self._model.floor_m)

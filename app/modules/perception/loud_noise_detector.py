@@ -116,5 +116,10 @@ class LoudNoiseDetector(Module):
     def _rule(self) -> LoudnessRule:
         settings = self.settings
         return LoudnessRule.lasting(
-            self._rate, self._ratio, settings.floor_db, settings.window_s, settings.history_s, self._hold_off_s
+            self._rate,
+            self._ratio,
+            floor_db=settings.floor_db,
+            window_s=settings.window_s,
+            history_s=settings.history_s,
+            hold_off_s=self._hold_off_s,
         )

@@ -209,4 +209,4 @@ class QRCodeDetector(Module):
 
 def _of(image: Image, codes: tuple[QRCode, ...]) -> QRCodes:
     height, width = image.color.shape[:2]
-    return QRCodes(image.stamp, image.frame, width, height, image.X_BC, codes)
+    return QRCodes(image.stamp, image.frame, width=width, height=height, X_BC=image.X_BC, codes=codes)

@@ -178,7 +178,17 @@ class SLAM2D(Module):
             self._publish_search(scan.stamp, X_OB)
         else:
             match, state = followed.match, self._state(session, followed.match)
-            self._publish(Localization(scan.stamp, match.X_MO, match.X_MB, match.covariance, state, match.overlap, ""))
+            self._publish(
+                Localization(
+                    scan.stamp,
+                    match.X_MO,
+                    X_MB=match.X_MB,
+                    covariance=match.covariance,
+                    state=state,
+                    overlap=match.overlap,
+                    map="",
+                )
+            )
 
     def _take(self, session: MapSession, followed: ScanResult) -> None:
         """Take a matched scan: schedule its job and views, and update the fit monitor."""
@@ -214,7 +224,11 @@ class SLAM2D(Module):
         X_MO = last if best is None else best.X_MO
         overlap = 0.0 if best is None else max(0.0, best.score)
         covariance = spread_of([place.X_MO @ X_OB for place in self._hypotheses], grid)
-        self._publish(Localization(stamp, X_MO, X_MO @ X_OB, covariance, "searching", overlap, ""))
+        self._publish(
+            Localization(
+                stamp, X_MO, X_MB=X_MO @ X_OB, covariance=covariance, state="searching", overlap=overlap, map=""
+            )
+        )
 
     def _publish(self, place: Localization) -> None:
         covariance = read_only(np.array(place.covariance, np.float64))

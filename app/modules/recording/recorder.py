@@ -284,7 +284,18 @@ class Recorder(Module):
         now = self.clock.now()
         writer = self._writer or next((w for w in reversed(self._ending) if not w.over), None)
         if writer is None:
-            return RecorderStatus(now, "idle", "", 0.0, 0.0, 0, 0, 0, 0, "")
+            return RecorderStatus(
+                now,
+                "idle",
+                name="",
+                began=0.0,
+                duration_s=0.0,
+                bytes=0,
+                messages=0,
+                dropped=0,
+                queued_bytes=0,
+                reason="",
+            )
         sink = writer.sink
         state = "stopped" if writer.reason else "ring" if self._turns else "recording"
         return RecorderStatus(

@@ -53,8 +53,10 @@ class ImageFrames:
         height, width = picture.shape[:2]
         # Square pixels: the vertical field of view follows.
         f = 0.5 * width / math.tan(0.5 * math.radians(self._config.horizontal_fov_deg))
-        camera = CameraModel(width, height, f, f, 0.5 * (width - 1), 0.5 * (height - 1))
-        return Image(self._now(), self._config.link, read_only(picture), None, camera, self._X_BC)
+        camera = CameraModel(width, height, fx=f, fy=f, cx=0.5 * (width - 1), cy=0.5 * (height - 1))
+        return Image(
+            self._now(), self._config.link, color=read_only(picture), depth=None, camera=camera, X_BC=self._X_BC
+        )
 
 
 class AudioFrames:
@@ -117,6 +119,13 @@ class AudioFrames:
             elif missing > rate:
                 self._first += missing
         self._ended, self._skipped = end, False
-        frame = Audio(end - lasts_s, self._config.link, read_only(samples), rate, self._first, self._p_BM)
+        frame = Audio(
+            end - lasts_s,
+            self._config.link,
+            samples=read_only(samples),
+            rate=rate,
+            first_sample=self._first,
+            p_BM=self._p_BM,
+        )
         self._first += len(samples)
         return frame

@@ -65,7 +65,7 @@ class KinectRenderer:
         width, height = config.width, config.height
         x, y = (float(s) for s in model.cam_sensorsize[self._camera] / (2 * model.cam_intrinsic[self._camera][:2]))
         self.place = FrameRect(0, 0, width, height)
-        self._view = PerspectiveView(np.eye(3), -x, x, -y, y, self.place)
+        self._view = PerspectiveView(np.eye(3), -x, right=x, bottom=-y, top=y, place=self.place)
         self._color = np.zeros((height, width, 3), dtype=np.uint8)
         self._depth = np.zeros((height, width), dtype=np.float32)
         # The depth buffer is affine in 1/z, with 0 at the far plane and 1 at the near one

@@ -84,7 +84,7 @@ def tile(lens: FisheyeModel, base: int = 0, detail: float = 1.0) -> Tiling:
         left, right = _extent(x, per_x)
         bottom, top = _extent(y, per_y)
         place = packer.place(math.ceil((right - left) * per_x), math.ceil((top - bottom) * per_y))
-        views.append(PerspectiveView(rotation, left, right, bottom, top, place))
+        views.append(PerspectiveView(rotation, left, right=right, bottom=bottom, top=top, place=place))
         maps[0][own] = place.x + (x - left) / (right - left) * place.width - 0.5
         maps[1][own] = place.y - base + (y - bottom) / (top - bottom) * place.height - 0.5
     first, second = cv2.convertMaps(maps[0], maps[1], cv2.CV_16SC2)

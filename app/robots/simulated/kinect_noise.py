@@ -31,7 +31,9 @@ def camera_model(config: KinectConfig) -> CameraModel:
     horizontal, vertical = (math.radians(angle) for angle in config.fov_deg)
     fx = 0.5 * config.width / math.tan(0.5 * horizontal)
     fy = 0.5 * config.height / math.tan(0.5 * vertical)
-    return CameraModel(config.width, config.height, fx, fy, 0.5 * (config.width - 1), 0.5 * (config.height - 1))
+    return CameraModel(
+        config.width, config.height, fx=fx, fy=fy, cx=0.5 * (config.width - 1), cy=0.5 * (config.height - 1)
+    )
 
 
 class KinectNoise:

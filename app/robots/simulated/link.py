@@ -93,7 +93,16 @@ class SimulatedLink:
         session = await _Session.open(self._robot, self._receive)
         self._session = session
         wanted = frozenset(self._receivers.wanted)
-        session.send(wire.Start(self._robot, self._world, self._clock_offset, wanted, self._e_stop, self._scenario))
+        session.send(
+            wire.Start(
+                self._robot,
+                self._world,
+                clock_offset=self._clock_offset,
+                demanded=wanted,
+                e_stop=self._e_stop,
+                scenario=self._scenario,
+            )
+        )
         try:
             async with asyncio.timeout(START_TIMEOUT_S):
                 await session.wait_running()
@@ -180,7 +189,7 @@ class SimulatedLink:
         color, depth = pictures
         read_only(notice.X_BC.rotation)
         read_only(notice.X_BC.translation)
-        image = Image(notice.stamp, frame, color, depth, lens, notice.X_BC)
+        image = Image(notice.stamp, frame, color=color, depth=depth, camera=lens, X_BC=notice.X_BC)
         self._receivers.deliver(notice.stream, image)
 
 

@@ -87,7 +87,7 @@ class LockstepWorld(WorldSimulation):
             depth = np.zeros(size, dtype=np.uint16) if self._formats[stream].has_depth else None
             renderer.measure(color, depth)
             frame, lens = self._lenses[stream]
-            self.send(stream, Image(stamp, frame, color, depth, lens, snapshot.X_BC), stamp)
+            self.send(stream, Image(stamp, frame, color=color, depth=depth, camera=lens, X_BC=snapshot.X_BC), stamp)
 
     def _renderer_of(self, stream: str) -> CameraRenderer:
         """The renderer of ``stream``; OpenGL is initialized for the first image."""

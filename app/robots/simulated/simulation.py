@@ -86,7 +86,13 @@ class WorldSimulation:
         if streams.microphones is not None:
             wheels = (robot.base.left_wheel_joint, robot.base.right_wheel_joint)
             self.soundscape = Soundscape(
-                streams.microphones, robot.loudspeaker, world, self.kinematics, scenario, wheels, robot.seed
+                streams.microphones,
+                robot.loudspeaker,
+                world=world,
+                model=self.kinematics,
+                scenario=scenario,
+                wheels=wheels,
+                seed=robot.seed,
             )
         self._limits = robot.limits.guard()
         self.state = guard.GuardState(e_stop=e_stop)

@@ -203,7 +203,9 @@ class _Builder:
         materials = frozenset(self._config.materials)
         for index, part in enumerate(furnish(item.kind, item.size, item.material, rng, materials)):
             if isinstance(part.material, str) and part.material not in materials:
-                part = Part(part.shape, part.at, part.size, (0.5, 0.5, 0.5), part.rpy, part.solid)
+                part = Part(
+                    part.shape, part.at, size=part.size, material=(0.5, 0.5, 0.5), rpy=part.rpy, solid=part.solid
+                )
             self._geom(part, X_WP, name=f"{item.kind}{number}.{index}")
 
     def _cylinders(self, number: int, cylinders: CylindersConfig) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app.cli import main
-from benchmarks.posters import KINECT, PANORAMA, TEXT, facing_camera, picture
+from tests.scenery.posters import KINECT, PANORAMA, TEXT, facing_camera, picture
 
 
 def write(path: Path, image: np.ndarray) -> str:

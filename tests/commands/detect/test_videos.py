@@ -12,8 +12,8 @@ import pytest
 from app.base.geometry import Pose2
 from app.cli import main
 from app.commands.detect.videos import NoVideo, VideoFile, is_video
-from benchmarks.face_scenes import facing, kinect_image
-from benchmarks.posters import KINECT, TEXT, facing_camera, picture
+from tests.scenery.face_scenes import facing, kinect_image
+from tests.scenery.posters import KINECT, TEXT, facing_camera, picture
 
 RATE_HZ = 10.0
 KINDS = {".mp4": "mp4v", ".avi": "MJPG", ".webm": "VP80", ".mkv": "mp4v"}
@@ -36,7 +36,7 @@ def grey(count: int, level: int = 127) -> list[np.ndarray]:
     return [rng.integers(level - 20, level + 20, (240, 320, 3), np.uint8) for _ in range(count)]
 
 
-def nothing(*_: object) -> None: ...
+def nothing(done: float, total: float, text: str = "") -> None: ...
 
 
 @pytest.fixture(scope="module")

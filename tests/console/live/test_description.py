@@ -110,7 +110,7 @@ async def test_what_a_recording_sends_is_as_described(replay_url: str) -> None:
     ):
         check("hello", await ann.until("hello"))
         assert (await rest.patch("/playback", json={"position": BEGIN + 1.0})).status_code == 200
-        seen = set()
+        seen: set[str] = set()
         while not {*RECORDED, "lanes_history", "perceived", "status", "lanes"} <= seen:
             frame = await ann.receive()
             if isinstance(frame, dict):

@@ -117,6 +117,7 @@ async def test_a_map_is_shown_as_people_draw_maps(client: httpx.AsyncClient, kee
     picture = await client.get("/maps/lab/picture")
     assert picture.headers["content-type"] == "image/png"
     pixels = cv2.imdecode(np.frombuffer(picture.content, np.uint8), cv2.IMREAD_UNCHANGED)
+    assert pixels is not None
     assert pixels.shape == (40, 40)
     assert (pixels[39 - 10, 5], pixels[39 - 11, 6], pixels[0, 0]) == (0, 254, 205)
 

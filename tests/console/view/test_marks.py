@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -41,7 +42,18 @@ def seen(track: int = 1, *, camera: str = "imv", range_m: float = 2.0, sigma_m: 
     """A face to the left of the origin, with the robot towards -y of it."""
     place = (0.0, range_m, 1.6)
     return SeenFace(
-        track, camera, NOW, (0.0, 0.0), None, range_m, sigma_m, place, -math.pi / 2, 0.9, (0.0, 0.0, 1.0, 1.0), None
+        track=track,
+        camera=camera,
+        stamp=NOW,
+        direction=(0.0, 0.0),
+        panorama=None,
+        range_m=range_m,
+        range_sigma_m=sigma_m,
+        p_OF=place,
+        towards_O=-math.pi / 2,
+        score=0.9,
+        box=(0.0, 0.0, 1.0, 1.0),
+        image=(640, 480),
     )
 
 
@@ -59,7 +71,7 @@ def test_an_arrow_points_from_the_microphones_towards_its_sound(v: tuple[float, 
 
 
 def test_louder_is_longer_and_colour_tells_a_voice() -> None:
-    def arrow(**changes: float) -> object:
+    def arrow(**changes: Any) -> object:
         return arrow_marks(Perceived(NOW, sounds=(replace(heard(), **changes),)))[1]
 
     lengths = [arrow(level_db=level).length for level in (-90.0, -60.0, -40.0, -20.0, 0.0)]  # type: ignore[attr-defined]

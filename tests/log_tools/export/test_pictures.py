@@ -94,7 +94,7 @@ def writer(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> s
 def frames(path: Path) -> list[tuple[float, NDArray[np.uint8]]]:
     """Every frame of a video with its time, s."""
     video = cv2.VideoCapture(str(path))
-    found = []
+    found: list[tuple[float, NDArray[np.uint8]]] = []
     while True:
         done, frame = video.read()
         if not done:

@@ -81,7 +81,7 @@ def test_two_cameras_are_a_question_but_two_transports_of_one_are_not(tmp_path: 
 def test_of_two_cameras_the_one_with_a_depth_of_its_own_is_the_first_guess(tmp_path: Path) -> None:
     sent = short()
     panorama = renamed([m for m in sent if m.topic == "/camera/rgb/image_raw"], lambda _: "/a_panorama/image_raw")
-    panorama = [replace(m, fields=m.fields | {"header": header(m.at, "panorama")}) for m in panorama]
+    panorama = [replace(m, fields={**m.fields, "header": header(m.at, "panorama")}) for m in panorama]
     with pytest.raises(LogError, match=r"'kinect': /camera/rgb/image_raw, /a_panorama/image_raw") as question:
         opened(tmp_path, panorama + sent)
     proposal = re.search(r"channels:\n(?:  .*\n)+", str(question.value))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,13 +28,13 @@ WRITERS: dict[str, Write] = {
 }
 
 
-@pytest.fixture(scope="module", params=WRITERS.values(), ids=WRITERS.keys())
+@pytest.fixture(scope="module", params=list(WRITERS.values()), ids=list(WRITERS))
 def bag(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Bag:
     """Each kind of bag in turn: called with the parameters of the drive, it gives the bag's path. Tests must not change
     it."""
     made: dict[str, Path] = {}
 
-    def of(**options: bool) -> Path:
+    def of(**options: Any) -> Path:
         key = repr(options)
         if key not in made:
             made[key] = request.param(tmp_path_factory.mktemp("bag"), drive.drive(**options))

@@ -424,7 +424,7 @@ async def test_where_reading_cannot_go_on_it_pauses_and_stays_usable(torn: Prepa
     log = torn[0]
     async with played(torn, playing=True, speed=10.0) as play, asyncio.timeout(PATIENCE_S):
         log.torn = True
-        play.replay.body._read_anew()
+        play.replay.body._restart_reading()
         state = await play.phase("paused")
         assert re.fullmatch(r"nothing from 0:0\d\.\d on can be read", state.problem)
         log.torn = False

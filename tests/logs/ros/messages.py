@@ -86,11 +86,11 @@ def _values(name: str, hint: Any) -> st.SearchStrategy[Any]:
         return STAMPS if name == "stamp" else _FLOATS
     simple = {int: st.integers(-(2**63), 2**63 - 1), bool: st.booleans(), bytes: st.binary(max_size=30)}
     if hint is str:
-        return st.text(st.characters(exclude_categories=("Cs",)), max_size=20)
+        return st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
     return simple[hint] if hint in simple else instances(hint)
 
 
-_TEXT = st.text(st.characters(exclude_categories=("Cs",)), max_size=20)
+_TEXT = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
 _FRAMES = st.from_regex(r"[a-z][a-z_]{0,20}", fullmatch=True)
 _POSES = st.builds(
     Pose3.from_translation_rpy, st.tuples(_LENGTHS, _LENGTHS, _LENGTHS), st.tuples(*[st.floats(-3.2, 3.2)] * 3)

@@ -79,7 +79,7 @@ def test_an_image_is_jpeg_in_its_true_colours_with_raw_depth_and_its_camera() ->
     records = records_of(image(color))
     jpeg = records["/channel/color/compressed"]
     assert (jpeg.format, jpeg.header.frame_id) == ("jpeg", "eye")
-    blue, green, red = cv2.imdecode(jpeg.data, cv2.IMREAD_COLOR)[24, 32]
+    blue, green, red = np.asarray(cv2.imdecode(jpeg.data, cv2.IMREAD_COLOR))[24, 32]
     assert red > 250
     assert max(blue, green) < 5
     depth = records["/channel/depth"]

@@ -189,7 +189,7 @@ def test_it_listens_on_without_a_gap_while_a_voice_is_located() -> None:
             for _ in range(60):
                 life.speak(0.9)
                 await life.pass_time(0.25)
-                assert life.workspace.get(desire.id)
+                assert life.workspace.get(desire.id).id == desire.id
             renewals = [c for c in life.changes if c.changed]
             assert len(renewals) == 3, "15 s of speech: every 5 s or a little sooner"
             await life.pass_time(10.3)

@@ -8,8 +8,8 @@ import pytest
 from app.base.geometry import Pose2
 from app.messages import Face, Faces, Image, Odometry
 from app.runtime.clock import run_virtual
-from benchmarks.face_scenes import FaceCard, facing, imv_image, kinect_image
 from tests.modules.fakes import Bench, drain
+from tests.scenery.face_scenes import FaceCard, facing, imv_image, kinect_image
 
 PILOT, VISITOR = facing("pilot", (2.0, 0.4, 1.6)), facing("visitor", (1.8, -0.5, 1.5))
 CAMERAS = ("images", "panorama")

@@ -17,8 +17,8 @@ from app.modules.perception.faces.panorama import Strip, StripView
 from app.modules.perception.faces.yunet import MODEL, Detection, YuNetDetector, merged, overlap
 from app.modules.perception.height_prior import SHARES, STANDING
 from app.robots.simulated.scenery import gait, scenario_state
-from benchmarks.face_scenes import IMV, NAMES, X_BIMV, X_BKINECT, facing, imv_image, kinect_image
-from benchmarks.faces import boxed_photographs, read_rgb, score_against
+from tests.scenery.face_scenes import IMV, NAMES, X_BIMV, X_BKINECT, facing, imv_image, kinect_image
+from tests.scenery.photographs import boxed_photographs, read_rgb, score_against
 
 VIEW = StripView(326)
 

@@ -10,22 +10,23 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.base.geometry import Pose2
+from app.base.geometry import CameraModel, FisheyeModel, Pose2
 from app.messages import Image
 from app.modules.perception.faces.face_position import FaceLocator, FaceSighting
 from app.modules.perception.faces.face_tracks import FaceTracks
 from app.modules.perception.faces.yunet import THRESHOLD
-from app.robots.config import RobotConfig
+from app.robots.config import RobotConfig, load_robot_config
 from app.robots.model import load_model
 from app.robots.simulated.body import build_simulation
-from app.robots.simulated.camera_models import camera_model, fisheye_model
+from app.robots.simulated.camera_models import fisheye_model
 from app.robots.simulated.camera_rendering import CameraRenderer, FisheyeRenderer, KinectRenderer
+from app.robots.simulated.kinect_noise import camera_model
 from app.robots.simulated.odometry import TrueBase
 from app.robots.simulated.renderer import Renderer, WorldSnapshot, mocap_poses
 from app.robots.simulated.scenery.people import PersonBodies
 from app.robots.simulated.scenery.scenario_config import ScenarioConfig
 from app.robots.simulated.scenery.scenario_state import ScenarioState
-from tests.robots.conftest import CONFIG, load_robot_config, make_hall, needs_gl
+from tests.robots.conftest import CONFIG, make_hall, needs_gl
 
 pytestmark = [pytest.mark.slow, needs_gl]
 
@@ -48,6 +49,7 @@ class World:
         model, links = self._simulation.model, load_model(robot.model)
         self._kinect = KinectRenderer(self.renderer, model, kinect, np.random.default_rng(1))
         self._imv = FisheyeRenderer(self.renderer, model, imv, np.random.default_rng(2), kinect.height)
+        self._lenses: dict[str, CameraModel | FisheyeModel] = {}
         self._lenses = {"kinect": camera_model(kinect), "imv": fisheye_model(imv)}
         self._X_BC = {"kinect": links.pose(kinect.link), "imv": links.pose(imv.link)}
         self._initial = WorldSnapshot.initial(model)
@@ -70,7 +72,8 @@ class World:
         """Where the middles of the faces truly are (3,), in ``base_link``: 0.02 of the height above the mouth."""
         X_BW = X_WB.to_pose3().inverse()
         above = np.array((0.0, 0.0, 0.02))
-        return [X_BW.transform(np.array(p.mouth) + p.height_m * above) for p in self.scenario_state.people]
+        middles = [np.array(p.mouth) + p.height_m * above for p in self.scenario_state.people]
+        return [X_BW.transform(middle).astype(np.float64) for middle in middles]
 
 
 @pytest.fixture

@@ -90,7 +90,7 @@ def test_the_module_makes_a_jpeg_of_each_image_with_the_desires_quality() -> Non
                 picture = await pictures.receive()
                 assert (picture.stamp, picture.frame) == (4.0, "imv_optical_frame")
                 assert (picture.width, picture.height) == (640, 384)
-                shape = cv2.imdecode(np.frombuffer(picture.jpeg, np.uint8), cv2.IMREAD_COLOR).shape
+                shape = np.asarray(cv2.imdecode(np.frombuffer(picture.jpeg, np.uint8), cv2.IMREAD_COLOR)).shape
                 assert shape == (384, 640, 3)
                 sizes.append(len(picture.jpeg))
             assert sizes == sorted(set(sizes)), "better quality, more bytes"

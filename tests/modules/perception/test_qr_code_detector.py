@@ -10,9 +10,9 @@ from app.messages import Image, Landmark, Landmarks, LaserScan, Odometry, QRCode
 from app.modules.perception.qr_code_detector import QRCodeDetector
 from app.modules.perception.qr_codes import detect
 from app.runtime.clock import run_virtual
-from benchmarks.posters import PANORAMA, picture
 from tests.modules.fakes import Bench, drain
 from tests.modules.perception.rendering import X_BC, facing, kinect_image
+from tests.scenery.posters import PANORAMA, picture
 
 STOP = facing(3.0, 0.4, 1.4)
 

@@ -483,7 +483,8 @@ def test_zones_are_kept_with_a_map_that_has_a_name(library: MapLibrary) -> None:
 def test_after_a_restart_it_goes_on_with_the_map_it_had(kept: MapLibrary) -> None:
     async def script(body: Body) -> None:
         await body.go(ROUND[:60])
-        broken = replace(scan(HALL, body.X_WB, body.bench.clock.now() - 0.15), X_BL=None)
+        nowhere: Any = None
+        broken = replace(scan(HALL, body.X_WB, body.bench.clock.now() - 0.15), X_BL=nowhere)
         body.bench.feed("scans", broken)
         await body.bench.clock.sleep(1.0)
         await body.bench.supervisor.started()

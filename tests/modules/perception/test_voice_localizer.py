@@ -95,8 +95,8 @@ def test_a_talker_is_located_within_a_quarter_of_a_second_and_heard_alone(talker
 
 def test_a_turning_robot_with_late_odometry_follows_by_the_sounds_own_time() -> None:
     voice = babble(0, 2.5) + 0.3 * babble(7, 2.5) + 0.3 * babble(8, 2.5)  # together without a pause
-    sound = heard_turning(voice, 60, 50)
-    sound = as_int16(sound + np.random.default_rng(1).normal(0, 1e-3, sound.shape))
+    turning = heard_turning(voice, 60, 50)
+    sound = as_int16(turning + np.random.default_rng(1).normal(0, 1e-3, turning.shape))
 
     async def main() -> None:
         async with bench(separation=False, speech=False) as b:

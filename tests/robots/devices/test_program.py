@@ -36,10 +36,10 @@ def arguments(**given: Any) -> argparse.Namespace:
 def desk(folder: Path) -> Path:
     """A picture of somebody beside a QR code."""
     picture = np.full((480, 640, 3), 170, np.uint8)
-    portrait = cv2.resize(cv2.imread(str(PORTRAIT)), (240, 320), interpolation=cv2.INTER_AREA)
+    portrait = cv2.resize(np.asarray(cv2.imread(str(PORTRAIT))), (240, 320), interpolation=cv2.INTER_AREA)
     picture[80:400, 40:280] = portrait
     segno.make("hello").save(str(folder / "code.png"), scale=8)
-    code = cv2.imread(str(folder / "code.png"))
+    code = np.asarray(cv2.imread(str(folder / "code.png")))
     picture[100 : 100 + code.shape[0], 350 : 350 + code.shape[1]] = code
     cv2.imwrite(str(folder / "desk.png"), picture)
     return folder / "desk.png"

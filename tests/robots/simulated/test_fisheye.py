@@ -106,9 +106,8 @@ def patch(color: NDArray[np.uint8], direction: NDArray[np.float64], focal: float
 def page_corners(poster: PosterConfig) -> NDArray[np.float64]:
     """Corners (4, 3) of the page in the world: upper left, upper right, lower right, lower left."""
     w, h = LETTER_WIDTH_M / 2, LETTER_HEIGHT_M / 2
-    return X_WP_of_page(poster).transform(
-        np.array([(-w, h, 0.0005), (w, h, 0.0005), (w, -h, 0.0005), (-w, -h, 0.0005)])
-    )
+    corners = np.array([(-w, h, 0.0005), (w, h, 0.0005), (w, -h, 0.0005), (-w, -h, 0.0005)])
+    return X_WP_of_page(poster).transform(corners).astype(np.float64)
 
 
 @needs_gl
@@ -142,7 +141,7 @@ def test_a_posters_corners_are_where_the_model_says(hall_eye: Eye, azimuth_deg: 
 def test_posters_are_read_at_about_a_metre(lab_eye: Eye, lab: WorldConfig, number: int, azimuth_deg: float) -> None:
     poster = lab.posters[number]
     base = at_azimuth(lab_eye, poster, math.radians(azimuth_deg), 1.0)
-    direction = lab_eye.X_WC(base).inverse().transform(np.array(poster.p_WQ))
+    direction = lab_eye.X_WC(base).inverse().transform(np.array(poster.p_WQ)).astype(np.float64)
     read: list[str] = []
     for _ in range(3):  # in one of three pictures at least: each has noise of its own
         found = zxingcpp.read_barcodes(patch(lab_eye.look(base), direction, 3 * LENS.fx, 480))

@@ -23,7 +23,7 @@ from tests.robots.conftest import make_hall
 def setup(
     robot: RobotConfig, world: WorldConfig, seed: int = 3, **hokuyo: float
 ) -> tuple[RobotSimulation, Laser, HokuyoConfig]:
-    config = HokuyoConfig(**hokuyo)  # type: ignore[arg-type]
+    config = HokuyoConfig(**hokuyo)
     robot = robot.model_copy(update={"start": StartPose(x=10, y=8, heading_deg=0)})
     simulation = build_simulation(robot, world, TrueBase(0.10, 0.10, 0.44))
     laser = Laser(simulation, config, load_model(robot.model).pose("hokuyo_link"), np.random.default_rng(seed))

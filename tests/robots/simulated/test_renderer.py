@@ -102,7 +102,7 @@ def test_what_is_hidden_would_not_have_shown(model: mujoco.MjModel, renderer: Re
     np.testing.assert_array_equal(color, with_far)
 
 
-def cut(eye: np.ndarray, point: np.ndarray, wall: tuple[float, float]) -> bool:  # type: ignore[type-arg]
+def cut(eye: np.ndarray, point: np.ndarray, wall: tuple[float, float]) -> bool:
     """Whether the wall at x = 0 from y = ``wall[0]`` to ``wall[1]`` is between ``eye`` and ``point``."""
     if (eye[0] < 0) == (point[0] < 0):
         return False

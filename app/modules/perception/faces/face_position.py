@@ -133,7 +133,15 @@ class FaceLocator:
             stretch = 1 / float(ray_C[2])
             range_m = depth * stretch
             range_sigma_m = stretch * math.hypot(_SHAPE_M, _FLOOR_M + _SLOPE * (depth - 0.4) ** 2)
-        return FaceSighting(face, origin, ray, sigma, range_m, range_sigma_m, depth is not None)
+        return FaceSighting(
+            face,
+            origin,
+            ray=ray,
+            angle_sigma=sigma,
+            range_m=range_m,
+            range_sigma_m=range_sigma_m,
+            measured=depth is not None,
+        )
 
 
 def face_depth(box: tuple[float, float, float, float], depth: NDArray[np.uint16]) -> float | None:

@@ -37,11 +37,15 @@ def state_of(grid: OccupancyGrid) -> SlamState:
     for x, y in _free_cells(grid).tolist():
         column, row = (x - grid.origin[0]) / grid.resolution_m, (y - grid.origin[1]) / grid.resolution_m
         ranges = cast_grid(occupied, unknown, column, row, angles, REACH_M / grid.resolution_m) * grid.resolution_m
-        scan = prepared(ranges, beams, (0.0, 0.0), 0.0, REACH_M, THINNED_M)
+        scan = prepared(ranges, beams, twist=(0.0, 0.0), sweep_s=0.0, range_max_m=REACH_M, thinning_m=THINNED_M)
         if not len(scan.points):
             continue
         id = len(keyframes)
-        keyframes.append(Keyframe(id, grid.stamp, scan.points, scan.ends, scan.hits, scan.origin, 0.0))
+        keyframes.append(
+            Keyframe(
+                id, grid.stamp, points=scan.points, ends=scan.ends, hits=scan.hits, origin=scan.origin, travelled_m=0.0
+            )
+        )
         poses.append(Pose2(x, y, 0.0))
     return SlamState(tuple(keyframes), tuple(poses), (), ())
 

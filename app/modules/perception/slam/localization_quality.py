@@ -69,4 +69,11 @@ def empty_grid(cell_m: float, side_m: float) -> OccupancyGrid:
     """An unknown map, ``side_m`` on a side around its origin."""
     side = max(2, 2 * round(side_m / cell_m / 2))
     corner = -side // 2 * cell_m
-    return OccupancyGrid(0.0, "map", read_only(np.full((side, side), -1, np.int8)), cell_m, (corner, corner), 0)
+    return OccupancyGrid(
+        0.0,
+        "map",
+        cells=read_only(np.full((side, side), -1, np.int8)),
+        resolution_m=cell_m,
+        origin=(corner, corner),
+        version=0,
+    )

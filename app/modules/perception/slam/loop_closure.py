@@ -198,7 +198,14 @@ class LoopJob:
             self.memory.wide_at[submap.id] = keyframe.id
         for window in windows:
             window_rad = min(_TURN_RAD + _TURN_RAD_PER_M * (window - base), _TURN_MOST_RAD)
-            start = sought(pyramid, keyframe.points, guess, window, window_rad, self.settings.loop_score)
+            start = sought(
+                pyramid,
+                keyframe.points,
+                guess=guess,
+                window_m=window,
+                window_rad=window_rad,
+                threshold=self.settings.loop_score,
+            )
             if start is None:
                 continue
             fit = fitted(grid, keyframe.points, start[0], start[0], _FREE_SIGMAS, iterations=20, near_m=0.1)

@@ -142,7 +142,14 @@ class Slam:
                 self._off = (0.0, 0.0)
                 return self._published(stamp, X_OB, added=False)
         self._rested = 0
-        scan = prepared(ranges, beams, twist, sweep_s, self.settings.range_max_m, self.settings.thinning_m)
+        scan = prepared(
+            ranges,
+            beams,
+            twist=twist,
+            sweep_s=sweep_s,
+            range_max_m=self.settings.range_max_m,
+            thinning_m=self.settings.thinning_m,
+        )
         if not self._keyframes:
             if not len(scan.points):
                 return self._published(stamp, X_OB, added=False)
@@ -261,7 +268,7 @@ class Slam:
         if fit.inliers >= settings.rescue_below and not self._placed:
             self._ratios.learn(step, prior.inverse() @ fit.X_SB)
         if (fit.inliers < settings.rescue_below or self._placed) and len(scan.points) > _LEAST_POINTS:
-            fit = self._rescued(submap, scan, prior, fit, (sigma_m, sigma_rad), step)
+            fit = self._rescued(submap, scan, prior=prior, fit=fit, sigmas=(sigma_m, sigma_rad), step=step)
         self._placed = self._placed and fit.inliers < settings.lost_below
         self._last_fit = fit
         if fit.inliers < settings.poor_below:
@@ -291,7 +298,9 @@ class Slam:
         window_m = 0.5 + math.hypot(step.x, step.y) + 2.0 * math.sqrt(self._before[:2, :2].trace())
         window_rad = 0.25 + abs(step.theta) + 2.0 * math.sqrt(self._before[2, 2])
         window_m, window_rad = min(window_m, _RESCUE_MOST[0]), min(window_rad, _RESCUE_MOST[1])
-        found = sought(submap.pyramid, scan.points, prior, window_m, window_rad, _RESCUE_SCORE)
+        found = sought(
+            submap.pyramid, scan.points, guess=prior, window_m=window_m, window_rad=window_rad, threshold=_RESCUE_SCORE
+        )
         if found is None:
             return fit
         loose = (sigmas[0] * math.sqrt(5.0), sigmas[1] * math.sqrt(5.0))
@@ -331,7 +340,15 @@ class Slam:
     def _add_keyframe(self, stamp: float, scan: Scan, fit: ScanFit | None) -> None:
         id = self._made
         self._made += 1
-        self._keyframes[id] = Keyframe(id, stamp, scan.points, scan.ends, scan.hits, scan.origin, self._travelled_m)
+        self._keyframes[id] = Keyframe(
+            id,
+            stamp,
+            points=scan.points,
+            ends=scan.ends,
+            hits=scan.hits,
+            origin=scan.origin,
+            travelled_m=self._travelled_m,
+        )
         self._poses[id] = self._X_MB
         self._keyframe, self._X_KB = id, Pose2()
         self._version += 1
@@ -379,9 +396,17 @@ class Slam:
         self._job_out = True
         self._job_knew = len(self._edges), len(self._submaps)
         return LoopJob(
-            self.settings, dict(self._keyframes), dict(self._poses), tuple(self._edges), tuple(self._submaps), due,
-            self._in_use(), self._memory, self._optimize, settle,
-        )  # fmt: skip
+            self.settings,
+            dict(self._keyframes),
+            poses=dict(self._poses),
+            edges=tuple(self._edges),
+            submaps=tuple(self._submaps),
+            due=due,
+            in_use=self._in_use(),
+            memory=self._memory,
+            optimize=self._optimize,
+            settle=settle,
+        )
 
     def _published(self, stamp: float, X_OB: Pose2, added: bool) -> Match:
         fit = self._last_fit

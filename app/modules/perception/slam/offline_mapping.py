@@ -110,7 +110,9 @@ def mapped(
         if number % phi:
             continue
         before = time.thread_time()
-        match = log.slam.add(sweep.stamp, sweep.ranges, sweep.beams, sweep.X_OB, sweep.twist, sweep.sweep_s)
+        match = log.slam.add(
+            sweep.stamp, sweep.ranges, beams=sweep.beams, X_OB=sweep.X_OB, twist=sweep.twist, sweep_s=sweep.sweep_s
+        )
         log.scan_s.append(time.thread_time() - before)
         if match.keyframe < 0:
             continue  # no reading so far: the map begins later
@@ -119,12 +121,12 @@ def mapped(
             _Row(
                 number,
                 sweep.stamp,
-                match.keyframe,
-                match.X_KB,
-                match.inliers,
-                match.matched,
-                (float(x), float(y), float(theta)),
-                match.off,
+                keyframe=match.keyframe,
+                X_KB=match.X_KB,
+                inliers=match.inliers,
+                matched=match.matched,
+                sigmas=(float(x), float(y), float(theta)),
+                off=match.off,
             )
         )
         _do(log, log.slam.pending())

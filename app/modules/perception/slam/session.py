@@ -156,7 +156,9 @@ class MapSession:
             slam = self._follow_from(Pose2(), frozen=False)
         elif frozen != self._frozen and slam.keyframes:
             slam = self._follow_from(slam.X_MO @ X_OB, frozen, None if self._last is None else self._last[2])
-        match = slam.add(scan.stamp, scan.ranges, self._beams(scan), X_OB, twist, scan.duration_s)
+        match = slam.add(
+            scan.stamp, scan.ranges, beams=self._beams(scan), X_OB=X_OB, twist=twist, sweep_s=scan.duration_s
+        )
         self._last = scan.stamp, X_OB, match.covariance
         job = None if self._frozen else slam.pending()
         extra_view = None if self._frozen else self._extra_view(scan, match)
@@ -229,7 +231,9 @@ class MapSession:
         if not counts.refresh():
             return None
         cells = read_only(counts.cells.copy())
-        self.grid = OccupancyGrid(stamp, "map", cells, counts.resolution_m, counts.origin, version)
+        self.grid = OccupancyGrid(
+            stamp, "map", cells=cells, resolution_m=counts.resolution_m, origin=counts.origin, version=version
+        )
         return self.grid
 
     def begin_search(self) -> PoseSearch | None:
@@ -276,7 +280,12 @@ def keep(
         grid.origin[1] + rows.start * grid.resolution_m,
     )
     last_published = OccupancyGrid(
-        grid.stamp, "map", grid.cells[rows, columns], grid.resolution_m, origin, grid.version
+        grid.stamp,
+        "map",
+        cells=grid.cells[rows, columns],
+        resolution_m=grid.resolution_m,
+        origin=origin,
+        version=grid.version,
     )
 
     def write_graph(path: Path) -> None:

@@ -108,7 +108,14 @@ class Peaks:
     onsets: NDArray[np.float64]
 
 
-NO_PEAKS = Peaks(np.zeros((0, 3)), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros((0, 3)), np.zeros((0, 4)))
+NO_PEAKS = Peaks(
+    np.zeros((0, 3)),
+    np.zeros(0),
+    recent=np.zeros(0),
+    echoes=np.zeros(0),
+    steady=np.zeros((0, 3)),
+    onsets=np.zeros((0, 4)),
+)
 
 
 class Localizer:
@@ -308,7 +315,14 @@ class Localizer:
             return NO_PEAKS
         places = np.array(directions)
         nothing = np.zeros(len(powers))
-        return Peaks(places, np.array(powers), nothing, np.array(echoes), places, np.zeros((len(powers), 4)))
+        return Peaks(
+            places,
+            np.array(powers),
+            recent=nothing,
+            echoes=np.array(echoes),
+            steady=places,
+            onsets=np.zeros((len(powers), 4)),
+        )
 
     def _copy(self, cross: NDArray[np.complex64], beam: NDArray[np.complex64], later: NDArray[np.complex64]) -> float:
         """The greatest correlation of the second of two beams (M, B) with the first at any delay of a first reflection.
@@ -394,7 +408,14 @@ class Localizer:
         recent[chosen] = np.where(clear, recent[chosen], 0)
         directions = directions[chosen]
         onsets = self._onsets.agreement(self._steer(directions))
-        return Peaks(directions, powers[chosen], recent[chosen], echoes[chosen], steady[chosen], onsets)
+        return Peaks(
+            directions,
+            powers[chosen],
+            recent=recent[chosen],
+            echoes=echoes[chosen],
+            steady=steady[chosen],
+            onsets=onsets,
+        )
 
 
 def _turned(directions: NDArray[np.float64], angle: float) -> NDArray[np.float64]:

@@ -231,7 +231,13 @@ class Tracker:
         direction, power = peaks.directions[k], float(peaks.powers[k])
         motion = DirectionState(direction, np.zeros(3), math.radians(5.0) ** 2, 0.0, math.radians(10.0) ** 2)
         return TrackCandidate(
-            motion, power, max(0.0, self._evidence(peaks, k, passed)), time_s, time_s, time_s, last_sure=time_s
+            motion,
+            power,
+            evidence=max(0.0, self._evidence(peaks, k, passed)),
+            born=time_s,
+            last_seen=time_s,
+            last_active=time_s,
+            last_sure=time_s,
         )
 
     def _end_lost(self, time_s: float) -> None:
@@ -293,4 +299,12 @@ class Tracker:
     def _track(self, source: TrackCandidate, time_s: float) -> SoundTrack:
         active = time_s - source.last_active <= self.settings.active_s
         direction, velocity = source.motion.ahead(self.settings.lag_s if active else 0.0)
-        return SoundTrack(source.id, direction, velocity, source.power, active, source.born, source.last_seen)
+        return SoundTrack(
+            source.id,
+            direction,
+            velocity=velocity,
+            power=source.power,
+            active=active,
+            born=source.born,
+            last_seen=source.last_seen,
+        )

@@ -164,7 +164,9 @@ class Auralizer:
                 if number not in audible:
                     continue
                 voice = self._voices[emission.name] = _ActiveSource(self._outputs, self._block, self._early_blocks)
-            x = voice.read(emission, way, X_WA, self.position, self.microphones.rate, number in audible)
+            x = voice.read(
+                emission, way, X_WA=X_WA, position=self.position, rate=self.microphones.rate, audible=number in audible
+            )
             if voice.silent and not x.any():
                 continue
             if voice.stale(way, X_WA, emission.looks, self._refresh):
@@ -237,7 +239,9 @@ class Auralizer:
         spread = found.distances / np.maximum(found.distances + way.before_m, 1e-9)
         gains = found.gains * spread[:, None] * np.array(way.gains) * air
         found = Images(found.p_W, gains, found.departures, found.distances)
-        impulses = early(self.microphones, X_WA, found, length, start_s, looks, _REFLECTION_TAPS)
+        impulses = early(
+            self.microphones, X_WA, found=found, length=length, start_s=start_s, looks=looks, taps=_REFLECTION_TAPS
+        )
         if way.room is not None:  # early sound fades out as late sound fades in
             end = self._step * self._block
             fade = round(0.004 * rate)

@@ -190,7 +190,16 @@ class BaffledMicrophones:
             if not chosen.any():
                 continue
             for microphones, table in self.tables(near):
-                self._add(out, microphones, table, ways[chosen], angles[chosen], gains[chosen], start_s, taps)
+                self._add(
+                    out,
+                    microphones,
+                    table=table,
+                    ways=ways[chosen],
+                    angles=angles[chosen],
+                    gains=gains[chosen],
+                    start_s=start_s,
+                    taps=taps,
+                )
         return out
 
     def _add(

@@ -61,12 +61,12 @@ class MicrophoneSimulator:
         self._noise = SelfNoise(
             self._microphones,
             _amplitude(config.fans_db),
-            _amplitude(config.wheels_db),
-            _amplitude(config.noise_db),
-            fans,
-            left,
-            right,
-            setup.seed,
+            wheels=_amplitude(config.wheels_db),
+            own=_amplitude(config.noise_db),
+            p_AF=fans,
+            p_AL=left,
+            p_AR=right,
+            seed=setup.seed,
         )
         self._clips = {
             key: (SampledSound(samples), SampledSound(samples, loop=True), level)
@@ -130,7 +130,14 @@ class MicrophoneSimulator:
         self.clipped += int(np.count_nonzero(np.abs(scaled) > 32767.5))
         samples = np.clip(scaled, -32768, 32767).astype(np.int16)
         stamp = after.stamp - (after.time_s - position / self._rate)
-        return Audio(stamp, self._frame, np.ascontiguousarray(samples.T), self._rate, position, self._p_BM)
+        return Audio(
+            stamp,
+            self._frame,
+            samples=np.ascontiguousarray(samples.T),
+            rate=self._rate,
+            first_sample=position,
+            p_BM=self._p_BM,
+        )
 
     def _emissions(self, before: SoundScene, after: SoundScene, share: float, X_WB: Pose2) -> list[Emission]:
         earlier = {sound.name: sound for sound in before.sounds}
@@ -143,11 +150,11 @@ class MicrophoneSimulator:
                 Emission(
                     sound.name,
                     looped if sound.loop else once,
-                    round(sound.begin_s * self._rate),
-                    p_W,
-                    _amplitude(sound.gain_db),
-                    _looks(sound),
-                    level,
+                    begin=round(sound.begin_s * self._rate),
+                    p_W=p_W,
+                    gain=_amplitude(sound.gain_db),
+                    looks=_looks(sound),
+                    level=level,
                 )
             )
         if self._speaker_gain > 0 and self._speaker.waiting_s > 0:

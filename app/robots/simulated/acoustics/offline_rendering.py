@@ -93,7 +93,11 @@ def render_scene(
         for number, source in enumerate(sources):
             p_W = _at(source.place, time_s)
             looks = _looks(source, p_W, X, time_s)
-            emissions.append(Emission(f"{number}", dry[number], round(source.begin_s * rate), p_W, source.gain, looks))
+            emissions.append(
+                Emission(
+                    f"{number}", dry[number], begin=round(source.begin_s * rate), p_W=p_W, gain=source.gain, looks=looks
+                )
+            )
         out[:, start : start + block] = hearing.block(emissions, X)
     out = out[:, :count]
     if noise > 0:

@@ -226,12 +226,14 @@ def response(
             np.atleast_2d(X_WA.translation - np.asarray(p_WS)) / max(direct_m, 1e-9),
             np.array([direct_m]),
         )
-        return early(microphones, X_WA, alone, length, 0.0, looks)
+        return early(microphones, X_WA, found=alone, length=length, start_s=0.0, looks=looks)
     length = round((seconds if seconds is not None else 1.1 * max(room.rt60_s)) * rate)
     mixed_s = direct_m / SPEED_OF_SOUND_MPS + early_s
     mixed = round(mixed_s * rate)
     reach_m = mixed_s * SPEED_OF_SOUND_MPS
-    impulses = early(microphones, X_WA, images(room, p_WS, X_WA.translation, reach_m), length, 0.0, looks)
+    impulses = early(
+        microphones, X_WA, found=images(room, p_WS, X_WA.translation, reach_m), length=length, start_s=0.0, looks=looks
+    )
     # Early sound fades out as late sound fades in, so that the sum is even
     fade = max(1, round(_FADE_S * rate))
     impulses[:, mixed : mixed + fade] *= np.cos(0.5 * math.pi * (np.arange(fade) + 0.5) / fade)[

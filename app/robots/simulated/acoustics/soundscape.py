@@ -73,11 +73,11 @@ class Soundscape:
             ActiveSound(
                 cue.name,
                 self._key(cue),
-                cue.begin_s,
-                cue.gain_db,
-                cue.loop,
-                scenario_state.place(cue),
-                _mouth(cue, headings),
+                begin_s=cue.begin_s,
+                gain_db=cue.gain_db,
+                loop=cue.loop,
+                p_W=scenario_state.place(cue),
+                looks=_mouth(cue, headings),
             )
             for cue in scenario_state.cues
             if self._heard_still(cue, time_s)

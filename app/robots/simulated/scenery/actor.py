@@ -69,7 +69,9 @@ class Actor:
     def posture(self) -> Posture:
         """The current posture of the limbs."""
         raised, apart = self._clapping()
-        return Posture(self._gait, self._stride, raised, apart, self._head_yaw, self._head_pitch)
+        return Posture(
+            self._gait, self._stride, clap=raised, apart=apart, head_yaw=self._head_yaw, head_pitch=self._head_pitch
+        )
 
     @property
     def gaze(self) -> float:
@@ -95,7 +97,7 @@ class Actor:
     @property
     def truth(self) -> PersonTruth:
         """The ground truth message."""
-        return PersonTruth(self.name, self.x, self.y, self.gaze, self.height_m, self.mouth)
+        return PersonTruth(self.name, self.x, y=self.y, heading=self.gaze, height_m=self.height_m, mouth=self.mouth)
 
     def clap_at(self, time_s: float) -> None:
         """Schedule a clap at ``time_s``, which should leave time to raise the arms."""

@@ -117,7 +117,9 @@ class ScenarioState:
             clip, gain_db = self._footsteps.clip, self._footsteps.gain_db
         self._numbers += 1
         name = f"{actor.name}: {what.kind} {self._numbers}"
-        self._cues.append(Cue(name, what.kind, actor.name, clip, gain_db, what.begin_s, loop=False))
+        self._cues.append(
+            Cue(name, what.kind, person=actor.name, clip=clip, gain_db=gain_db, begin_s=what.begin_s, loop=False)
+        )
 
     def _update_cues(self) -> None:
         now = self.time_s
@@ -127,7 +129,15 @@ class ScenarioState:
                 self._numbers += 1
                 name = sound.name if sound.every_s is None else f"{sound.name} {timed.done + 1}"
                 self._of[name] = sound.name
-                cue = Cue(name, sound.kind, sound.person, sound.clip, sound.gain_db, begin, sound.loop)
+                cue = Cue(
+                    name,
+                    sound.kind,
+                    person=sound.person,
+                    clip=sound.clip,
+                    gain_db=sound.gain_db,
+                    begin_s=begin,
+                    loop=sound.loop,
+                )
                 (self._loops if sound.loop else self._cues).append(cue)
                 if sound.kind == "clap" and sound.person:
                     self._by_name[sound.person].clap_at(begin)

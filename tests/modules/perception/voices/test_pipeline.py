@@ -15,8 +15,8 @@ from app.robots.simulated.acoustics.diffraction import BaffledMicrophones
 from app.robots.simulated.acoustics.offline_rendering import OfflineSource, render_scene
 from app.robots.simulated.acoustics.room import Shoebox
 from app.robots.simulated.acoustics.sounds import ClipLibrary
-from benchmarks.bss_eval import bss_eval
 from tests.modules.perception.voices.sounds import ARRAY, RATE, as_int16, babble, heard, heard_turning, toward
+from tests.scenery.bss_eval import bss_eval
 
 #: As on the robot: the middle 0.8 m above the floor.
 PLACED = MicrophoneArray(ARRAY.positions + np.array([0.0, 0.0, 0.8]))

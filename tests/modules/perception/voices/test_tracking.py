@@ -82,7 +82,7 @@ def test_what_only_ever_follows_another_is_not_told_of_for_long(seed: int) -> No
     for k, power in enumerate(loud):
         # As loud in each syllable as its source lets it be; where that is silent, so is this.
         tracks = tracker.update(k * STEP_S, with_second((0.3, 0.1), (power, 0.5 * power), 1.0))
-        told += sum(track.direction @ unit(150) > 0.9 for track in tracks)
+        told += sum(bool(track.direction @ unit(150) > 0.9) for track in tracks)
     assert tracks[0].direction @ unit(30) > 0.9
     assert told * STEP_S < 1
 
@@ -113,7 +113,7 @@ def test_what_a_room_leaves_in_a_talkers_pauses_is_not_told_of_for_long() -> Non
         # Louder than the talker in his pauses, since he says nothing then, but never as loud as he was.
         powers, recents = ((0.03, 0.04), (0.0, 0.05)) if pause else ((0.3, 0.05), (0.3, 0.05))
         tracks = tracker.update(k * STEP_S, with_second(powers, recents, 1.0))
-        told += sum(track.direction @ unit(150) > 0.9 for track in tracks)
+        told += sum(bool(track.direction @ unit(150) > 0.9) for track in tracks)
     assert [track.id for track in tracks] == [1]
     assert told * STEP_S < 1
 
@@ -131,7 +131,7 @@ def test_what_never_has_a_loud_moment_is_not_told_of_for_long() -> None:
     for k in range(150):
         # The search finds it half as strong as the talker, as a wall in a live room; it never sounds louder by itself.
         tracks = tracker.update(k * STEP_S, with_second((0.3, 0.16), (0.3 if k % 10 else 0.15, 0.1)))
-        told += sum(track.direction @ unit(150) > 0.9 for track in tracks)
+        told += sum(bool(track.direction @ unit(150) > 0.9) for track in tracks)
     assert [track.id for track in tracks] == [1]
     assert told * STEP_S < 1
 

@@ -29,7 +29,7 @@ def spectrum_db(samples: NDArray[np.float32]) -> tuple[NDArray[np.float64], NDAr
     """Frequencies and levels under the strongest, through a window whose sidelobes are below -120 dB."""
     window = np.kaiser(samples.size, 18)
     power = np.abs(np.fft.rfft(samples * window)) ** 2
-    return np.fft.rfftfreq(samples.size, 1 / RATE), 10 * np.log10(power / power.max() + 1e-20)
+    return np.fft.rfftfreq(samples.size, 1 / RATE).astype(np.float64), 10 * np.log10(power / power.max() + 1e-20)
 
 
 @pytest.mark.parametrize("room", [None, ROOM])

@@ -86,7 +86,7 @@ def look(scene: Scene, eye: KinectRenderer, robot: RobotConfig) -> NDArray[np.ui
 def faces(picture: NDArray[np.uint8]) -> NDArray[np.float32]:
     """YuNet's rows (n, 15) at the threshold that perceptions use."""
     detector = cv2.FaceDetectorYN.create(str(yunet.MODEL), "", (MODEL.width, MODEL.height), 0.8)
-    _, found = detector.detect(cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
+    found: object = detector.detect(cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))[1]  # None of none, whatever the stubs say
     return np.zeros((0, 15), np.float32) if found is None else np.asarray(found, np.float32)
 
 

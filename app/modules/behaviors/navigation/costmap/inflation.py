@@ -110,7 +110,17 @@ def cost_field(
         old = None
     if old is None:
         clearance, cost = np.empty(layers.shape, dtype=np.float32), np.empty(layers.shape, dtype=np.float32)
-        field = CostField(frame, layers, clearance, cost, footprint, settings, zones, zone_clearance, share)
+        field = CostField(
+            frame,
+            layers,
+            clearance=clearance,
+            cost=cost,
+            footprint=footprint,
+            settings=settings,
+            zones=zones,
+            zone_clearance=zone_clearance,
+            share=share,
+        )
         _fill(field, (slice(0, frame.rows), slice(0, frame.columns)))
         return field
     itself = np.uint8(OCCUPIED | UNKNOWN)
@@ -119,7 +129,15 @@ def cost_field(
         return old
     layers |= old.layers & np.uint8(AT_OCCUPIED | AT_KEEP_OUT)
     field = CostField(
-        frame, layers, old.clearance.copy(), old.cost.copy(), footprint, settings, zones, zone_clearance, share
+        frame,
+        layers,
+        clearance=old.clearance.copy(),
+        cost=old.cost.copy(),
+        footprint=footprint,
+        settings=settings,
+        zones=zones,
+        zone_clearance=zone_clearance,
+        share=share,
     )
     for box in boxes:
         _fill(field, box)
@@ -141,14 +159,14 @@ def with_obstacles(field: CostField, points: NDArray[np.float64]) -> CostField:
     result = CostField(
         known.frame,
         known.layers | there * np.uint8(TEMPORARY),
-        known.clearance.copy(),
-        known.cost.copy(),
-        known.footprint,
-        known.settings,
-        known.zones,
-        known.zone_clearance,
-        known.share,
-        known,
+        clearance=known.clearance.copy(),
+        cost=known.cost.copy(),
+        footprint=known.footprint,
+        settings=known.settings,
+        zones=known.zones,
+        zone_clearance=known.zone_clearance,
+        share=known.share,
+        known=known,
     )
     reach = _reach_cells(known)
     for box in _boxes(there, reach):

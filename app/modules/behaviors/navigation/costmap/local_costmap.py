@@ -71,7 +71,9 @@ class CostmapWindow:
 
     def to_message(self, version: int) -> OccupancyGrid:
         """As a message in ``odom``."""
-        return OccupancyGrid(self.stamp, "odom", self.cells, self.resolution_m, self.origin, version)
+        return OccupancyGrid(
+            self.stamp, "odom", cells=self.cells, resolution_m=self.resolution_m, origin=self.origin, version=version
+        )
 
 
 class LocalCostmap:
@@ -202,12 +204,12 @@ class LocalCostmap:
         return CostmapWindow(
             stamp,
             (float(frame[0]) + column * resolution, float(frame[1]) + row * resolution),
-            resolution,
-            cells,
-            np.minimum(distance[window] * np.float32(resolution), np.float32(self._side * resolution)),
-            np.stack((columns, rows), axis=-1) * resolution + (frame[:2] + 0.5 * resolution),
-            (float(frame[0]), float(frame[1])),
-            self._side * resolution,
+            resolution_m=resolution,
+            cells=cells,
+            distance=np.minimum(distance[window] * np.float32(resolution), np.float32(self._side * resolution)),
+            obstacles=np.stack((columns, rows), axis=-1) * resolution + (frame[:2] + 0.5 * resolution),
+            known_from=(float(frame[0]), float(frame[1])),
+            known_m=self._side * resolution,
         )
 
     def _in_body(self, points: NDArray[np.float64], X_OB: Pose2) -> NDArray[np.bool_]:

@@ -66,7 +66,7 @@ def explore(
     blocks = pool(field.cost, field.layers, passable, fee, *odd)
     width = blocks.shape[1]
     cost, came = search(blocks, _block(start, odd, width), -1 if goal is None else _block(goal, odd, width))
-    return ReachedCells(field, start, blocks, cost, came, odd, fee)
+    return ReachedCells(field, start, blocks=blocks, cost=cost, came=came, odd=odd, fee=fee)
 
 
 def _block(cell: tuple[int, int], odd: tuple[int, int], width: int) -> int:

@@ -78,7 +78,7 @@ def plan(field: CostField, start: Pose2, goal: Pose2, settings: PlanSettings | N
     fits = _fits(field, goal)
     reached = explore(field, start_cell, goal_cell if fits else None)
     if fits and reached.has(goal_cell):
-        return _way(reached, "way", said, out, start, goal, goal_cell, settings)
+        return _way(reached, "way", reason=said, out=out, start=start, target=goal, cell=goal_cell, settings=settings)
     if fits:
         return _why_not(field, start_cell, goal_cell)
     target = _nearest(reached, goal, goal_cell, settings.near_m)
@@ -88,7 +88,16 @@ def plan(field: CostField, start: Pose2, goal: Pose2, settings: PlanSettings | N
     cell, place = target
     away = math.hypot(place.x - goal.x, place.y - goal.y)
     substitute = f"{why}: goes to the nearest place that can be reached, {away:.2f} m from it"
-    return _way(reached, "near", "; ".join(filter(None, (substitute, said))), out, start, place, cell, settings)
+    return _way(
+        reached,
+        "near",
+        reason="; ".join(filter(None, (substitute, said))),
+        out=out,
+        start=start,
+        target=place,
+        cell=cell,
+        settings=settings,
+    )
 
 
 def _way(

@@ -164,9 +164,15 @@ class ControlCycle:
             self._stall.clear()
         step = self._within_reach(step, inputs.motion, period_s)
         return CycleOutput(
-            step, path_tracker.target, path_tracker.remaining_m, path_tracker.progress_stamp,
-            path_tracker.recovery.count, path_tracker.opened_up, around, self._persistent(),
-        )  # fmt: skip
+            step,
+            path_tracker.target,
+            remaining_m=path_tracker.remaining_m,
+            progress_stamp=path_tracker.progress_stamp,
+            recoveries=path_tracker.recovery.count,
+            opened_up=path_tracker.opened_up,
+            around=around,
+            persistent_obstacles=self._persistent(),
+        )
 
     def remember(self, inputs: CycleInput) -> None:
         """Enter obstacles of ``inputs.image`` that the laser does not see into the persistent layer. Call it after

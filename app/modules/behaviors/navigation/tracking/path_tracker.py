@@ -219,7 +219,14 @@ class PathTracker:
         ahead = max(self.settings.least_ahead_m, self.settings.look_ahead_s * body.limits[1])
         way = self._track.ahead(self._X_OM, ahead)
         if field.hidden is not None:
-            way = careful(way, field, field.hidden, body.limits[1], self.settings.corner_share, self.settings.corner_m)
+            way = careful(
+                way,
+                field,
+                hidden=field.hidden,
+                speed_mps=body.limits[1],
+                share=self.settings.corner_share,
+                reach_m=self.settings.corner_m,
+            )
         choice = self._controller.choose(motion, field, way, body, period_s)
         # Either no motion is admissible, or the body does not move as commanded.
         still = choice.blocked or (abs(motion.linear_mps) < 0.02 and abs(motion.angular_radps) < 0.05)

@@ -134,7 +134,7 @@ def test_it_costs_no_more_far_from_the_maps_origin_nor_in_a_large_building() -> 
     things = memory()
     far = np.array([2.0e4, 3.0e4])
     things.add_contacts(np.array([far, [0.0, 0.0]]), 1.0)
-    stamp = look(things, World(()), [Pose2(*(far + 1.0), 0.0)], 2.0)
+    stamp = look(things, World(()), [Pose2(far[0] + 1.0, far[1] + 1.0, 0.0)], 2.0)
     look(things, World(()), [Pose2(0.0, 100.0, 0.0)], stamp)
     assert things.cells_held < 10 * 64**2
     assert about(things, *far) == 1

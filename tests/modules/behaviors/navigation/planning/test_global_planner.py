@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +25,7 @@ def global_planner() -> GlobalPlanner:
     return GlobalPlanner(Footprint.polygon(np.array(SQUARE)))
 
 
-def request(**more: object) -> PlanRequest:
+def request(**more: Any) -> PlanRequest:
     asked = PlanRequest(GRID, (), Pose2(), Pose2(1.0, 1.3, 0.0), Pose2(6.5, 1.3, math.nan))
     return replace(asked, **more)
 

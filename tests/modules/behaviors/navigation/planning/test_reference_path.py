@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from app.modules.behaviors.navigation.planning.reference_path import SPACING_M, 
 CORNER = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0]])
 
 
-def track(points: np.ndarray = CORNER, **more: object) -> ReferencePath:
+def track(points: np.ndarray = CORNER, **more: Any) -> ReferencePath:
     return ReferencePath(points, speed_mps=1.0, braking_mps2=0.5, **more)
 
 

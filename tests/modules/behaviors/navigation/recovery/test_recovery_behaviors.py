@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -54,7 +55,7 @@ def test_what_got_it_on_makes_the_next_measure_the_mildest_again() -> None:
     ],
 )
 def test_a_measure_is_over_when_it_has_done_what_it_can(
-    measure: RecoveryAction, not_yet: dict[str, float], then: dict[str, float]
+    measure: RecoveryAction, not_yet: dict[str, Any], then: dict[str, Any]
 ) -> None:
     recovery = Recovery(RecoverySettings(rounds=1))
     while recovery.begin(0.0) is not measure:

@@ -56,10 +56,10 @@ def picture(
     """What ``camera`` sees of ``posters`` (text: X_CQ), (H, W, 3) uint8, RGB; ``noise`` is 1-sigma, in grey levels."""
     rng = np.random.default_rng(seed)
     coarse = rng.uniform(70, 190, (camera.height // 48 + 2, camera.width // 48 + 2)).astype(np.float32)
-    grey = cv2.resize(coarse, (camera.width, camera.height), interpolation=cv2.INTER_CUBIC)
+    sharp = cv2.resize(coarse, (camera.width, camera.height), interpolation=cv2.INTER_CUBIC).astype(np.float32)
     for text, X_CQ in posters.items():
-        _draw(grey, camera, text, X_CQ)
-    grey = cv2.GaussianBlur(grey, (0, 0), blur_px)
+        _draw(sharp, camera, text, X_CQ)
+    grey = cv2.GaussianBlur(sharp, (0, 0), blur_px)
     color = grey[..., None] + rng.normal(0, noise, (*grey.shape, 3)).astype(np.float32)
     return np.clip(np.rint(color), 0, 255).astype(np.uint8)
 
