@@ -139,12 +139,14 @@ def _problem(path: Path) -> None:
 
 
 def _strategies(path: Path) -> tuple[str, ...]:
-    """Check a table by itself, then every program in the folder above that uses it, for its modules and ports."""
+    """Check a table by itself, then every program in the folder above that uses it, for its classes and ports."""
     from app.attention.strategies import load_strategies
-    from app.modules.desire_classes import desire_classes
 
-    load_strategies([path], classes=[kind.name for kind in desire_classes()])
-    return _programs(path)
+    load_strategies([path], classes=None)
+    programs = _programs_naming(path)
+    if not programs:
+        return (f"{path}: no program beside it names this file: desire classes, modules and ports are not checked",)
+    return _programs(programs)
 
 
 def _remap(path: Path) -> None:
@@ -164,11 +166,11 @@ def _channels(path: Path) -> tuple[str, ...]:
             _ = spec.message_type
         except KeyError:
             raise document.error(f"{name}.type: there is no message type {spec.message!r}", (name, "type")) from None
-    return _programs(path)
+    return _programs(_programs_naming(path))
 
 
-def _programs(path: Path) -> tuple[str, ...]:
-    return tuple(caution for program in _programs_naming(path) for caution in _program(program))
+def _programs(programs: Sequence[Path]) -> tuple[str, ...]:
+    return tuple(caution for program in programs for caution in _program(program))
 
 
 def _programs_naming(path: Path) -> list[Path]:

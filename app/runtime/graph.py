@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from app.base.errors import ConfigError
+from app.base.named_objects import load_named
 from app.base.yaml_source import likeliest, validation_message
 from app.runtime.channel import Channel
 from app.runtime.channel_table import ChannelSpec
@@ -322,7 +323,10 @@ class Graph:
 
     def _make_slot(self, name: str, spec: ModuleSpec, services: Mapping[type[Any], Any]) -> ModuleSlot:
         key = ("modules", name)
-        module_class = load_class(spec.class_path)
+        try:
+            module_class = load_class(spec.class_path)
+        except ConfigError as failure:
+            raise self._error(failure.message, (*key, "class")) from failure
         if module_class is None:
             raise self._error(f"{spec.class_path!r} is not a module class (package.module:Class)", (*key, "class"))
         try:
@@ -403,17 +407,11 @@ class Graph:
 
 
 def load_class(path: str) -> type[Module] | None:
-    """The module class at ``package.module:Class``, or None if there is none."""
-    module_path, _, class_name = path.partition(":")
-    if not all(part.isidentifier() for part in (*module_path.split("."), class_name)):
-        return None
-    try:
-        found = getattr(importlib.import_module(module_path), class_name, None)
-    except ModuleNotFoundError as failure:
-        # Only the named file itself being absent is the configuration's fault; a broken import inside it is ours.
-        if failure.name is None or not f"{module_path}.".startswith(f"{failure.name}."):
-            raise
-        return None
+    """The module class at ``package.module:Class``, or None if there is none.
+
+    Raises ConfigError where its file cannot be imported.
+    """
+    found = load_named(path)
     return found if isinstance(found, type) and issubclass(found, Module) else None
 
 

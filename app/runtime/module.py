@@ -81,6 +81,9 @@ class Module:
     title: ClassVar[str] = ""
     #: The model its settings are checked against.
     Settings: ClassVar[type[Settings]] = Settings
+    #: The desire classes (:class:`app.attention.desires.DesireClass`) that it serves or needs: those of a program are
+    #: the union of its modules'. The type stands above the runtime.
+    desire_classes: ClassVar[tuple[object, ...]] = ()
     #: Which stream of the body each output relays: the way back from a recorded channel to the body's stream.
     streams: ClassVar[Mapping[str, str]] = {}
     #: Inputs that only help with what comes on the others: nothing by themselves.

@@ -182,11 +182,17 @@ def test_a_path_that_is_no_module_class_is_refused(build: Build, path: str) -> N
     assert f"{path!r} is not a module class" in refused(build, {"A": (path, {}, {})}, {})
 
 
-def test_a_broken_import_inside_a_module_file_is_not_hidden(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_broken_import_inside_a_module_file_is_one_sentence(
+    build: Build, tmp_path: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "hbba_broken_module.py").write_text("import hbba_broken\n")
     monkeypatch.syspath_prepend(str(tmp_path))
-    with pytest.raises(ModuleNotFoundError, match="hbba_broken"):
-        load_class("hbba_broken_module:Thing")
+    said = refused(build, {"A": ("hbba_broken_module:Thing", {}, {})}, {})
+    file = tmp_path / "hbba_broken_module.py"
+    assert said == (
+        f"modules.A.class: hbba_broken_module cannot be imported: {file}:1: ModuleNotFoundError: No module named "
+        "'hbba_broken'"
+    )
 
 
 def test_a_class_that_is_no_module_is_refused(build: Build) -> None:

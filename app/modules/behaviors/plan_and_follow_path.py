@@ -51,6 +51,7 @@ from app.messages import (
     Zones,
     read_only,
 )
+from app.modules.behaviors.go_to import GO_TO
 from app.modules.behaviors.navigation.costmap.inflation import CostSettings
 from app.modules.behaviors.navigation.costmap.local_costmap import CostmapSettings
 from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import ThingsMemory
@@ -110,6 +111,7 @@ class PlanAndFollowPath(Module):
     """Plans ways to goals on the map and follows them."""
 
     title = "Plan and follow path"
+    desire_classes = (GO_TO,)
     Settings = PlanAndFollowPathSettings
     settings: PlanAndFollowPathSettings
 
