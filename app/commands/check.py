@@ -165,7 +165,9 @@ def _channels(path: Path) -> tuple[str, ...]:
         try:
             _ = spec.message_type
         except KeyError:
-            raise document.error(f"{name}.type: there is no message type {spec.message!r}", (name, "type")) from None
+            raise document.error(f"{name}.type: {spec.no_message()}", (name, "type")) from None
+        except ConfigError as failure:
+            raise document.error(f"{name}.type: {failure.message}", (name, "type")) from failure
     return _programs(_programs_naming(path))
 
 
@@ -187,7 +189,8 @@ def _programs_naming(path: Path) -> list[Path]:
                 continue  # somebody else's file; it is not what was asked about
             if not isinstance(data, Mapping) or "modules" not in data:
                 continue
-            named = [data.get("channels"), *(data.get("strategies") or ())]
+            channels = data.get("channels")
+            named = [*(channels if isinstance(channels, list) else [channels]), *(data.get("strategies") or ())]
             if wanted in [(folder / str(name)).resolve() for name in named if name]:
                 found.append(candidate)
     return found

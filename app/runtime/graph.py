@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from app.base.errors import ConfigError
-from app.base.named_objects import load_named
+from app.base.extensions import load_named
 from app.base.yaml_source import likeliest, validation_message
 from app.runtime.channel import Channel
 from app.runtime.channel_table import ChannelSpec
@@ -224,9 +224,9 @@ class Graph:
             try:
                 self.channels[name] = Channel(name, channel_spec.message_type, clock.now)
             except KeyError:
-                raise error(
-                    f"there is no message type {channel_spec.message!r} in app.messages", ("channels", name, "type")
-                ) from None
+                raise error(channel_spec.no_message(), ("channels", name, "type")) from None
+            except ConfigError as failure:
+                raise error(failure.message, ("channels", name, "type")) from failure
         self.modules: dict[str, ModuleSlot] = {}
         for name, spec in modules.items():
             self.modules[name] = self._make_slot(name, spec, services)

@@ -208,7 +208,10 @@ def test_a_missing_service_is_a_wiring_error(build: Build) -> None:
 @pytest.mark.parametrize("message_type", ["Nothing", "Pose2", "Message", "np", "read_only"])
 def test_a_channel_of_an_unknown_message_type_is_refused(build: Build, message_type: str) -> None:
     said = refused(build, {}, {"n": {"type": message_type}})
-    assert said == f"channels.n.type: there is no message type {message_type!r} in app.messages"
+    assert said == (
+        f"channels.n.type: there is no message type {message_type!r}; allowed: a class of app.messages, or "
+        "package.module:Class, a dataclass with a stamp"
+    )
 
 
 WIRED: tuple[dict[str, Any], dict[str, Any]] = (

@@ -199,7 +199,7 @@ def _feeds(info: LogInfo, configuration: Configuration, name: str) -> bool:
 def _message_type(spec: ChannelSpec) -> type[Any] | None:
     try:
         return spec.message_type
-    except KeyError:
+    except (KeyError, ConfigError):
         return None  # the graph says so, with the line
 
 
