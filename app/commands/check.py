@@ -43,7 +43,7 @@ def run(args: argparse.Namespace) -> int:
             mistake = str(failure)
             print(mistake, file=sys.stderr)
         if kind is not None and not args.json:
-            print(f"{path}: {kind}, no mistake found{_counted(warnings)}")
+            print(f"{path}: {kind}, no mistake found{_counted(warnings)}{_packages(path, kind)}")
         for warning in warnings:
             print(warning, file=sys.stderr)
         results.append({"file": str(path), "kind": kind, "mistake": mistake, "warnings": warnings})
@@ -54,6 +54,21 @@ def run(args: argparse.Namespace) -> int:
 
 def _counted(cautions: Sequence[str]) -> str:
     return f", {len(cautions)} warning{'s' * (len(cautions) > 1)}" if cautions else ""
+
+
+def _packages(path: Path, kind: str) -> str:
+    """The packages of others whose modules and files a program uses, for people."""
+    from app.base.extensions import split_package_file
+    from app.base.yaml_source import load_yaml
+    from app.program.config import ProgramConfig
+
+    if kind != "program":
+        return ""
+    program = load_yaml(path).validate(ProgramConfig)
+    named = [spec.class_path.partition(":")[0].partition(".")[0] for spec in program.modules.values()]
+    files = [split_package_file(file) for file in (program.robot, *program.channels, *program.strategies)]
+    others = sorted({*named, *(inside[0] for inside in files if inside)} - {"app", "hbba"})
+    return f"; it uses {', '.join(others)}" if others else ""
 
 
 def check_file(path: Path) -> tuple[str, Sequence[str]]:
@@ -94,12 +109,12 @@ def _program(path: Path) -> tuple[str, ...]:
 
 
 def _robot(path: Path) -> None:
-    from app.robots.devices.config import DevicesConfig
+    from app.robots.config import RobotConfig
     from app.robots.factory import load_body
 
     robot = load_body(path)
     _robot_model(robot.model)
-    if not isinstance(robot, DevicesConfig):
+    if isinstance(robot, RobotConfig):
         _world(robot.world)
         if robot.scenario is not None:
             _scenario(robot.scenario)
@@ -206,7 +221,7 @@ def _calibration(path: Path) -> None:
 #: Kind, the keys by which it is known, its check.
 _KINDS: tuple[tuple[str, frozenset[str], _Check], ...] = (
     ("program", frozenset({"modules", "robot"}), _program),
-    ("robot", frozenset({"model", "world", "base"}), _robot),
+    ("robot", frozenset({"model", "world", "base", "kind"}), _robot),
     ("scenario", frozenset({"people", "sounds", "drive"}), _scenario),
     ("array of microphones", frozenset({"positions"}), _array),
     ("problem", frozenset({"desires"}), _problem),

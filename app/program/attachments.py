@@ -15,7 +15,7 @@ from app.base.extensions import ATTACHED, split_package_file
 from app.logs.manifest import YAML, AttachedFile, Manifest
 from app.program.config import Configuration
 from app.robots.config import RobotConfig
-from app.robots.factory import Body, body_files, load_body
+from app.robots.factory import Body, load_body
 from app.runtime.graph import Graph
 
 
@@ -37,7 +37,7 @@ def snapshot(configuration: Configuration, graph: Graph, robot: str, body: Body 
     }
     robot_name, robot_file = _named(configuration, program.robot)
     files[robot_name] = robot_file
-    for part in dict.fromkeys((*_body_files(robot_file), *(() if body is None else body_files(body)))):
+    for part in dict.fromkeys((*_body_files(robot_file), *(() if body is None else body.files))):
         files.setdefault(_of_body(part, configuration), part)
     host = paths.host_name()
     if (measured := calibration_file(configuration.path(program.calibration), host)).is_file():
@@ -76,7 +76,7 @@ def _of_body(file: Path, configuration: Configuration) -> str:
 def _body_files(robot_file: Path) -> list[Path]:
     """What describes the body; nothing where the file does not, since the link came from elsewhere."""
     try:
-        return [*body_files(load_body(robot_file))]
+        return [*load_body(robot_file).files]
     except ConfigError:
         return []
 

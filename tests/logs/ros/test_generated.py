@@ -77,7 +77,7 @@ def test_the_definition_says_what_is_in_it() -> None:
     ]  # fmt: skip
     assert "MSG: tests_msgs/Smell\nstring name\nfloat64 ppm\n" in rest
     assert {part.splitlines()[0] for part in rest} == {
-        "MSG: builtin_interfaces/Time", "MSG: hbba_msgs/Smell", "MSG: hbba_msgs/Pose3", "MSG: hbba_msgs/Pose2",
+        "MSG: builtin_interfaces/Time", "MSG: tests_msgs/Smell", "MSG: hbba_msgs/Pose3", "MSG: hbba_msgs/Pose2",
     }  # fmt: skip
 
 
