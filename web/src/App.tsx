@@ -9,6 +9,7 @@ import { MapPanel } from "./map/MapPanel";
 import { Maps } from "./map/Maps";
 import { Zones } from "./map/Zones";
 import { Events } from "./panels/Events";
+import { externalTabs } from "./panels/external";
 import { Found } from "./panels/Found";
 import { Intention } from "./panels/Intention";
 import { Load } from "./panels/Load";
@@ -139,7 +140,7 @@ function MapToggle() {
 }
 
 function Side({ phone }: { phone: boolean }) {
-  const { store } = useApp();
+  const { store, session } = useApp();
   const trouble =
     store.load.value?.modules.filter((module) => module.state === "failed" || module.state === "hung").length ?? 0;
   const items: TabItem[] = [
@@ -180,6 +181,7 @@ function Side({ phone }: { phone: boolean }) {
   }
   if (store.body.value.maps) items.splice(1, 0, { id: "map", title: "Map", content: () => <MapTab /> });
   if (phone) items.splice(items.findIndex(({ id }) => id === "found"), 0, { id: "lanes", title: "Lanes", content: () => <Lanes /> });
+  items.push(...externalTabs({ session, store }));
   return <Tabs items={items} />;
 }
 

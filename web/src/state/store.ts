@@ -25,7 +25,7 @@ import { attendedCpu } from "./load";
 import { PageClock } from "./pageClock";
 
 export type Phase = "connecting" | "live" | "stale" | "lost" | "login";
-export type Tab = "attention" | "map" | "lanes" | "found" | "load" | "events" | "recordings";
+export type Tab = "attention" | "map" | "lanes" | "found" | "load" | "events" | "recordings" | `panel-${string}`;
 /** How a picture over the 3D view is shown. */
 export type InsetMode = "inset" | "large" | "hidden";
 /** Where the map is: beside the view, in its tab; or over all of the view. */
