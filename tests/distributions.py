@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -21,3 +22,10 @@ def install(site: Path, distribution: str, files: Mapping[str, str], **groups: M
         for line in (f"[hbba.{group}]", *(f"{name} = {value}" for name, value in points.items()))
     ]
     (info / "entry_points.txt").write_text("\n".join([*lines, ""]), "utf-8")
+
+
+def announce(folder: Path) -> None:
+    """Put the metadata of the package whose project is in ``folder`` beside it, as an installation would."""
+    project = tomllib.loads((folder / "pyproject.toml").read_text("utf-8"))["project"]
+    groups = {name.removeprefix("hbba."): points for name, points in project["entry-points"].items()}
+    install(folder, project["name"], {}, **groups)

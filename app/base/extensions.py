@@ -102,8 +102,8 @@ def load_named(path: str) -> object | None:
         return getattr(importlib.import_module(module_path), name, None)
     except Exception as failure:  # a package of others may raise anything while it is imported
         # Only the named file itself being absent is the configuration's fault.
-        absent = isinstance(failure, ModuleNotFoundError) and failure.name is not None
-        if absent and f"{module_path}.".startswith(f"{failure.name}."):
+        absent = failure.name if isinstance(failure, ModuleNotFoundError) else None
+        if absent is not None and f"{module_path}.".startswith(f"{absent}."):
             return None
         raise ConfigError(f"{module_path} cannot be imported: {_sentence(failure)}") from failure
 

@@ -24,6 +24,7 @@ from app.program.config import Configuration, load_configuration
 from app.program.system import System
 from app.robots.config import RobotConfig
 from app.robots.factory import load_body
+from tests.distributions import announce
 from tests.robots.conftest import make_hall
 
 ROOT = Path(__file__).parents[2]
@@ -68,6 +69,24 @@ def written(path: Path, text: str) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, "utf-8")
     return path
+
+
+def test_the_page_begins_with_a_skeleton_that_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (ROOT / "docs" / "writing-a-module.md").read_text("utf-8")
+    named = re.search(r"^hbba (new \w+ \w+) --in ~/robots$", text, flags=re.MULTILINE)
+    assert named is not None
+    assert cli.main([*named[1].split(), "--in", str(tmp_path)]) == 0
+    (package,) = tmp_path.iterdir()
+    assert f"cd ~/robots/{package.name}\n" in text
+    announce(package)
+    monkeypatch.syspath_prepend(str(package))
+    (name,) = re.findall(r"^hbba check (\w+)$", text, flags=re.MULTILINE)
+    capsys.readouterr()
+    assert cli.main(["check", name]) == 0
+    assert "program, no mistake found" in capsys.readouterr().out
+    assert f"hbba run --config {name} " in text
 
 
 def merged(checkout: Path, block: str) -> Path:
