@@ -83,6 +83,10 @@ def build(mock: Mock, playback: MockPlayback | None, static: Path) -> FastAPI:
         answer.set_cookie("session", mock.token or "", httponly=True, samesite="strict")
         return answer
 
+    @app.get("/panels/index.json")
+    async def panels() -> list[Any]:
+        return []
+
     @app.get("/api/v1/timeline")
     async def timeline(limit: int = 200) -> dict[str, Any]:
         return {"events": mock.events[-limit:]}
