@@ -72,10 +72,13 @@ def _loaded(extension: Extension) -> Panel:
 
 
 def panels_router(panels: Mapping[str, Panel]) -> APIRouter:
-    """What serves ``panels`` under ``/panels``: ``index.json``, which lists them, and a script each."""
+    """What serves ``panels`` under ``/panels``: ``index.json``, which lists them, and a script each.
+
+    Addresses in the list are relative to the page's, which may be served below another path.
+    """
     router = APIRouter(prefix="/panels", include_in_schema=False)
     index: list[dict[str, Any]] = [
-        {"name": name, "title": panel.title, "url": f"/panels/{name}.js", "kinds": panel.kinds}
+        {"name": name, "title": panel.title, "url": f"panels/{name}.js", "kinds": panel.kinds}
         for name, panel in panels.items()
     ]
 

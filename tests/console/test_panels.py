@@ -64,7 +64,7 @@ async def test_a_panel_is_served_behind_the_login_under_the_pages_policy(guarded
             {
                 "name": "kite",
                 "title": "Kite",
-                "url": "/panels/kite.js",
+                "url": "panels/kite.js",
                 "kinds": ["channel/landmarks", "channel/nowhere", "status"],
             }
         ]

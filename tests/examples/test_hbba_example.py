@@ -110,10 +110,10 @@ async def test_its_desire_class_is_desired_over_rest_and_its_panel_sees_what_com
         assert panel == {
             "name": "near-things",
             "title": "Near things",
-            "url": "/panels/near-things.js",
+            "url": "panels/near-things.js",
             "kinds": ["channel/near_things"],
         }
-        script = await rest.get(panel["url"])
+        script = await rest.get(f"/{panel['url']}")
         assert script.text == (EXAMPLE / "hbba_example" / "panel.js").read_text("utf-8")
         assert "default-src 'self'" in script.headers["content-security-policy"]
         async with connected(url) as ann:

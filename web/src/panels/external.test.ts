@@ -2,7 +2,7 @@ import { expect, test } from "vitest";
 import type { FromRobot } from "../protocol/types";
 import { PanelFrames } from "./external";
 
-const ENTRY = { name: "example", title: "Example", url: "/panels/example.js", kinds: ["channel/count", "pong"] };
+const ENTRY = { name: "example", title: "Example", url: "panels/example.js", kinds: ["channel/count", "pong"] };
 const count = (stamp: number, channel = "count"): FromRobot => ({ type: "channel", channel, message: { stamp } });
 
 test("a panel gets the frames of its kinds, the newest at once", () => {

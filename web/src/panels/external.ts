@@ -98,8 +98,13 @@ function follow(session: Session, store: Store): void {
   if (store.hello.peek()) list();
 }
 
+/** The page may be served below another path. */
+function address(url: string): string {
+  return new URL(url, document.baseURI).href;
+}
+
 async function listed(): Promise<PanelEntry[]> {
-  const answer = await fetch("/panels/index.json", { credentials: "same-origin" });
+  const answer = await fetch(address("panels/index.json"), { credentials: "same-origin" });
   if (!answer.ok) throw new Error(`the console answered ${answer.status}`);
   return (await answer.json()) as PanelEntry[];
 }
@@ -125,7 +130,7 @@ function ExternalPanel({ entry, store }: { entry: PanelEntry; store: Store }) {
 }
 
 async function load(entry: PanelEntry): Promise<Mount> {
-  const module = (await import(/* @vite-ignore */ entry.url)) as { default?: unknown };
+  const module = (await import(/* @vite-ignore */ address(entry.url))) as { default?: unknown };
   if (typeof module.default !== "function") throw new Error(`${entry.url} has no default export that is a function`);
   return module.default as Mount;
 }
