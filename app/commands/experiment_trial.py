@@ -18,7 +18,7 @@ def add_parser(experiments: Any) -> None:
         "trial",
         help="the thesis's tour-guide trial, driven by its script",
         description="Drive the robot along a scenario's script (default: the tour-guide trial of the thesis, figure "
-        "4.8), with attention, and tell what it attended to and found. Ctrl-C stops it and the robot.",
+        "4.8), with attention, and report what it attended to and found. Ctrl-C stops it and the robot.",
     )
     parser.add_argument(
         "--config", type=Path, metavar="FILE", help="the program: a file, or a name as jackal (default: lab)"

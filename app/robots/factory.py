@@ -42,26 +42,24 @@ def load_body(path: Path | str) -> Body:
     document = load_yaml(path)
     named = document.data.get("kind", SIMULATED_KIND) if isinstance(document.data, dict) else SIMULATED_KIND
     try:
-        return body_kind(named).load(Path(path))
-    except UnusableKind as failure:
-        raise document.error(f"kind: {failure}", ("kind",)) from failure
-
-
-class UnusableKind(Exception):
-    """There is no such kind of body, or its package cannot be used; the message says which there are, or why."""
+        kind = body_kind(named)
+    except ConfigError as failure:
+        raise document.error(f"kind: {failure.message}", ("kind",)) from failure
+    return kind.load(Path(path))
 
 
 def body_kind(name: object) -> BodyKind:
-    """The kind of body that the project or a package calls ``name``. Raises UnusableKind."""
-    try:
-        kinds = extensions("hbba.bodies")
-        if name not in kinds:
-            raise UnusableKind(f"there is no kind of body {name!r}; {suggestion(str(name), list(kinds))}")
-        found = kinds[str(name)].load()
-    except ConfigError as failure:
-        raise UnusableKind(str(failure)) from failure
+    """The kind of body that the project or a package calls ``name``.
+
+    Raises ConfigError where there is none, naming those there are, or where its package cannot be used.
+    """
+    kinds = extensions("hbba.bodies")
+    extension = kinds.get(str(name))
+    if extension is None:
+        raise ConfigError(f"there is no kind of body {name!r}; {suggestion(str(name), list(kinds))}")
+    found = extension.load()
     if not isinstance(found, BodyKind):
-        raise UnusableKind(f"{kinds[str(name)].value} of {kinds[str(name)].distribution} is no BodyKind")
+        raise ConfigError(f"{extension.value} of {extension.distribution} is no BodyKind")
     return found
 
 

@@ -26,7 +26,7 @@ log = logging.getLogger("hbba.console")
 
 
 class PanelFeed:
-    """While somebody watches, gives ``broadcast(kind, frame)`` the newest message of each of ``channels``."""
+    """While a page is connected, gives ``broadcast(kind, frame)`` the newest message of each of ``channels``."""
 
     def __init__(
         self,
