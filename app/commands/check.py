@@ -206,9 +206,19 @@ def _programs_naming(path: Path) -> list[Path]:
                 continue
             channels = data.get("channels")
             named = [*(channels if isinstance(channels, list) else [channels]), *(data.get("strategies") or ())]
-            if wanted in [(folder / str(name)).resolve() for name in named if name]:
+            if wanted in [_named_file(str(name), folder) for name in named if name]:
                 found.append(candidate)
     return found
+
+
+def _named_file(name: str, folder: Path) -> Path | None:
+    """The file that a program in ``folder`` names; None for one of a package that is not installed."""
+    from app.base.extensions import package_file
+
+    try:
+        return package_file(name, folder).resolve()
+    except ConfigError:
+        return None  # the program's own check says so
 
 
 def _calibration(path: Path) -> None:

@@ -48,6 +48,15 @@ def test_a_checkouts_own_entry_points_are_those_of_its_project_file() -> None:
         assert own == declared.get(group, {})
 
 
+def test_metadata_older_than_a_checkout_is_passed_over_and_from_a_wheel_it_counts(
+    site: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    install(site, "hbba", {}, panels={"of-old": "app.nowhere:PANEL"})
+    assert "of-old" not in extensions("hbba.panels")
+    monkeypatch.setattr(paths, "checkout_dir", lambda: None)
+    assert extensions("hbba.panels")["of-old"].distribution == "hbba"
+
+
 def test_two_packages_with_one_name_are_refused(site: Path) -> None:
     for name in ("hbba-kites", "hbba-balloons"):
         install(site, name, {}, bodies={"flyer": f"{name[5:]}:FLYER"})
