@@ -90,7 +90,7 @@ def panels_router(panels: Mapping[str, Panel]) -> APIRouter:
     async def panel_script(name: str) -> Response:
         panel = panels.get(name)
         if panel is None:
-            raise Problem(404, "unknown-panel", f"No package brings a panel {name!r}.")
+            raise Problem(404, "no-such-panel", f"No package brings a panel {name!r}.")
         return FileResponse(panel.script, media_type="text/javascript")
 
     return router
