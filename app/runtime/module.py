@@ -80,6 +80,9 @@ class Module:
     title: ClassVar[str] = ""
     #: Model that validates the settings.
     Settings: ClassVar[type[Settings]] = Settings
+    #: Desire classes (:class:`app.attention.desires.DesireClass`) that this module serves or needs; a program has the
+    #: union of its modules' classes. ``object``, for the type is above the runtime.
+    desire_classes: ClassVar[tuple[object, ...]] = ()
     #: Stream of the body that each output relays; a replay feeds a recorded channel to the stream named here.
     streams: ClassVar[Mapping[str, str]] = {}
     #: Inputs that improve the results of other inputs and are useless alone.

@@ -59,7 +59,7 @@ modules:
     inputs: {images: kinect, odometry: odometry}
     outputs: {clouds: point_cloud}
   Teleop:
-    class: app.modules.behaviors.teleop:Teleop
+    class: tests.console.versatile_teleop:VersatileTeleop
     inputs: {operator: operator_drive}
     outputs: {twist: teleop_twist}
   Microphones:

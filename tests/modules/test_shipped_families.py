@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from app.attention.strategies import load_strategies
-from app.modules.desire_classes import desire_classes
+from app.program.config import load_configuration
+from app.program.desire_classes import desire_classes
 
 STRATEGIES = Path(__file__).parents[2] / "config" / "strategies"
 
@@ -53,7 +54,9 @@ CLASSES = {"FindQRCodes", "LocateFaces", "Telepresence"}
 
 @pytest.mark.parametrize("file", TABLES)
 def test_each_strategy_is_what_it_was_by_itself(file: str) -> None:
-    table = load_strategies([STRATEGIES / f"{file}.yaml"], classes=[c.name for c in desire_classes()])
+    table = load_strategies(
+        [STRATEGIES / f"{file}.yaml"], classes=desire_classes(load_configuration(STRATEGIES.parent / "lab.yaml"))
+    )
     found = {
         s.name: (s.utility, s.costs["cpu"], tuple(s.filters.values())) for s in table.strategies if s.cls in CLASSES
     }

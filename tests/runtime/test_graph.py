@@ -206,11 +206,17 @@ def test_a_path_that_is_no_module_class_is_refused(build: Build, path: str) -> N
     assert f"{path!r} is not a module class" in refused(build, {"A": (path, {}, {})}, {})
 
 
-def test_a_broken_import_inside_a_module_file_is_not_hidden(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_broken_import_inside_a_module_file_is_one_sentence(
+    build: Build, tmp_path: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "hbba_broken_module.py").write_text("import hbba_broken\n")
     monkeypatch.syspath_prepend(str(tmp_path))
-    with pytest.raises(ModuleNotFoundError, match="hbba_broken"):
-        load_class("hbba_broken_module:Thing")
+    said = refused(build, {"A": ("hbba_broken_module:Thing", {}, {})}, {})
+    file = tmp_path / "hbba_broken_module.py"
+    assert said == (
+        f"modules.A.class: hbba_broken_module cannot be imported: {file}:1: ModuleNotFoundError: No module named "
+        "'hbba_broken'"
+    )
 
 
 def test_a_class_that_is_no_module_is_refused(build: Build) -> None:
@@ -226,7 +232,10 @@ def test_a_missing_service_is_a_wiring_error(build: Build) -> None:
 @pytest.mark.parametrize("message_type", ["Nothing", "Pose2", "Message", "np", "read_only"])
 def test_a_channel_of_an_unknown_message_type_is_refused(build: Build, message_type: str) -> None:
     said = refused(build, {}, {"n": {"type": message_type}})
-    assert said == f"channels.n.type: there is no message type {message_type!r} in app.messages"
+    assert said == (
+        f"channels.n.type: there is no message type {message_type!r}; allowed: a class of app.messages, or "
+        "package.module:Class, a dataclass with a stamp"
+    )
 
 
 WIRED: tuple[dict[str, Any], dict[str, Any]] = (

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from app.attention.desires import DesireClass
 from app.messages import Darkness, Image
 from app.modules.perception.opencv import use_calling_thread
 from app.runtime.module import Module, ModuleContext, Settings
@@ -43,10 +44,18 @@ class DarknessDetectorSettings(Settings):
         return self
 
 
+DETECT_DARKNESS = DesireClass(
+    name="DetectDarkness",
+    title="Detect darkness",
+    description="Say whether it is dark before the camera.",
+)
+
+
 class DarknessDetector(Module):
     """Says with each image whether it is dark."""
 
     title = "Darkness detector"
+    desire_classes = (DETECT_DARKNESS,)
     Settings = DarknessDetectorSettings
     settings: DarknessDetectorSettings
 
