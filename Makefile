@@ -3,7 +3,7 @@ PYTHON ?= $(firstword $(foreach name,python3 python3.14 python3.13 python3.12 py
 ARGS ?=
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test lint soak bench references clean
+.PHONY: help setup run test lint soak bench references types clean
 
 help: ## show this
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -14,8 +14,9 @@ lint: ## ruff, mypy --strict and the import layers
 soak: ## an idle robot for 45 minutes: its memory stays flat; ARGS=MINUTES
 bench: ## every benchmark
 references: ## measure the modules' reference values anew, say what differs; ARGS=--record: on a new recording
+types: ## write web/src/protocol/generated.ts anew from the Python records
 setup: ## only set up: .venv, packages, page
 clean: ## remove everything that can be made again
 
-run test lint soak bench references setup clean:
+run test lint soak bench references types setup clean:
 	@$(PYTHON) scripts/dev.py $@ $(ARGS)

@@ -54,7 +54,8 @@ def main() -> int:
     """Do what the Makefile's target asks for."""
     parser = argparse.ArgumentParser(prog="scripts/dev.py", description=__doc__)
     parser.add_argument(
-        "task", choices=["setup", "run", "test", "patient-tests", "lint", "soak", "bench", "references", "clean"]
+        "task",
+        choices=["setup", "run", "test", "patient-tests", "lint", "soak", "bench", "references", "types", "clean"],
     )
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help="handed on to hbba run, pytest or the benchmarks")
     args = parser.parse_args()
@@ -78,6 +79,9 @@ def main() -> int:
         if args.task == "references":
             set_up({"test"}, page_wanted=False)
             return run([PYTHON, ROOT / "scripts" / "references.py", *args.arguments])
+        if args.task == "types":
+            set_up({"test"}, page_wanted=False)
+            return run([PYTHON, ROOT / "scripts" / "page_types.py"])
         if args.task == "bench":
             set_up({"test", "bench"}, debian=True)
             return run([PYTHON, "-m", "benchmarks", *args.arguments])

@@ -12,9 +12,9 @@ from fastapi.routing import APIRoute
 
 from app.console.access.auth import COOKIE, OPEN_PATHS, cookie_name
 from app.console.description_page import page
-from app.console.json_schema import with_plain_lists
 from app.console.problems import ProblemDocument
 from app.console.rest.answers import Json, problem_content
+from app.console.schema import with_plain_lists
 
 _ABOUT = """Desires in, intentions out: create a desire and see which strategies attention selects for it, which
 filters move, and why. Every refusal is a problem document (RFC 9457). Stamps are the robot's clock in seconds; angles

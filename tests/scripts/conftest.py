@@ -39,3 +39,9 @@ def installing() -> Iterator[ModuleType]:
 def dev(page: ModuleType, installing: ModuleType) -> Iterator[ModuleType]:
     yield _load("dev")
     del sys.modules["dev"]
+
+
+@pytest.fixture(scope="session")
+def page_types() -> Iterator[ModuleType]:
+    yield _load("page_types")
+    del sys.modules["page_types"]

@@ -6,13 +6,21 @@ Data that REST serves too has REST's schemas. :mod:`app.console.live.protocol` d
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field
 
-from app.attention.timeline import EventKind
 from app.console.rest.map_models import NavigationModel, ZoneModel
-from app.console.rest.models import Answer, DesireClassModel, DesireModel, Divisor, EventModel, IntentionModel, Stamp
+from app.console.rest.models import (
+    Answer,
+    DesireClassModel,
+    DesireList,
+    Divisor,
+    EventList,
+    IntentionModel,
+    ScaleModel,
+    Stamp,
+)
 from app.console.rest.percepts import PerceptsModel
 from app.console.rest.playback_models import PlaybackModel
 from app.console.rest.program_models import GuardModel, LandmarkModel, ModuleModel, OdometryModel
@@ -74,12 +82,11 @@ class AudioFacts(Answer):
 class Hello(Answer):
     """Once, first: what can be seen and done here."""
 
-    type: Literal["hello"]
     protocol: Literal[1]
     session: str = Field(description="Id of this connection.")
     stamp: Stamp
     robot: RobotFacts
-    scale: dict[str, float]
+    scale: ScaleModel
     classes: list[DesireClassModel]
     channels: Comes
     drive: bool = Field(description="Whether an operator can drive here.")
@@ -113,7 +120,6 @@ class SourceState(Answer):
 class Status(Answer):
     """20 times a second: guard, pose, driver, freshness of every source."""
 
-    type: Literal["status"]
     seq: Sequence
     stamp: Stamp
     guard: GuardModel
@@ -148,7 +154,6 @@ class LaneRow(LaneValues):
 class Lanes(Answer):
     """20 times a second: one row for each desire class."""
 
-    type: Literal["lanes"]
     seq: Sequence
     stamp: Stamp
     rows: list[LaneRow]
@@ -171,65 +176,29 @@ class LanePast(Answer):
 class LanesHistory(Answer):
     """Once, before the first `lanes`, and after a `jump`: what they were."""
 
-    type: Literal["lanes_history"]
     stamps: list[float]
     rows: list[LanePast]
 
 
-class Desires(Answer):
-    """On change: every desire."""
+class CurrentIntention(Answer):
+    """What attention chose; null before the first."""
 
-    type: Literal["desires"]
-    desires: list[DesireModel]
-
-
-class Intention(Answer):
-    """On change: what attention chose; null before the first."""
-
-    type: Literal["intention"]
     intention: IntentionModel | None
-
-
-class Event(EventModel):
-    """An event of the timeline."""
-
-    kind: EventKind
-
-
-class Events(Answer):
-    """As they come: events, oldest first."""
-
-    type: Literal["events"]
-    events: list[Event]
 
 
 class Load(Answer):
     """Once a second: what the modules take of the computer."""
 
-    type: Literal["load"]
     stamp: Stamp
     process_cpu: float = Field(description="Per cent of one core.")
     budget: float | None = Field(description="Per cent that attention may give; null: no limit.")
     modules: list[ModuleModel]
 
 
-class Recorder(RecorderModel):
-    """On change, and about once a second while it records: what the Recorder does."""
-
-    type: Literal["recorder"]
-
-
 class Landmarks(Answer):
     """On change: what was found, in `odom`."""
 
-    type: Literal["landmarks"]
     landmarks: list[LandmarkModel]
-
-
-class Perceived(PerceptsModel):
-    """On change: what the robot sees and hears."""
-
-    type: Literal["perceived"]
 
 
 class Place(Answer):
@@ -243,7 +212,6 @@ class Place(Answer):
 class Localization(Place):
     """Where the robot is on the map."""
 
-    type: Literal["localization"]
     stamp: Stamp
     state: Literal["mapping", "tracking", "searching", "lost"]
     map: str = Field(description="Name of the map in use; empty while it has none.")
@@ -252,16 +220,9 @@ class Localization(Place):
     overlap: float = Field(description="Share of the scan that fits the map, 0 to 1.")
 
 
-class Navigation(NavigationModel):
-    """On change: the goal and the state of navigation."""
-
-    type: Literal["navigation"]
-
-
 class Zones(Answer):
     """On change: the zones of the map."""
 
-    type: Literal["zones"]
     zones: list[ZoneModel]
 
 
@@ -278,22 +239,9 @@ class GridInfo(Answer):
     height: int
 
 
-class MapInfo(GridInfo):
-    """Sent right before each picture of kind 3 (map)."""
-
-    type: Literal["map_info"]
-
-
-class CostmapInfo(GridInfo):
-    """Sent right before each picture of kind 4 (costmap)."""
-
-    type: Literal["costmap_info"]
-
-
 class Pong(Answer):
     """The answer to `ping`."""
 
-    type: Literal["pong"]
     t: float = Field(description="As it was sent.")
     stamp: Stamp
 
@@ -301,25 +249,45 @@ class Pong(Answer):
 class Notice(Answer):
     """Something for this viewer, in words to show."""
 
-    type: Literal["notice"]
     level: Literal["info", "warning", "error"]
     text: str
-
-
-class Playback(PlaybackModel):
-    """On a recording, at every change and ten times a second while it plays: its transport."""
-
-    type: Literal["playback"]
 
 
 class Jump(Answer):
     """On a recording, at a seek: what came before is of another time and to be forgotten."""
 
-    type: Literal["jump"]
     stamp: Stamp
 
 
-FROM_ROBOT: tuple[type[Answer], ...] = (
-    Hello, Status, Lanes, LanesHistory, Desires, Intention, Events, Load, Recorder, Landmarks, Perceived, Localization,
-    Navigation, Zones, MapInfo, CostmapInfo, Pong, Notice, Playback, Jump,
-)  # fmt: skip
+class Message(NamedTuple):
+    """A message from the robot: its record, and when and why it is sent."""
+
+    record: type[Any]
+    about: str
+
+
+#: By ``type``, which goes before the record's members.
+FROM_ROBOT: dict[str, Message] = {
+    "hello": Message(Hello, "Once, first: what can be seen and done here."),
+    "status": Message(Status, "20 times a second: guard, pose, driver, freshness of every source."),
+    "lanes": Message(Lanes, "20 times a second: one row for each desire class."),
+    "lanes_history": Message(LanesHistory, "Once, before the first `lanes`, and after a `jump`: what they were."),
+    "desires": Message(DesireList, "On change: every desire."),
+    "intention": Message(CurrentIntention, "On change: what attention chose; null before the first."),
+    "events": Message(EventList, "As they come: events, oldest first."),
+    "load": Message(Load, "Once a second: what the modules take of the computer."),
+    "recorder": Message(RecorderModel, "On change, and about once a second while it records: what the Recorder does."),
+    "landmarks": Message(Landmarks, "On change: what was found, in `odom`."),
+    "perceived": Message(PerceptsModel, "On change: what the robot sees and hears."),
+    "localization": Message(Localization, "Up to 10 times a second: where the robot is on the map."),
+    "navigation": Message(NavigationModel, "On change: the goal and the state of navigation."),
+    "zones": Message(Zones, "On change: the zones of the map."),
+    "map_info": Message(GridInfo, "Right before each picture of kind 3 (map): what it shows."),
+    "costmap_info": Message(GridInfo, "Right before each picture of kind 4 (costmap): what it shows."),
+    "pong": Message(Pong, "The answer to `ping`."),
+    "notice": Message(Notice, "Something for this viewer, in words to show."),
+    "playback": Message(
+        PlaybackModel, "On a recording, at every change and ten times a second while it plays: its transport."
+    ),
+    "jump": Message(Jump, "On a recording, at a seek: what came before is of another time and to be forgotten."),
+}

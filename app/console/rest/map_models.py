@@ -122,8 +122,8 @@ class GoalRequest(Request):
 class PlaceModel(Answer):
     """A place on the map."""
 
-    x: float | None
-    y: float | None
+    x: float
+    y: float
     theta: float | None = Field(description="null: any heading.")
 
 

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from app.attention.strategies import MOST
+from app.attention.timeline import EventKind
 
 Stamp = Annotated[float, Field(description="Seconds of the robot's clock (Unix epoch).", examples=[1795000000.25])]
 Divisor = Annotated[
@@ -111,15 +112,22 @@ class DesireClassModel(Answer):
     name: str = Field(examples=["FindQRCodes"])
     title: str
     description: str
-    parameters: dict[str, Any] = Field(alias="schema", description="JSON Schema of `params`.")
+    parameters: dict[str, Any] = Field(alias="schema", title="JsonSchema", description="JSON Schema of `params`.")
     served: bool = Field(description="Whether a strategy of this program's modules serves it; else it stays a desire.")
+
+
+class ScaleModel(Answer):
+    """The ends of the scales of desires."""
+
+    intensity: float
+    utility: float
 
 
 class DesireClassList(Answer):
     """Every desire class, in the order the console shows them, and the ends of the scales."""
 
     classes: list[DesireClassModel]
-    scale: dict[str, float] = Field(examples=[{"intensity": 8, "utility": 8}])
+    scale: ScaleModel
 
 
 class StrategyModel(Answer):
@@ -187,15 +195,22 @@ class ResourceUse(Answer):
     unit: str = ""
 
 
-class AlternativeModel(Answer):
-    """What would help a desire."""
+class MoreCapacity(Answer):
+    """What would help a desire: ``amount`` more of a resource."""
 
-    kind: Literal["capacity", "without"]
+    kind: Literal["capacity"]
     utility: float = Field(description="The utility it would get.")
-    resource: str | None = Field(None, description="... if there were `amount` more of this resource.")
-    amount: float | None = None
-    unit: str | None = None
-    without: str | None = Field(None, description="... if nobody desired this class.")
+    resource: str
+    amount: float
+    unit: str
+
+
+class WithoutClass(Answer):
+    """What would help a desire: that nobody desired another class."""
+
+    kind: Literal["without"]
+    utility: float = Field(description="The utility it would get.")
+    without: str = Field(description="The other class.")
 
 
 class ReasonModel(Answer):
@@ -206,7 +221,7 @@ class ReasonModel(Answer):
     wanted: float = Field(description="The utility desired.")
     best: float = Field(description="The most that any selection could give it.")
     text: str = Field(description="The reason in words.")
-    alternatives: list[AlternativeModel]
+    alternatives: list[MoreCapacity | WithoutClass]
 
 
 class IntentionModel(Answer):
@@ -232,7 +247,7 @@ class EventModel(Answer):
 
     id: int = Field(description="Grows by one.")
     stamp: Stamp
-    kind: str
+    kind: EventKind
     subject: str = Field(description="A desire class, a module, a filter.")
     text: str = Field(description="One sentence.")
     data: dict[str, Any]

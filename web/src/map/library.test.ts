@@ -10,7 +10,7 @@ afterEach(() => void vi.useRealTimers());
 
 const kept = (name: string, available = true): KeptMaps => ({
   folder: "maps",
-  current: { available, name, state: available ? "tracking" : null },
+  current: { available, name, state: available ? "tracking" : null, stamp: null },
   maps: [],
 });
 

@@ -5,7 +5,6 @@ import { createStore } from "../state/store";
 import { RecordingControl } from "./control";
 
 const IDLE: Recorder = {
-  type: "recorder",
   stamp: 0,
   state: "idle",
   name: "",

@@ -146,7 +146,7 @@ export class Session {
     const at = performance.now();
     this.onChance();
     this.lastHeardAt = at;
-    if (message.type === "hello") this.store.clock.begin(message.playback ?? null, at / 1000);
+    if (message.type === "hello") this.store.clock.begin(message.playback, at / 1000);
     if (message.type === "playback") this.store.clock.played(message, at / 1000);
     if (message.type === "jump") this.jump();
     if ("stamp" in message && typeof message.stamp === "number" && message.type !== "load")
@@ -161,7 +161,7 @@ export class Session {
     else if (message.type === "hello") {
       batch(() => {
         this.store.hello.value = message;
-        this.store.playback.value = message.playback ?? null;
+        this.store.playback.value = message.playback;
         this.store.perceived.value = null;
         this.store.recorder.value = null; // told anew, by a program that has one
         this.store.localization.value = null;

@@ -67,7 +67,7 @@ export function createStore() {
   const events = signal<RobotEvent[]>([]);
   const loadHistory = signal<LoadPoint[]>([]);
   const notices = signal<Notice[]>([]);
-  const playback = signal<Omit<Playback, "type"> | null>(null);
+  const playback = signal<Playback | null>(null);
   const lanes = new LaneHistory();
   const landmarks = signal<Landmark[] | null>(null);
   const perceived = signal<Perceived | null>(null);
