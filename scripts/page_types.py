@@ -19,8 +19,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from app.console import schema
 from app.console.live.messages import FROM_ROBOT
 from app.console.live.protocol import FromPage, TimedMessage
-from app.console.rest.map_models import MapList
-from app.console.rest.recording_models import RecordingList
+from app.console.records.maps import MapList
+from app.console.records.recordings import RecordingList
 
 ROOT = Path(__file__).resolve().parents[1]
 FILE = ROOT / "web" / "src" / "protocol" / "generated.ts"

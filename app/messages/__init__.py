@@ -44,6 +44,7 @@ from app.messages.records import (
     LogLine,
     ModuleRecord,
     ReasonRecord,
+    RecorderState,
     RecorderStatus,
 )
 from app.messages.sensors import (
@@ -92,6 +93,7 @@ __all__ = [
     "QRCode",
     "QRCodes",
     "ReasonRecord",
+    "RecorderState",
     "RecorderStatus",
     "SceneTruth",
     "SeparatedSound",

@@ -5,6 +5,9 @@ Recorded and replayed as any other message; nothing acts on them. A closed filte
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
+
+RecorderState = Literal["idle", "recording", "ring", "stopped"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +132,7 @@ class RecorderStatus:
     """
 
     stamp: float
-    state: str
+    state: RecorderState
     name: str
     began: float
     duration_s: float

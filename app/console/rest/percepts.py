@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 from fastapi.responses import Response
-from pydantic import Field
+from pydantic import BaseModel, Field
 
 from app.console.perceived import perceived_json
 from app.console.percepts import Percepts
 from app.console.rest.answers import Json
-from app.console.rest.models import Answer, Stamp
 from app.console.rest.routing import router as api_router
+from app.messages.base import Stamp
 from app.runtime.clock import Clock
 
 
-class FaceModel(Answer):
+class FaceModel(BaseModel):
     """A face in one camera's image."""
 
     track: int = Field(description="Its number while it stays in view, in both cameras.")
@@ -33,7 +33,7 @@ class FaceModel(Answer):
     image: tuple[int, int] = Field(description="Width and height of the image (px).")
 
 
-class SoundModel(Answer):
+class SoundModel(BaseModel):
     """A sound that is being tracked."""
 
     track: int
@@ -53,7 +53,7 @@ class SoundModel(Answer):
     speech: float | None = Field(description="Probability that it is a voice; null: nobody has judged.")
 
 
-class NoiseModel(Answer):
+class NoiseModel(BaseModel):
     """A loud noise."""
 
     stamp: Stamp
@@ -61,7 +61,7 @@ class NoiseModel(Answer):
     level_db: float
 
 
-class CodeModel(Answer):
+class CodeModel(BaseModel):
     """A QR code read in one camera's image."""
 
     text: str
@@ -71,7 +71,7 @@ class CodeModel(Answer):
     image: tuple[int, int] = Field(description="Width and height of the image (px).")
 
 
-class PerceptsModel(Answer):
+class PerceptsModel(BaseModel):
     """What is perceived now; noises are those of the last 2 s."""
 
     stamp: Stamp

@@ -11,31 +11,26 @@ export interface AudioFacts {
   speak: boolean;
 }
 
-/** What people must know of how the program is configured, such as a collision monitor that is off. */
-export interface CautionModel {
-  /** In a few words. */
+/** What the mobile base may do: speeds (m/s, rad/s) and accelerations (m/s^2, rad/s^2), all positive. */
+export interface BaseLimits {
+  linear_mps: number;
+  angular_radps: number;
+  linear_mps2: number;
+  angular_radps2: number;
+}
+
+/**
+ * What people must know of how a program is configured: a ``title`` of a few words, and a sentence that says why and
+ * what to do. ``where``: its file and line, "" where it has none.
+ */
+export interface Caution {
   title: string;
-  /** In a sentence. */
   text: string;
-  /** File and line. */
   where: string;
 }
 
-/** A QR code read in one camera's image. */
-export interface CodeModel {
-  text: string;
-  /** Frame of the image. */
-  camera: string;
-  /** Seconds of the robot's clock (Unix epoch). */
-  stamp: number;
-  /** Its four corners in the image (px). */
-  corners: [number, number][];
-  /** Width and height of the image (px). */
-  image: [number, number];
-}
-
 /** Whether there are such pictures, scans and clouds. */
-export interface Comes {
+export interface Channels {
   camera: boolean;
   panorama: boolean;
   map: boolean;
@@ -44,9 +39,21 @@ export interface Comes {
   point_cloud: boolean;
 }
 
+/** A QR code read in one camera's image. */
+export interface CodeModel {
+  text: string;
+  /** Frame of the image. */
+  camera: string;
+  stamp: number;
+  /** Its four corners in the image (px). */
+  corners: [number, number][];
+  /** Width and height of the image (px). */
+  image: [number, number];
+}
+
 /** What attention chose; null before the first. */
 export interface CurrentIntention {
-  intention: IntentionModel | null;
+  intention: IntentionReport | null;
 }
 
 /** The map in use. */
@@ -56,29 +63,13 @@ export interface CurrentMap {
   /** Empty while it has none. */
   name: string;
   /** Of the robot's place on it, as on the live stream; null before it is known. */
-  state: "mapping" | "tracking" | "searching" | "lost" | null;
-  /** When that was so (robot's clock). */
+  state: "lost" | "mapping" | "searching" | "tracking" | null;
+  /** When that was so (robot's clock, s). */
   stamp: number | null;
 }
 
-/** What can be desired. */
-export interface DesireClassModel {
-  name: string;
-  title: string;
-  description: string;
-  /** JSON Schema of `params`. */
-  schema: JsonSchema;
-  /** Whether a strategy of this program's modules serves it; else it stays a desire. */
-  served: boolean;
-}
-
-/** Every desire, in the order they came. */
-export interface DesireList {
-  desires: DesireModel[];
-}
-
 /** One desire of the Intention Workspace. */
-export interface DesireModel {
+export interface Desire {
   id: string;
   class: string;
   /** How much it is desired, over 0 and at most 8. */
@@ -89,15 +80,31 @@ export interface DesireModel {
   security: boolean;
   /** Parameters as the class declares them. */
   params: Record<string, unknown>;
-  source: SourceModel;
+  source: Source;
   /** Seconds of the robot's clock (Unix epoch). */
   created: number;
-  /** When it expires (robot's clock); null: never. */
+  /** When it expires (robot's clock, s); null: never. */
   expires: number | null;
 }
 
+/** What can be desired. */
+export interface DesireClassReport {
+  name: string;
+  title: string;
+  description: string;
+  /** JSON Schema of `params`. */
+  schema: JsonSchema;
+  /** Whether a strategy of this program's modules serves it; else no desire for it is fulfilled. */
+  served: boolean;
+}
+
+/** Every desire, in the order they came. */
+export interface DesireList {
+  desires: Desire[];
+}
+
 /** Who has the wheel. */
-export interface DriverModel {
+export interface Driver {
   operator: string;
   /** Whether it is this page's operator. */
   mine: boolean;
@@ -107,33 +114,7 @@ export interface DriverModel {
 
 /** Events, oldest first. */
 export interface EventList {
-  events: EventModel[];
-}
-
-/** One event of the timeline. */
-export interface EventModel {
-  /** Grows by one. */
-  id: number;
-  /** Seconds of the robot's clock (Unix epoch). */
-  stamp: number;
-  kind:
-    | "desire"
-    | "intention"
-    | "filter"
-    | "exploitation"
-    | "restart"
-    | "overload"
-    | "guard"
-    | "solver"
-    | "capacity"
-    | "module"
-    | "stale"
-    | "goal";
-  /** A desire class, a module, a filter. */
-  subject: string;
-  /** One sentence. */
-  text: string;
-  data: Record<string, unknown>;
+  events: TimelineEvent[];
 }
 
 /** A face in one camera's image. */
@@ -142,7 +123,6 @@ export interface FaceModel {
   track: number;
   /** Frame of the image. */
   camera: string;
-  /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
   /** From the camera, in base_link's axes; left positive. */
   azimuth: number;
@@ -164,7 +144,6 @@ export interface FaceModel {
 
 /** A goal that the robot has given up. */
 export interface GivenUpModel {
-  /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
   goal: PlaceModel;
   /** Why, in words. */
@@ -177,7 +156,8 @@ export interface GridInfo {
   seq: number;
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
-  frame: "map" | "odom";
+  /** `map` or `odom`. */
+  frame: string;
   version: number;
   /** Of a pixel. */
   resolution_m: number;
@@ -188,8 +168,8 @@ export interface GridInfo {
 }
 
 /** What the guard says. */
-export interface GuardModel {
-  /** idle, driving, stale_command, e_stopped, sensor_failure or waiting. */
+export interface Guard {
+  /** idle, driving, stale_command, e_stopped, sensor_failure, waiting or silent. */
   state: string;
   reason: string;
   e_stopped: boolean;
@@ -197,7 +177,7 @@ export interface GuardModel {
   applied: Velocity;
 }
 
-/** Once, first: what can be seen and done here. */
+/** What can be seen and done here. */
 export interface Hello {
   protocol: 1;
   /** Id of this connection. */
@@ -205,36 +185,18 @@ export interface Hello {
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
   robot: RobotFacts;
-  scale: ScaleModel;
-  classes: DesireClassModel[];
-  channels: Comes;
+  scale: Scale;
+  classes: DesireClassReport[];
+  channels: Channels;
   /** Whether an operator can drive here. */
   drive: boolean;
   audio: AudioFacts;
   /** null: not a recording. */
-  playback: PlaybackModel | null;
-}
-
-/** A module's input and its counters since the start. */
-export interface InputModel {
-  name: string;
-  channel: string;
-  /** φ: one message in φ passes; null: closed, none passes. */
-  divisor: number | null;
-  /** Messages offered. */
-  received: number;
-  /** ... let through by the filter. */
-  passed: number;
-  /** ... stopped by the filter, as wanted. */
-  decimated: number;
-  /** ... pushed out of a full inbox. */
-  dropped: number;
-  /** Age of the last message when it was taken. */
-  age_ms: number | null;
+  playback: PlaybackReport | null;
 }
 
 /** The intention at work: what was selected, what follows from it, and why. */
-export interface IntentionModel {
+export interface IntentionReport {
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
   strategies: SelectedStrategy[];
@@ -242,8 +204,8 @@ export interface IntentionModel {
   fulfilled: string[];
   /** Ω, what the selection is worth (thesis, equation 4.9). */
   omega: number;
-  /** No selection can be worth more; equal to `omega` when proven. */
-  bound: number;
+  /** No selection can be worth more; equal to `omega` when proven, null where none is known. */
+  bound: number | null;
   use: Record<string, ResourceUse>;
   /** φ of every filter that attention controls. */
   filters: Record<string, number | null>;
@@ -253,34 +215,56 @@ export interface IntentionModel {
   /** Security desires that could not be kept. */
   relaxed: string[];
   /** By desired class. */
-  reasons: Record<string, ReasonModel>;
+  reasons: Record<string, ReasonReport>;
   /** What each module was handed. */
   parameters: Record<string, Record<string, unknown>>;
   /** Id of the strongest desire of each class that it answers. */
   desires: Record<string, string>;
 }
 
-/** On a recording, at a seek: what came before is of another time and to be forgotten. */
+/** Where a recording goes on. */
 export interface Jump {
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
 }
 
-/** A QR code found, in `odom`. */
-export interface LandmarkModel {
+/** A map that is kept. */
+export interface KeptMap {
+  name: string;
+  in_use: boolean;
+  /** Unix time (s). */
+  saved: number;
+  /** Width and height of its picture. */
+  size_m: [number, number];
+  /** Of one cell, and of one pixel. */
+  resolution_m: number;
+  /** How much floor and wall of it is known. */
+  known_m2: number;
+  /** Whether it can go on growing when it is loaded. */
+  extendable: boolean;
+  /** How many it has. */
+  zones: number;
+  /** Why it cannot be used, in words. */
+  problem: string | null;
+}
+
+/** A QR code found, in `odom` (m). */
+export interface LandmarkReport {
   text: string;
   x: number;
   y: number;
   z: number;
   sigma_m: number;
   sightings: number;
+  /** Seconds of the robot's clock (Unix epoch). */
   first_seen: number;
+  /** Seconds of the robot's clock (Unix epoch). */
   last_seen: number;
 }
 
-/** On change: what was found, in `odom`. */
+/** What was found, in `odom`. */
 export interface Landmarks {
-  landmarks: LandmarkModel[];
+  landmarks: LandmarkReport[];
 }
 
 /** A lane before now. */
@@ -295,7 +279,6 @@ export interface LanePast {
 export interface LaneRow {
   intensity: number | null;
   utility: number | null;
-  /** φ: one message in φ passes; null: closed, none passes. */
   divisor: number | null;
   /** By filter, `Module.port`. */
   divisors: Record<string, number | null>;
@@ -310,7 +293,6 @@ export interface LaneRow {
 export interface LaneSpell {
   intensity: number | null;
   utility: number | null;
-  /** φ: one message in φ passes; null: closed, none passes. */
   divisor: number | null;
   /** By filter, `Module.port`. */
   divisors: Record<string, number | null>;
@@ -322,9 +304,7 @@ export interface LaneSpell {
 
 /** 20 times a second: one row for each desire class. */
 export interface Lanes {
-  /** Grows. */
   seq: number;
-  /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
   rows: LaneRow[];
 }
@@ -335,15 +315,7 @@ export interface LanesHistory {
   rows: LanePast[];
 }
 
-/** What `linear` and `angular` of 1 in `drive` are, and how fast that may change. */
-export interface LimitsOfBase {
-  linear_mps: number;
-  angular_radps: number;
-  linear_mps2: number;
-  angular_radps2: number;
-}
-
-/** Once a second: what the modules take of the computer. */
+/** What the modules take of the computer. */
 export interface Load {
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
@@ -351,7 +323,7 @@ export interface Load {
   process_cpu: number;
   /** Per cent that attention may give; null: no limit. */
   budget: number | null;
-  modules: ModuleModel[];
+  modules: ModuleReport[];
 }
 
 /** Where the robot is on the map. */
@@ -359,7 +331,6 @@ export interface Localization {
   x: number;
   y: number;
   theta: number;
-  /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
   state: "mapping" | "tracking" | "searching" | "lost";
   /** Name of the map in use; empty while it has none. */
@@ -376,34 +347,42 @@ export interface Localization {
 export interface MapList {
   folder: string;
   current: CurrentMap;
-  maps: MapModel[];
+  maps: KeptMap[];
 }
 
-/** A map that is kept. */
-export interface MapModel {
+/** A module's input and its counters since the start. */
+export interface ModuleInput {
+  /** φ: one message in φ passes; null: none passes. */
+  divisor: number | null;
+  /** Messages offered. */
+  received: number;
+  /** ... let through by the filter. */
+  passed: number;
+  /** ... stopped by the filter, as wanted. */
+  decimated: number;
+  /** ... pushed out of a full inbox. */
+  dropped: number;
+  /** Age of the last message when it was taken. */
+  age_ms: number | null;
   name: string;
-  in_use: boolean;
-  /** Seconds of the robot's clock (Unix epoch). */
-  saved: number;
-  /** Width and height of its picture. */
-  size_m: [number, number];
-  /** Of one cell, and of one pixel. */
-  resolution_m: number;
-  /** How much floor and wall of it is known. */
-  known_m2: number;
-  /** Whether it can go on growing when it is loaded. */
-  extendable: boolean;
-  /** How many it has. */
-  zones: number;
-  /** Why it cannot be used, in words. */
-  problem: string | null;
+  channel: string;
+}
+
+/** A module's output. */
+export interface ModuleOutput {
+  name: string;
+  /** null: nothing is connected. */
+  channel: string | null;
+  /** φ: one message in φ passes; null: none passes. */
+  divisor: number | null;
+  offered: number;
 }
 
 /** One module, its load and its counters. */
-export interface ModuleModel {
+export interface ModuleReport {
   name: string;
   title: string;
-  state: "running" | "starting" | "failed" | "hung" | "stopped";
+  state: "failed" | "hung" | "running" | "starting" | "stopped";
   /** Per cent of one core, over the last second. */
   cpu: number;
   /** What it is expected to stay under. */
@@ -412,8 +391,8 @@ export interface ModuleModel {
   message_cpu_us: number | null;
   restarts: number;
   problem: string | null;
-  inputs: InputModel[];
-  outputs: OutputModel[];
+  inputs: ModuleInput[];
+  outputs: ModuleOutput[];
 }
 
 /** What would help a desire: ``amount`` more of a resource. */
@@ -428,7 +407,6 @@ export interface MoreCapacity {
 
 /** What the behavior that goes somewhere is about; as `navigation` on the live stream. */
 export interface NavigationModel {
-  /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
   /** Empty before any has spoken. */
   behavior: string;
@@ -450,7 +428,6 @@ export interface NavigationModel {
 
 /** A loud noise. */
 export interface NoiseModel {
-  /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
   ratio: number;
   level_db: number;
@@ -458,12 +435,12 @@ export interface NoiseModel {
 
 /** Something for this viewer, in words to show. */
 export interface Notice {
-  level: "info" | "warning" | "error";
+  level: "error" | "info" | "warning";
   text: string;
 }
 
-/** Pose in `odom` and measured velocity. */
-export interface OdometryModel {
+/** Pose in `odom` (m, rad) and measured velocity (m/s, rad/s). */
+export interface OdometryReport {
   x: number;
   y: number;
   theta: number;
@@ -471,18 +448,8 @@ export interface OdometryModel {
   angular_radps: number;
 }
 
-/** A module's output. */
-export interface OutputModel {
-  name: string;
-  channel: string | null;
-  /** φ: one message in φ passes; null: closed, none passes. */
-  divisor: number | null;
-  offered: number;
-}
-
 /** What is perceived now; noises are those of the last 2 s. */
 export interface PerceptsModel {
-  /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
   faces: FaceModel[];
   sounds: SoundModel[];
@@ -505,8 +472,8 @@ export interface PlaceModel {
   theta: number | null;
 }
 
-/** What is played, and where it is. */
-export interface PlaybackModel {
+/** What is played, and where it is; stamps are the recording's. */
+export interface PlaybackReport {
   /** Name of the recording's file. */
   file: string;
   /** Seconds of the robot's clock (Unix epoch). */
@@ -519,7 +486,7 @@ export interface PlaybackModel {
   speed: number | null;
   /** Whether time goes on, or will after the seek under way. */
   playing: boolean;
-  phase: "playing" | "paused" | "ended" | "seeking";
+  phase: "ended" | "paused" | "playing" | "seeking";
   /** What cannot be read of the recording here, in words, why it stands. */
   problem: string | null;
 }
@@ -527,14 +494,14 @@ export interface PlaybackModel {
 /** The answer to `ping`. */
 export interface Pong {
   /** As it was sent. */
-  t: number;
+  t: number | null;
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
 }
 
 /** Why a desired class gets what it gets. */
-export interface ReasonModel {
-  state: "fulfilled" | "degraded" | "unfulfilled" | "inhibited";
+export interface ReasonReport {
+  state: "degraded" | "fulfilled" | "inhibited" | "unfulfilled";
   /** The utility it gets. */
   utility: number;
   /** The utility desired. */
@@ -547,14 +514,14 @@ export interface ReasonModel {
 }
 
 /** What the Recorder does. */
-export interface RecorderModel {
+export interface RecorderReport {
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
   /** `ring`: the last minutes are kept. `stopped`: by itself, though still desired; see `reason`. */
   state: "idle" | "recording" | "ring" | "stopped";
   /** The recording's; empty while idle. */
   name: string;
-  /** When it began (robot's clock). */
+  /** When it began (robot's clock, s). */
   began: number | null;
   duration_s: number;
   /** On disk so far. */
@@ -566,7 +533,7 @@ export interface RecorderModel {
   queued_bytes: number;
   /** Of the ring; 0: everything goes into one file. */
   keep_minutes: number;
-  /** Whether anybody desires a recording. */
+  /** Whether there is a desire for a recording. */
   desired: boolean;
   /** Why it does not record though it is desired, in words; empty when all is well. */
   reason: string;
@@ -580,19 +547,19 @@ export interface RecordingList {
   /** Room left on its disk. */
   free_bytes: number;
   /** null: this program has no Recorder. */
-  recorder: RecorderModel | null;
+  recorder: RecorderReport | null;
   /** The replay that this console started, while it runs. */
-  replay: ReplayModel | null;
-  recordings: RecordingModel[];
+  replay: ReplayReport | null;
+  recordings: RecordingReport[];
 }
 
 /** One recording. */
-export interface RecordingModel {
+export interface RecordingReport {
   name: string;
   bytes: number;
   /** From its first message to its last; null where it is not known. */
   duration_s: number | null;
-  /** Its first message (robot's clock); null where it is not known. */
+  /** Its first message (robot's clock, s); null where it is not known. */
   began: number | null;
   /** `unfinished`: it was never closed; `hbba log repair` makes it readable. */
   state: "complete" | "recording" | "unfinished";
@@ -601,7 +568,7 @@ export interface RecordingModel {
 }
 
 /** A replay that runs. */
-export interface ReplayModel {
+export interface ReplayReport {
   /** The recording replayed. */
   name: string;
   /** Its console's address, with the token behind `#` where there is one. */
@@ -619,16 +586,16 @@ export interface ResourceUse {
 export interface RobotFacts {
   name: string;
   simulated: boolean;
-  /** Whether it is the body of a replay. */
+  /** Whether it is the body of a replay: it can neither be driven nor stopped. */
   replayed: boolean;
-  limits: LimitsOfBase;
+  limits: BaseLimits;
   /** Corners of its outline (m, in base_link), counter-clockwise; empty for one that does not move. */
   footprint: [number, number][];
-  cautions: CautionModel[];
+  cautions: Caution[];
 }
 
 /** The ends of the scales of desires. */
-export interface ScaleModel {
+export interface Scale {
   intensity: number;
   utility: number;
 }
@@ -645,7 +612,6 @@ export interface SelectedStrategy {
 /** A sound that is being tracked. */
 export interface SoundModel {
   track: number;
-  /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
   /** From the microphones' middle, in base_link's axes; left positive. */
   azimuth: number;
@@ -661,14 +627,13 @@ export interface SoundModel {
   power: number;
   level_db: number;
   active: boolean;
-  /** Seconds of the robot's clock (Unix epoch). */
   last_active: number;
   /** Probability that it is a voice; null: nobody has judged. */
   speech: number | null;
 }
 
-/** Who asked. */
-export interface SourceModel {
+/** Who asked: a motivation of the robot, an operator at the console or a REST client, by name. */
+export interface Source {
   kind: "motivation" | "operator" | "rest";
   name: string;
 }
@@ -676,37 +641,63 @@ export interface SourceModel {
 /** How fresh a channel is, measured beside commanded. */
 export interface SourceState {
   channel: string;
-  state: "live" | "waiting" | "stale" | "closed";
+  state: "closed" | "live" | "stale" | "waiting";
   age_ms: number | null;
   rate_hz: number | null;
   expected_hz: number | null;
 }
 
 /** Who speaks through the robot. */
-export interface SpeakerModel {
+export interface Speaker {
   operator: string;
   /** Whether it is this page's operator. */
   mine: boolean;
 }
 
-/** 20 times a second: guard, pose, driver, freshness of every source. */
+/** Guard, pose, driver, freshness of every source. */
 export interface Status {
   /** Grows. */
   seq: number;
   /** Seconds of the robot's clock (Unix epoch). */
   stamp: number;
-  guard: GuardModel;
+  guard: Guard;
   world_rate: number;
-  odometry: OdometryModel | null;
-  driver: DriverModel | null;
-  speaker: SpeakerModel | null;
+  odometry: OdometryReport | null;
+  driver: Driver | null;
+  speaker: Speaker | null;
   /** The behavior that drives. */
   exploited: string | null;
-  /** Why the collision monitor slowed or stopped it, in words. */
+  /** Why the collision monitor slowed or stopped it, in words; empty: it did not. */
   limited: string;
   /** Why this viewer's driving waits, its commands coming too late; empty: it does not. */
   waits: string;
   sources: SourceState[];
+}
+
+/** One event of the timeline; ``data`` is JSON as it is. */
+export interface TimelineEvent {
+  /** Grows by one from 1. */
+  id: number;
+  /** Seconds of the robot's clock (Unix epoch). */
+  stamp: number;
+  kind:
+    | "capacity"
+    | "desire"
+    | "exploitation"
+    | "filter"
+    | "goal"
+    | "guard"
+    | "intention"
+    | "module"
+    | "overload"
+    | "restart"
+    | "solver"
+    | "stale";
+  /** What it is about: a desire class, a module, a filter. */
+  subject: string;
+  /** One sentence. */
+  text: string;
+  data: Record<string, unknown>;
 }
 
 /** Forward m/s and turn rad/s (left positive). */
@@ -715,7 +706,7 @@ export interface Velocity {
   angular_radps: number;
 }
 
-/** What would help a desire: that nobody desired another class. */
+/** What would help a desire: no desire for another class. */
 export interface WithoutClass {
   kind: "without";
   /** The utility it would get. */
@@ -724,21 +715,20 @@ export interface WithoutClass {
   without: string;
 }
 
-/** A part of the map where the robot is told how to drive. */
-export interface ZoneModel {
+/** Every zone of the map. */
+export interface ZoneList {
+  zones: ZoneReport[];
+}
+
+/** A part of the map to keep out of, or to drive slowly in. */
+export interface ZoneReport {
   /** What people call it; no two share one. */
   name: string;
-  /** The robot keeps out of it, or drives slowly in it. */
   kind: "keep_out" | "slow";
   /** Its corners, x and y on the map (m). */
   polygon: [number, number][];
   /** Share of the robot's greatest speed allowed in it; means nothing to `keep_out`. */
   speed: number;
-}
-
-/** On change: the zones of the map. */
-export interface Zones {
-  zones: ZoneModel[];
 }
 
 /** The picture ``seq`` of its kind was drawn. */
@@ -841,7 +831,7 @@ export interface RobotMessages {
   /** Once a second: what the modules take of the computer. */
   load: Load;
   /** On change, and about once a second while it records: what the Recorder does. */
-  recorder: RecorderModel;
+  recorder: RecorderReport;
   /** On change: what was found, in `odom`. */
   landmarks: Landmarks;
   /** On change: what the robot sees and hears. */
@@ -851,7 +841,7 @@ export interface RobotMessages {
   /** On change: the goal and the state of navigation. */
   navigation: NavigationModel;
   /** On change: the zones of the map. */
-  zones: Zones;
+  zones: ZoneList;
   /** Right before each picture of kind 3 (map): what it shows. */
   map_info: GridInfo;
   /** Right before each picture of kind 4 (costmap): what it shows. */
@@ -861,7 +851,7 @@ export interface RobotMessages {
   /** Something for this viewer, in words to show. */
   notice: Notice;
   /** On a recording, at every change and ten times a second while it plays: its transport. */
-  playback: PlaybackModel;
+  playback: PlaybackReport;
   /** On a recording, at a seek: what came before is of another time and to be forgotten. */
   jump: Jump;
 }
