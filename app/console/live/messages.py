@@ -13,11 +13,11 @@ from pydantic import BaseModel, Field
 from app.attention.reports import DesireClassReport, Divisor, IntentionReport, Scale
 from app.console.records.attention import DesireList, EventList
 from app.console.records.maps import ZoneList
+from app.console.records.navigation import NavigationModel
+from app.console.records.percepts import PerceptsModel
 from app.console.records.program import ModuleReport, SourceState
 from app.console.records.recordings import PlaybackReport, RecorderReport
 from app.console.records.robot import Guard, LandmarkReport, OdometryReport, RobotFacts
-from app.console.rest.map_models import NavigationModel
-from app.console.rest.percepts import PerceptsModel
 from app.messages.base import Stamp, doc
 
 Sequence = Annotated[int, doc("Grows.")]

@@ -13,9 +13,10 @@ from app.base.geometry import wrap_angle
 from app.console.drive.goals import GO_TO, asked_here, withdraw
 from app.console.live.hub import Hub
 from app.console.problems import Problem
+from app.console.records.navigation import NavigationModel
 from app.console.rest.answers import Json, problems
 from app.console.rest.desires import IN_SOMEBODYS_NAME, refuse_too_many, source_of
-from app.console.rest.map_models import GoalRequest, NavigationModel
+from app.console.rest.map_models import GoalRequest
 from app.console.rest.routing import router as api_router
 from app.messages.base import doc
 

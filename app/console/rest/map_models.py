@@ -1,15 +1,14 @@
-"""What REST is asked about maps and goals, checked as it comes in; and the report of navigation."""
+"""What REST is asked about maps and goals, checked as it comes in."""
 
 from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import ConfigDict, Field
 
 from app.console.rest.models import Request
 from app.maps.library import NAME
 from app.maps.zones import FURTHEST_M
-from app.messages.base import Stamp
 
 #: What a map may be called, for the OpenAPI description; the library itself refuses others, in its own words.
 NAME_PATTERN = f"^{NAME.pattern}$"
@@ -85,37 +84,3 @@ class GoalRequest(Request):
     y: Metres = Field(description="On the map (m).")
     heading: Radians | None = Field(None, description="On the map (rad); null: any will do.")
     speed: float | None = Field(None, gt=0, le=1, description="Share of the robot's greatest speed; null: as usual.")
-
-
-class PlaceModel(BaseModel):
-    """A place on the map."""
-
-    x: float
-    y: float
-    theta: float | None = Field(description="null: any heading.")
-
-
-class GivenUpModel(BaseModel):
-    """A goal that the robot has given up."""
-
-    stamp: Stamp
-    goal: PlaceModel
-    reason: str = Field(description="Why, in words.")
-
-
-class NavigationModel(BaseModel):
-    """What the behavior that goes somewhere is about; as `navigation` on the live stream."""
-
-    stamp: Stamp
-    behavior: str = Field(description="Empty before any has spoken.")
-    state: Literal["idle", "planning", "following", "recovering", "waiting", "arrived", "unreachable"]
-    reason: str = Field(description="In words, and what would help.")
-    goal: PlaceModel | None
-    target: PlaceModel | None = Field(description="Where it really goes: the nearest reachable place.")
-    remaining_m: float | None
-    recoveries: int
-    desire: str | None = Field(description="Id of the strongest desire to go somewhere.")
-    path: list[tuple[float, float]] = Field(description="Points on the map (m), at most 200.")
-    given_up: GivenUpModel | None = Field(
-        description="The goal given up last, until there is another or DELETE /goal; null: none."
-    )

@@ -12,7 +12,7 @@ import pytest
 
 from app.attention.desires import Desire, Source
 from app.console.live.hub import Hub
-from app.console.rest.map_models import GivenUpModel, NavigationModel, PlaceModel
+from app.console.records.navigation import GivenUpModel, NavigationModel, PlaceModel
 from app.maps.control import Files, MapUnavailable
 from app.program.system import System
 from tests.console.answers import answered
