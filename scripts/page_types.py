@@ -20,12 +20,30 @@ from app.console import schema
 from app.console.live.messages import FROM_ROBOT
 from app.console.live.protocol import FromPage, TimedMessage
 from app.console.records.maps import MapList
-from app.console.records.recordings import RecordingList
+from app.console.records.recordings import RecordingList, ReplayReport, Saved
+from app.console.rest.map_models import GoalRequest, LoadRequest, RenameRequest, ZonesRequest
+from app.console.rest.models import DesireChange, NewDesire
+from app.console.rest.playback_models import PlaybackChange
+from app.console.rest.recording_models import NewRecording, SaveRequest
+from app.console.rest.session import LoginRequest
 
 ROOT = Path(__file__).resolve().parents[1]
 FILE = ROOT / "web" / "src" / "protocol" / "generated.ts"
 #: Answers of REST that the page reads and that are no messages of the live stream.
-ANSWERS = (MapList, RecordingList)
+ANSWERS = (MapList, RecordingList, ReplayReport, Saved)
+#: Bodies of requests to REST that the page makes.
+REQUESTS = (
+    DesireChange,
+    GoalRequest,
+    LoadRequest,
+    LoginRequest,
+    NewDesire,
+    NewRecording,
+    PlaybackChange,
+    RenameRequest,
+    SaveRequest,
+    ZonesRequest,
+)
 WIDTH = 120
 HEADER = """/**
  * What crosses the live stream and REST. Written by `make types` from the Python records; change those, not this file.
@@ -37,7 +55,7 @@ HEADER = """/**
 def generate() -> str:
     """The text of ``generated.ts``."""
     records = schema.sent([*(message.record for message in FROM_ROBOT.values()), *ANSWERS], "{name}")
-    commands = schema.received([*get_args(FromPage), TimedMessage], "{name}")
+    commands = schema.received([*get_args(FromPage), TimedMessage, *REQUESTS], "{name}")
     parts = [HEADER, 'import type { JsonSchema } from "./jsonSchema";\n']
     parts += [interface(name, records[name]) for name in sorted(records)]
     parts += [interface(name, commands[name]) for name in sorted(commands)]

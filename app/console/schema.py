@@ -7,7 +7,7 @@ descriptions and the page's TypeScript (``scripts/page_types.py``).
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, Literal
 
 import msgspec
 from pydantic import BaseModel
@@ -22,8 +22,23 @@ Schema = dict[str, Any]
 def sent(records: Iterable[type[Any]], reference: str = REFERENCE) -> dict[str, Schema]:
     """The schemas by name of ``records`` and of all records in them, as the console sends them: every member is there.
 
-    ``reference`` is where one schema finds another by its ``{name}``.
+    ``reference`` is where one schema finds another by its ``{name}``. Raises TypeError for what is no record.
     """
+    found = _schemas(records, reference, "serialization")
+    for schema in found.values():
+        if "properties" in schema:
+            schema["required"] = list(schema["properties"])
+    return found
+
+
+def received(records: Iterable[type[Any]], reference: str = REFERENCE) -> dict[str, Schema]:
+    """The same of what clients send: a member with a default may be left out."""
+    return _schemas(records, reference, "validation")
+
+
+def _schemas(
+    records: Iterable[type[Any]], reference: str, mode: Literal["serialization", "validation"]
+) -> dict[str, Schema]:
     models: dict[str, type[BaseModel]] = {}
 
     def of_model(cls: type[Any]) -> Schema:
@@ -34,19 +49,9 @@ def sent(records: Iterable[type[Any]], reference: str = REFERENCE) -> dict[str, 
 
     _, found = msgspec.json.schema_components(records, schema_hook=of_model, ref_template=reference)
     if models:
-        asked = [(model, "serialization") for model in models.values()]
-        _, document = models_json_schema(asked, ref_template=reference.replace("{name}", "{model}"))  # type: ignore[arg-type]
+        asked = [(model, mode) for model in models.values()]
+        _, document = models_json_schema(asked, ref_template=reference.replace("{name}", "{model}"))
         found |= document["$defs"]
-    for schema in found.values():
-        if "properties" in schema:
-            schema["required"] = list(schema["properties"])
-    with_plain_lists(found)
-    return found
-
-
-def received(structs: Iterable[type[msgspec.Struct]], reference: str = REFERENCE) -> dict[str, Schema]:
-    """The schemas by name of messages that clients send: a member with a default may be left out."""
-    _, found = msgspec.json.schema_components(structs, ref_template=reference)
     with_plain_lists(found)
     return found
 

@@ -594,6 +594,11 @@ export interface RobotFacts {
   cautions: Caution[];
 }
 
+/** The recording made of the ring. */
+export interface Saved {
+  name: string;
+}
+
 /** The ends of the scales of desires. */
 export interface Scale {
   intensity: number;
@@ -746,6 +751,17 @@ export interface ClearEStopMessage {
   heard_t?: number | null;
 }
 
+/** What to change of a desire; what is left out stays. */
+export interface DesireChange {
+  intensity?: number;
+  utility?: number;
+  security?: boolean;
+  /** All parameters; they replace the former ones, and those left out take their default. */
+  params?: Record<string, unknown>;
+  /** Seconds from now; null: it stays. */
+  ttl?: number | null;
+}
+
 /** The operator's hands. */
 export interface DriveMessage {
   type: "drive";
@@ -764,10 +780,63 @@ export interface EStopMessage {
   type: "e_stop";
 }
 
+/** Where to go. */
+export interface GoalRequest {
+  /** On the map (m). */
+  x: number;
+  /** On the map (m). */
+  y: number;
+  /** On the map (rad); null: any will do. */
+  heading?: number | null;
+  /** Share of the robot's greatest speed; null: as usual. */
+  speed?: number | null;
+}
+
 /** Whether the page wants to hear what the robot hears. */
 export interface ListenMessage {
   type: "listen";
   on: boolean;
+}
+
+/** How to take a map into use. */
+export interface LoadRequest {
+  /** Where the robot is about, within 1 m and 0.5 rad; null: it looks for itself. */
+  pose?: PoseRequest | null;
+  /** Whether the map goes on growing; else it stays as it is. */
+  extend?: boolean;
+}
+
+/** The console's token. */
+export interface LoginRequest {
+  token: string;
+}
+
+/** A desire to create. */
+export interface NewDesire {
+  /** A class of GET /api/v1/desire-classes. */
+  class: string;
+  /** How much it is desired. */
+  intensity: number;
+  /** Utility desired; 0 inhibits the class. */
+  utility: number;
+  /** Whether it must be fulfilled. */
+  security?: boolean;
+  /** Parameters as the class declares them. */
+  params?: Record<string, unknown>;
+  /** Seconds after which it expires; null: it stays until removed. */
+  ttl?: number | null;
+}
+
+/** What to record. */
+export interface NewRecording {
+  /** Empty: the date and time at which it begins. */
+  name?: string;
+  /** 0: all into one file; else the last so many minutes are kept. */
+  keep_minutes?: number;
+  /** How much it is desired. */
+  intensity?: number;
+  /** Utility desired: how full the recording must be at least. */
+  utility?: number;
 }
 
 /** A sign of life; ``t`` comes back as it is. */
@@ -779,9 +848,40 @@ export interface PingMessage {
   rtt_ms?: number | null;
 }
 
+/** What to change; the rest stays. */
+export interface PlaybackChange {
+  playing?: boolean | null;
+  /** Seconds of the recording in a real second; null: as fast as possible, nothing dropped. */
+  speed?: number | null;
+  /** Go there (stamp of the recording, s). */
+  position?: number | null;
+}
+
+/** A pose on the map. */
+export interface PoseRequest {
+  x: number;
+  y: number;
+  /** Heading on the map, left positive. */
+  theta: number;
+}
+
 /** Give it back. */
 export interface ReleaseControlMessage {
   type: "release_control";
+}
+
+/** What to change of a map. */
+export interface RenameRequest {
+  /** What it is called from now on. */
+  name: string;
+}
+
+/** What of the ring to keep. */
+export interface SaveRequest {
+  /** The last so many; null: all there are. */
+  minutes?: number | null;
+  /** Empty: a name made of the time. */
+  name?: string;
 }
 
 /** Ask for the wheel. */
@@ -810,6 +910,23 @@ export interface ViewMessage {
   panorama?: boolean | null;
   map?: boolean | null;
   costmap?: boolean | null;
+}
+
+/** A part of the map where the robot is told how to drive. */
+export interface ZoneRequest {
+  /** What people call it; no two share one. */
+  name: string;
+  /** The robot keeps out of it, or drives slowly in it. */
+  kind: "keep_out" | "slow";
+  /** Its corners, x and y on the map (m). */
+  polygon: [number, number][];
+  /** Share of the robot's greatest speed allowed in it; means nothing to `keep_out`. */
+  speed?: number;
+}
+
+/** Every zone of the map. */
+export interface ZonesRequest {
+  zones: ZoneRequest[];
 }
 
 /** The robot's messages by `type`. */
