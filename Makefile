@@ -3,7 +3,7 @@ PYTHON ?= $(firstword $(foreach name,python3 python3.14 python3.13 python3.12 py
 ARGS ?=
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test lint lock docs soak bench references clean
+.PHONY: help setup run test lint lock docs soak bench references types clean
 
 help: ## show this
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -15,9 +15,10 @@ lock: ## renew requirements/*.lock; ARGS=--keep: versions stay where they fit
 docs: ## the documentation as a site, with the reference of the packages: build/site/index.html
 soak: ## an idle robot for 45 minutes: its memory stays flat; ARGS=MINUTES
 bench: ## every benchmark
-references: ## measure the modules' reference values anew, say what differs; ARGS=--record: on a new recording
+references: ## measure the modules' reference values again, say what differs; ARGS=--record: on a new recording
+types: ## generate web/src/protocol/generated.ts from the Python records
 setup: ## only set up: .venv, packages, page
 clean: ## remove everything that can be made again
 
-run test lint lock docs soak bench references setup clean:
+run test lint lock docs soak bench references types setup clean:
 	@$(PYTHON) scripts/dev.py $@ $(ARGS)

@@ -55,7 +55,7 @@ class SetupFailed(Exception):
 def main() -> int:
     """Do what the Makefile's target asks for."""
     parser = argparse.ArgumentParser(prog="scripts/dev.py", description=__doc__)
-    tasks = ["setup", "run", "test", "patient-tests", "lint", "lint-page", "lock", "docs"]
+    tasks = ["setup", "run", "test", "patient-tests", "lint", "lint-page", "lock", "docs", "types"]
     parser.add_argument("task", choices=[*tasks, "soak", "bench", "references", "clean"])
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help="handed on to hbba run, pytest or the benchmarks")
     args = parser.parse_args()
@@ -86,6 +86,9 @@ def main() -> int:
         if args.task == "references":
             set_up({"test"}, page_wanted=False)
             return run([PYTHON, ROOT / "scripts" / "references.py", *args.arguments])
+        if args.task == "types":
+            set_up({"test"}, page_wanted=False)
+            return run([PYTHON, ROOT / "scripts" / "page_types.py"])
         if args.task == "bench":
             set_up({"test", "bench"}, debian=True)
             return run([PYTHON, "-m", "benchmarks", *args.arguments])

@@ -9,11 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Literal
+from typing import Annotated, Any, Final, Literal
 
+from msgspec import Meta, Struct
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from app.base.yaml_source import dotted, suggestion, validation_message
+from app.messages.base import Stamp, doc
 
 SCALE: Final = 8.0
 """The scale's end for intensity, desired utility and produced utility: t_i = t_u = t_v of the thesis."""
@@ -109,24 +111,18 @@ class Source:
     name: str
 
 
-@dataclass(frozen=True, slots=True)
-class Desire:
-    """One desire in the Intention Workspace.
+class Desire(Struct, frozen=True, rename={"cls": "class"}):
+    """One desire of the Intention Workspace."""
 
-    ``intensity`` in ]0, 8]; ``utility`` (desired) in [0, 8], 0 inhibits the class; ``security`` must be fulfilled;
-    ``params`` as validated by the class; ``created`` and ``expires`` are stamps (seconds of the robot's clock),
-    ``expires`` None for a desire that stays until removed.
-    """
-
-    id: str
-    cls: str
-    intensity: float
-    utility: float
-    security: bool
-    params: Mapping[str, Any]
+    id: Annotated[str, Meta(examples=["d-3f0c81a2b4"])]
+    cls: Annotated[str, Meta(examples=["FindQRCodes"])]
+    intensity: Annotated[float, Meta(description="How much it is desired, over 0 and at most 8.", examples=[8])]
+    utility: Annotated[float, Meta(description="Utility desired, 0 to 8; 0 inhibits the class.", examples=[4])]
+    security: Annotated[bool, doc("Whether it must be fulfilled.")]
+    params: Annotated[Mapping[str, Any], doc("Parameters as the class declares them.")]
     source: Source
-    created: float
-    expires: float | None = None
+    created: Stamp
+    expires: Annotated[float | None, doc("When it expires (robot's clock, s); null: never.")] = None
 
 
 def checked_number(field: str, value: object, *, above: float | None = None) -> float:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from app.base.observers import Observers
+from app.messages.base import Stamp, doc
 
 EventKind = Literal[
     "desire",
@@ -28,14 +29,13 @@ EventKind = Literal[
 
 @dataclass(frozen=True, slots=True)
 class TimelineEvent:
-    """One event. ``id`` grows by one from 1; ``stamp`` is the robot's clock in seconds; ``subject`` is the name of its
-    subject (a desire class, a module, a filter); ``data`` is JSON-able; ``text`` is one sentence for people."""
+    """One event of the timeline; ``data`` is JSON as it is."""
 
-    id: int
-    stamp: float
+    id: Annotated[int, doc("Grows by one from 1.")]
+    stamp: Stamp
     kind: EventKind
-    subject: str
-    text: str
+    subject: Annotated[str, doc("What it is about: a desire class, a module, a filter.")]
+    text: Annotated[str, doc("One sentence.")]
     data: Mapping[str, Any] = field(default_factory=dict)
 
 

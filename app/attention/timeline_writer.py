@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+
+import msgspec
 
 from app.attention.desires import Desire, Source
 from app.attention.intention import Intention
@@ -21,7 +22,7 @@ def note_desires(timeline: Timeline, change: WorkspaceChange) -> bool:
         _note_desire(timeline, "added", desire, f"{source_words(desire.source)} desires {desire.cls}")
     moved = bool(change.added or change.removed)
     for before, after in change.changed:
-        if replace(before, expires=after.expires) != after:
+        if msgspec.structs.replace(before, expires=after.expires) != after:
             moved = True
             _note_desire(timeline, "changed", after, f"desire for {after.cls} changed")
     for removal in change.removed:

@@ -9,8 +9,10 @@ import math
 import secrets
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Final, Literal
+
+import msgspec
 
 from app.attention.desires import Desire, DesireClasses, InvalidDesire, Source, checked_number, strongest_first
 from app.base.observers import Observers
@@ -180,7 +182,7 @@ class IntentionWorkspace:
         Raises UnknownDesire, or InvalidDesire naming the field; then nothing has changed.
         """
         before = self.get(desire_id)
-        after = replace(
+        after = msgspec.structs.replace(
             before,
             intensity=(
                 before.intensity if isinstance(intensity, _Unset) else checked_number("intensity", intensity, above=0)

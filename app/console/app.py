@@ -29,6 +29,7 @@ from app.console.rest.percepts import percepts_router
 from app.console.rest.playback import playback_router
 from app.console.rest.program import program_router, robot_router
 from app.console.rest.recordings import recordings_router
+from app.console.rest.routing import records
 from app.console.rest.session import session_router
 from app.console.rest.viewers import viewers_router
 from app.console.view.relay import view_router
@@ -91,7 +92,7 @@ def create_app(
     app.state.replays = replays
     install_problem_handlers(app)
     api = APIRouter(prefix=API)
-    for router in (
+    routers = (
         desires_router(system),
         attention_router(system),
         robot_router(system, hub),
@@ -103,7 +104,8 @@ def create_app(
         viewers_router(hub, view),
         session_router(door),
         playback_router(playback),
-    ):
+    )
+    for router in routers:
         api.include_router(router)
 
     @api.websocket("/live")
@@ -113,7 +115,7 @@ def create_app(
     app.include_router(api)
     app.include_router(view_router(view))
     app.include_router(panels_router(panels))
-    describe(app, API, token_needed=token is not None)
+    describe(app, API, answers=records(routers), token_needed=token is not None)
 
     install_page(app, static_dir or paths.static_dir())
     return app

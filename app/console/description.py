@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Sequence
 from typing import Any
 
 from fastapi import FastAPI, Request
@@ -10,8 +11,8 @@ from fastapi.openapi.utils import get_openapi
 from fastapi.responses import RedirectResponse, Response
 from fastapi.routing import APIRoute
 
+from app.console import schema
 from app.console.access.auth import COOKIE, OPEN_PATHS, cookie_name
-from app.console.json_schema import with_plain_lists
 from app.console.problems import ProblemDocument
 from app.console.rest.answers import Json, problem_content
 
@@ -80,16 +81,17 @@ def operation_id(route: APIRoute) -> str:
     return route.name
 
 
-def describe(app: FastAPI, prefix: str, *, token_needed: bool = False) -> None:
+def describe(app: FastAPI, prefix: str, *, answers: Sequence[type[Any]] = (), token_needed: bool = False) -> None:
     """Serve ``openapi.json``, ``live.json`` and ``docs`` under ``prefix``; must come after the routes it describes.
 
-    ``token_needed``: requests need the token or a session. The first call of ``app.openapi()`` takes a fifth of
-    a second, which a driver would notice: call it off the event loop.
+    ``answers`` are the records that its routes answer with. ``token_needed``: requests need the token or a session.
+    The first call of ``app.openapi()`` takes a fifth of a second, which a driver would notice: call it off the event
+    loop.
     """
 
     def document() -> dict[str, Any]:
         if app.openapi_schema is None:
-            app.openapi_schema = _document(app, token_needed)
+            app.openapi_schema = _document(app, answers, token_needed)
         return app.openapi_schema
 
     # mypy takes a method for something that cannot be replaced.
@@ -119,8 +121,8 @@ def describe(app: FastAPI, prefix: str, *, token_needed: bool = False) -> None:
         return RedirectResponse(REST_PAGE)
 
 
-def _document(app: FastAPI, token_needed: bool) -> dict[str, Any]:
-    schema = get_openapi(
+def _document(app: FastAPI, answers: Sequence[type[Any]], token_needed: bool) -> dict[str, Any]:
+    document = get_openapi(
         title="HBBA console",
         version="1",
         summary="A robot with selective attention.",
@@ -130,22 +132,23 @@ def _document(app: FastAPI, token_needed: bool) -> dict[str, Any]:
         servers=[{"url": "/", "description": "The console that serves this description."}],
         routes=app.routes,
     )
-    components = schema.setdefault("components", {})
+    components = document.setdefault("components", {})
     models = components.setdefault("schemas", {})
     problem = ProblemDocument.model_json_schema(ref_template="#/components/schemas/{model}")
     models.update(problem.pop("$defs", {}))
+    models.update(schema.sent(answers))
     models["ProblemDocument"] = problem
     # FastAPI describes its own shape of a refused body, which never leaves this console.
     for name in ("HTTPValidationError", "ValidationError"):
         models.pop(name, None)
     components["responses"] = {name: {"description": when, "content": problem_content()} for name, _, when in _COMMON}
     components["securitySchemes"] = _SCHEMES
-    schema["security"] = [{name: []} for name in _SCHEMES] + ([] if token_needed else [{}])
-    for path, operations in schema["paths"].items():
+    document["security"] = [{name: []} for name in _SCHEMES] + ([] if token_needed else [{}])
+    for path, operations in document["paths"].items():
         for method, operation in operations.items():
             _complete(path, method, operation)
-    with_plain_lists(schema)
-    return schema
+    schema.with_plain_lists(document)
+    return document
 
 
 def _complete(path: str, method: str, operation: dict[str, Any]) -> None:

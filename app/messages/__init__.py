@@ -46,6 +46,7 @@ from app.messages.records import (
     LogLine,
     ModuleRecord,
     ReasonRecord,
+    RecorderState,
     RecorderStatus,
 )
 from app.messages.sensors import (
@@ -96,6 +97,7 @@ __all__ = [
     "QRCode",
     "QRCodes",
     "ReasonRecord",
+    "RecorderState",
     "RecorderStatus",
     "SceneTruth",
     "SeparatedSound",

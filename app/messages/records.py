@@ -4,6 +4,9 @@ filter's divisor is inf."""
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
+
+RecorderState = Literal["idle", "recording", "ring", "stopped"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +131,7 @@ class RecorderStatus:
     """
 
     stamp: float
-    state: str
+    state: RecorderState
     name: str
     began: float
     duration_s: float

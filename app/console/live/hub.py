@@ -10,16 +10,18 @@ import asyncio
 import secrets
 from collections.abc import Callable, Collection
 from contextlib import ExitStack
+from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING
 
-from app.attention.serialize import desire_to_json, event_to_json, intention_to_json
+from app.attention.reports import Scale, desire_class_report, intention_report
 from app.console import reports
 from app.console.drive import drive_lease
 from app.console.drive.command_age import CommandAge
 from app.console.drive.drive_controller import Driving, hands
 from app.console.drive.goals import withdraw_all
 from app.console.drive.telepresence_desire import LISTEN, WATCH, Presence, Spectators
+from app.console.live import messages
 from app.console.live.feeds import GRIDS, PICTURES, SOUND_CHANNEL, Feeds, comes
 from app.console.live.panel_feed import PanelFeed
 from app.console.live.protocol import CAMERA, COSTMAP, MAP, PANORAMA, PROTOCOL
@@ -27,19 +29,18 @@ from app.console.live.sampler import Sampler
 from app.console.live.speech import Speech
 from app.console.live.viewer import Viewer
 from app.console.percepts import Percepts
-from app.console.playback import PERIOD_S, playback_json
-from app.console.recordings import RecorderReport
+from app.console.playback import PERIOD_S, playback_report
+from app.console.recordings import RecorderWatch
+from app.console.records.attention import DesireList
 from app.console.taps import Tap
 from app.console.way import WayReport
-from app.console.wire import encode_text
+from app.console.wire import encode_text, frame
 from app.messages import LinkStatus
 
 if TYPE_CHECKING:
     from app.attention.timeline import TimelineEvent
     from app.logs.replay.playback import Playback
     from app.program.system import System
-
-Level = Literal["info", "warning", "error"]
 
 REVIVED = "The body answers again. Press again to drive, and give goals again; the map begins at nothing."
 SILENT = "There is nothing to listen to: no module here makes sound for people."
@@ -60,7 +61,7 @@ class Hub:
         #: Where the robot is on the map, and where it goes.
         self.way = WayReport(system)
         self._sampler = Sampler(system, self, self.percepts, self.way)
-        self._recorder = RecorderReport(system)
+        self._recorder = RecorderWatch(system)
         channels = [system.graph.channels[name] for name in panel_channels if name in system.graph.channels]
         self._panels = PanelFeed(channels, system.pace, self.broadcast)
         self._stack = ExitStack()
@@ -128,12 +129,12 @@ class Hub:
         assert self._playback is not None
         self._sampler.begin_anew(position, self._playback.attention, self._playback.spoke)
         self._new_events.clear()
-        jump = encode_text({"type": "jump", "stamp": position})
-        frames = {kind: frame for kind, frame in self._standing_frames().items() if kind != "load"}
+        jump = frame("jump", messages.Jump(position))
+        frames = {kind: text for kind, text in self._standing_frames().items() if kind != "load"}
         for viewer in self._viewers.values():
             viewer.outbox.begin_anew(jump)
-            for kind, frame in frames.items():
-                viewer.outbox.put(kind, frame)
+            for kind, text in frames.items():
+                viewer.outbox.put(kind, text)
 
     def _on_body(self, problem: str) -> None:
         """The body does not answer, for this reason; or ("") does again, with an odometry of its own."""
@@ -144,9 +145,9 @@ class Hub:
             self.percepts.forget()
             self.way.forget()
             self._feeds.forget()
-            for kind, frame in self._standing_frames().items():
+            for kind, text in self._standing_frames().items():
                 if kind in ("landmarks", "perceived"):
-                    self.broadcast(kind, frame)
+                    self.broadcast(kind, text)
 
     # --- Viewers -----------------------------------------------------------------------------------------------------
 
@@ -165,8 +166,8 @@ class Hub:
         if first:
             self._start_watching()
         viewer.outbox.put_urgent(self._hello(viewer))
-        for kind, frame in self._standing_frames().items():
-            viewer.outbox.put(kind, frame)
+        for kind, text in self._standing_frames().items():
+            viewer.outbox.put(kind, text)
         self._show_standing_picture(viewer, CAMERA)
         self._feeds.update()
         return viewer
@@ -211,35 +212,34 @@ class Hub:
         """Whether any page shows pictures of ``kind``."""
         return any(kind in viewer.shows for viewer in self._viewers.values())
 
-    def notify(self, session: str, level: Level, text: str) -> None:
+    def notify(self, session: str, level: messages.Level, text: str) -> None:
         """Tell one viewer something."""
         viewer = self._viewers.get(session)
         if viewer is not None:
-            viewer.outbox.put_urgent(encode_text({"type": "notice", "level": level, "text": text}))
+            viewer.outbox.put_urgent(frame("notice", messages.Notice(level, text)))
 
-    def broadcast(self, kind: str, frame: str) -> None:
+    def broadcast(self, kind: str, text: str) -> None:
         """Give everybody the newest frame of ``kind``."""
         for viewer in self._viewers.values():
-            viewer.outbox.put(kind, frame)
+            viewer.outbox.put(kind, text)
 
-    def broadcast_status(self, status: dict[str, Any]) -> None:
-        """Send ``status`` to every viewer. It differs by viewer only in ``mine`` of driver and speaker and in
-        ``waits``: it is encoded once for all viewers with the same three."""
+    def broadcast_status(self, status: messages.Status) -> None:
+        """Send ``status`` to every viewer, completed by driver, speaker and ``waits``. It differs by viewer only in
+        ``mine`` of the first two and in the last: it is encoded once for all viewers with the same three."""
         lease, speaker = self.driving.lease, self.speech.speaker
         frames: dict[tuple[bool, bool, str], str] = {}
         for session, viewer in self._viewers.items():
             waits = self.waits(viewer)
             mine = (session == lease.driver, speaker is not None and session == speaker[0], waits)
             if mine not in frames:
-                driver = _whose(lease.driver_name, mine[0])
-                frames[mine] = encode_text(
-                    status
-                    | {
-                        "driver": None if driver is None else driver | {"holds": lease.moving},
-                        "speaker": _whose(None if speaker is None else speaker[1], mine[1]),
-                        "waits": waits,
-                    }
+                name = lease.driver_name
+                own = replace(
+                    status,
+                    driver=None if name is None else messages.Driver(name, mine[0], lease.moving),
+                    speaker=None if speaker is None else messages.Speaker(speaker[1], mine[1]),
+                    waits=waits,
                 )
+                frames[mine] = frame("status", own)
             viewer.outbox.put("status", frames[mine])
 
     def waits(self, viewer: Viewer) -> str:
@@ -296,7 +296,7 @@ class Hub:
 
     def _on_event(self, event: TimelineEvent) -> None:
         if not self.moving:
-            self._new_events.append(encode_text(event_to_json(event)))
+            self._new_events.append(encode_text(event))
             self._mark_stale("events")
 
     def _on_recorder(self) -> None:
@@ -332,12 +332,12 @@ class Hub:
 
     def _standing_frames(self) -> dict[str, str]:
         """What a newcomer must know that is otherwise told on change only."""
-        landmarks = reports.landmarks_json(reports.latest(self._system.graph, "landmarks"))
+        landmarks = reports.landmarks(reports.latest(self._system.graph, "landmarks"))
         return {
             # First, so that the page has the past before the present.
             "lanes_history": self._sampler.history_frame(),
             **{kind: build() for kind, build in self._builders().items()},
-            "landmarks": encode_text({"type": "landmarks", "landmarks": landmarks}),
+            "landmarks": frame("landmarks", messages.Landmarks(landmarks)),
             "perceived": self._sampler.perceived_frame(),
             **self._sampler.way_frames(),
             "load": self._sampler.load_frame(),
@@ -346,49 +346,40 @@ class Hub:
 
     def _hello(self, viewer: Viewer) -> str:
         system = self._system
-        return encode_text(
-            {
-                "type": "hello",
-                "protocol": PROTOCOL,
-                "session": viewer.session,
-                "stamp": system.clock.now(),
-                "robot": reports.robot_json(system, replayed=self._playback is not None),
-                "scale": reports.scale_json(),
-                "classes": [reports.class_json(system, name) for name in system.classes],
-                "channels": {
-                    "camera": self._comes(PICTURES[CAMERA]),
-                    "panorama": self._comes(PICTURES[PANORAMA]),
-                    "map": self._comes(GRIDS[MAP].channel),
-                    "costmap": self._comes(GRIDS[COSTMAP].channel),
-                    "scan": self._comes("scan"),
-                    "point_cloud": self._comes("point_cloud"),
-                },
-                "drive": self.driving.drivable,
-                "audio": {"listen": self._comes(SOUND_CHANNEL), "speak": not self.speech.in_vain},
-                "playback": None if self._playback is None else playback_json(self._playback),
-            }
+        return frame(
+            "hello",
+            messages.Hello(
+                protocol=PROTOCOL,
+                session=viewer.session,
+                stamp=system.clock.now(),
+                robot=reports.robot_facts(system, replayed=self._playback is not None),
+                scale=Scale(),
+                classes=tuple(desire_class_report(each, system.table) for each in system.classes.values()),
+                channels=messages.Channels(
+                    camera=self._comes(PICTURES[CAMERA]),
+                    panorama=self._comes(PICTURES[PANORAMA]),
+                    map=self._comes(GRIDS[MAP].channel),
+                    costmap=self._comes(GRIDS[COSTMAP].channel),
+                    scan=self._comes("scan"),
+                    point_cloud=self._comes("point_cloud"),
+                ),
+                drive=self.driving.drivable,
+                audio=messages.AudioFacts(listen=self._comes(SOUND_CHANNEL), speak=not self.speech.in_vain),
+                playback=None if self._playback is None else playback_report(self._playback),
+            ),
         )
 
     def _transport(self) -> str:
         assert self._playback is not None
-        return encode_text({"type": "playback", **playback_json(self._playback)})
+        return frame("playback", playback_report(self._playback))
 
     def _desires(self) -> str:
-        desires = [desire_to_json(desire) for desire in self._system.workspace.desires()]
-        return encode_text({"type": "desires", "desires": desires})
+        return frame("desires", DesireList(tuple(self._system.workspace.desires())))
 
     def _intention(self) -> str:
-        current = self._system.translator.current
-        return encode_text(
-            {
-                "type": "intention",
-                "intention": None if current is None else intention_to_json(current, self._system.table),
-            }
-        )
+        current, resources = self._system.translator.current, self._system.table.resources
+        report = None if current is None else intention_report(current, resources)
+        return frame("intention", messages.CurrentIntention(report))
 
     def _recording(self) -> str:
-        return encode_text({"type": "recorder", **(self._recorder.json() or {})})
-
-
-def _whose(operator: str | None, mine: bool) -> dict[str, Any] | None:
-    return None if operator is None else {"operator": operator, "mine": mine}
+        return frame("recorder", self._recorder.report())

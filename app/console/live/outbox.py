@@ -10,7 +10,8 @@ from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from app.console.wire import encode_text
+from app.console.live.messages import Notice
+from app.console.wire import frame
 
 #: A viewer that falls this many events behind is told to fetch them over REST instead.
 MOST_EVENTS = 1000
@@ -169,10 +170,10 @@ class Outbox:
             text = f"More than {MOST_EVENTS} events were missed; reload them: GET /api/v1/timeline."
             # Events that came since are part of what is reloaded.
             self._events.clear()
-            return encode_text({"type": "notice", "level": "warning", "text": text})
-        frame = '{"type":"events","events":[' + ",".join(self._events) + "]}"
+            return frame("notice", Notice("warning", text))
+        events = '{"type":"events","events":[' + ",".join(self._events) + "]}"
         self._events.clear()
-        return frame
+        return events
 
 
 def _picture(kind: int) -> str:

@@ -7,14 +7,14 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 from app.console import reports
-from app.console.live import lane_history
+from app.console.live import lane_history, messages
 from app.console.live.lanes import LaneSampler
 from app.console.live.recorded_lanes import Spoke, recorded_lanes
 from app.console.perceived import perceived_json
 from app.console.percepts import Percepts
 from app.console.playback import rate
 from app.console.way import WayReport
-from app.console.wire import encode_text
+from app.console.wire import encode_text, frame
 from app.messages import Exploitation, Landmarks, LinkStatus, Odometry
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ class Audience(Protocol):
         """Give everybody the newest frame of ``kind``."""
         ...
 
-    def broadcast_status(self, status: dict[str, Any]) -> None:
+    def broadcast_status(self, status: messages.Status) -> None:
         """Give everybody the status, completed with who drives."""
         ...
 
@@ -58,7 +58,7 @@ class Sampler:
         self._told: dict[str, dict[str, Any]] = {}
         self._lanes = LaneSampler(system.graph, system.classes, system.table.strategies)
         self._history = lane_history.LaneHistory(system.classes)
-        self._modules = reports.ModuleReport(system)
+        self._modules = reports.ModuleMeter(system)
         self._sequence = 0
         self._load_stamp = 0.0
         self._exploitation: Exploitation | None = None
@@ -79,8 +79,7 @@ class Sampler:
         self._odometry = message
 
     def _on_landmarks(self, message: Landmarks) -> None:
-        landmarks = reports.landmarks_json(message)
-        self._audience.broadcast("landmarks", encode_text({"type": "landmarks", "landmarks": landmarks}))
+        self._audience.broadcast("landmarks", frame("landmarks", messages.Landmarks(reports.landmarks(message))))
 
     async def run(self) -> None:
         """Sample until cancelled. Beats missed are skipped, never made up for."""
@@ -154,19 +153,21 @@ class Sampler:
         perceived = perceived_json(self._percepts.at(self._system.clock.now()))
         return encode_text({"type": "perceived", **perceived})
 
-    def _status(self, now: float) -> dict[str, Any]:
-        status = self._audience.link_status
-        return {
-            "type": "status",
-            "seq": self._sequence,
-            "stamp": now,
-            "guard": reports.guard_json(status, now, rate(self._system.clock), self._system.body_restarter.problem),
-            "world_rate": 1.0 if status is None else round(status.world_rate, 4),
-            "odometry": reports.odometry_json(self._odometry),
-            "exploited": reports.exploited(self._exploitation, now, rate(self._system.clock)),
-            "limited": reports.limited(self._exploitation, now, rate(self._system.clock)),
-            "sources": reports.sources_json(self._system.graph, self._system.freshness.read(now)),
-        }
+    def _status(self, now: float) -> messages.Status:
+        status, speed = self._audience.link_status, rate(self._system.clock)
+        return messages.Status(
+            seq=self._sequence,
+            stamp=now,
+            guard=reports.guard(status, now, speed, self._system.body_restarter.problem),
+            world_rate=1.0 if status is None else round(status.world_rate, 4),
+            odometry=reports.odometry_report(self._odometry),
+            driver=None,
+            speaker=None,
+            exploited=reports.exploited(self._exploitation, now, speed),
+            limited=reports.limited(self._exploitation, now, speed),
+            waits="",
+            sources=reports.source_states(self._system.graph, self._system.freshness.read(now)),
+        )
 
     def _rows(self, now: float) -> list[dict[str, Any]]:
         current = self._system.translator.current
@@ -184,12 +185,5 @@ class Sampler:
     def load_frame(self) -> str:
         """The last load window."""
         load = self._system.load.latest
-        return encode_text(
-            {
-                "type": "load",
-                "stamp": load.stamp,
-                "process_cpu": round(load.process, 2),
-                "budget": self._system.translator.capacities.get("cpu"),
-                "modules": self._modules.modules(),
-            }
-        )
+        budget = self._system.translator.capacities.get("cpu")
+        return frame("load", messages.Load(load.stamp, round(load.process, 2), budget, self._modules.modules()))

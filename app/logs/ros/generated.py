@@ -12,7 +12,8 @@ dataclass                              nested ``hbba_msgs/<Class>``, or of its p
 ``X | None``                           ``bool has_name`` and ``X name`` (zeros, empty, where there is none)
 =====================================  ==================================================================
 
-A field is named as in Python, in lower case, since ROS allows no other: ``X_BC`` is ``x_bc``.
+A field is named as in Python, in lower case, since ROS allows no other: ``X_BC`` is ``x_bc``. What ``Annotated`` says
+of a field beside its type is not in the definition.
 """
 
 from __future__ import annotations

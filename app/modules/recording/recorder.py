@@ -34,7 +34,7 @@ from app.logs.mcap.open_file import OpenFile, create
 from app.logs.mcap.ring import SEGMENT_S, Ring
 from app.logs.mcap.writer import MEGABYTE, Limits, RecordingWriter, Sink, check_room
 from app.logs.ros.encoder import Encoder
-from app.messages import EventRecord, Image, Message, ModuleRecord, PointCloud, RecorderStatus
+from app.messages import EventRecord, Image, Message, ModuleRecord, PointCloud, RecorderState, RecorderStatus
 from app.modules.recording.ring_saver import NO_RING, RingSaver
 from app.runtime.channel_table import ChannelSpec, ChannelTable
 from app.runtime.errors import InboxOverflow
@@ -330,7 +330,7 @@ class Recorder(Module):
                 reason="",
             )
         sink = writer.sink
-        state = "stopped" if writer.reason else "ring" if self._turns else "recording"
+        state: RecorderState = "stopped" if writer.reason else "ring" if self._turns else "recording"
         return RecorderStatus(
             stamp=now,
             state=state,

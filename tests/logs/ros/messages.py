@@ -82,6 +82,8 @@ def _values(name: str, hint: Any) -> st.SearchStrategy[Any]:
     if origin is np.ndarray:
         dtype = np.dtype(typing.get_args(arguments[1])[0])
         return arrays.arrays(dtype, arrays.array_shapes(max_dims=2, min_side=0, max_side=5))
+    if origin is typing.Literal:
+        return st.sampled_from(arguments)
     if hint is float:
         return STAMPS if name == "stamp" else _FLOATS
     simple = {int: st.integers(-(2**63), 2**63 - 1), bool: st.booleans(), bytes: st.binary(max_size=30)}

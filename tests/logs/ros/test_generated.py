@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import pytest
@@ -13,6 +13,7 @@ from app.base.geometry import Pose2, Pose3
 from app.logs.ros import typestore
 from app.logs.ros.generated import UnrecordableType, generated
 from app.messages import read_only
+from app.messages.base import Stamp, doc
 from tests.logs.ros.messages import same
 
 
@@ -26,17 +27,17 @@ class Smell:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NoseReport:
-    """One of everything that a field may be."""
+    """One of everything that a field may be, with descriptions and without."""
 
-    stamp: float
-    sniffs: int
+    stamp: Stamp
+    sniffs: Annotated[int, doc("Since the start.")]
     blocked: bool
     state: Literal["clean", "dirty"]
     raw: bytes
     p_BN: tuple[float, float, float] | None
     strongest: Smell | None
     smells: tuple[Smell, ...]
-    words: tuple[str, ...]
+    words: tuple[Annotated[str, doc("What it smells like.")], ...]
     flags: tuple[bool, bool]
     counts: tuple[int, ...]
     spectrum: NDArray[np.float32]

@@ -34,7 +34,6 @@ const sound = (some: Partial<HeardSound>): HeardSound => ({
   ...some,
 });
 const perceived = (some: Partial<Perceived>): Perceived => ({
-  type: "perceived",
   stamp: 10,
   faces: [],
   sounds: [],

@@ -9,6 +9,7 @@ const row = (name: string, divisor: number | null, text = ""): LaneRow => ({
   utility: 1,
   rate: null,
   divisor,
+  divisors: {},
   state: divisor === null ? "unfulfilled" : "fulfilled",
   text,
 });
@@ -58,11 +59,10 @@ test("a fresh picture is not said to be missing, whatever attention just did", (
 });
 
 test("of a robot that cannot perceive people nothing is shown; a recording may still have some", () => {
-  const kind = (served?: boolean) => ({ name: "LocateVoices", served });
-  const blind = (served?: boolean) => ({ channels: { panorama: false }, classes: [kind(served)] }) as unknown as Hello;
+  const kind = (served: boolean) => ({ name: "LocateVoices", served });
+  const blind = (served: boolean) => ({ channels: { panorama: false }, classes: [kind(served)] }) as unknown as Hello;
   expect(perceives(blind(false))).toBe(false);
   expect(perceives(blind(true))).toBe(true);
-  expect(perceives(blind())).toBe(true);
   expect(perceives({ ...blind(false), playback: {} } as Hello)).toBe(true);
   expect(perceives(null)).toBe(true);
 });

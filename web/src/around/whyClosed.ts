@@ -29,7 +29,7 @@ const PERCEPTIONS = [
 /** Whether anything can ever be shown of what is around: a picture, faces or voices. */
 export function perceives(hello: Hello | null): boolean {
   if (!hello || hello.playback || hello.channels.panorama) return true;
-  return PERCEPTIONS.some(({ kind }) => hello.classes.some(({ name, served }) => name === kind && served !== false));
+  return PERCEPTIONS.some(({ kind }) => hello.classes.some(({ name, served }) => name === kind && served));
 }
 
 /** `fresh`: the picture is of now. In a replay attention closes nothing to those who watch. */

@@ -40,7 +40,7 @@ function Row({ desire }: { desire: Desire }) {
   const change = (what: Partial<Pick<Desire, "intensity" | "utility">>) =>
     attempt(session.rest.changeDesire(desire.id, what));
   const name = spaced(desire.class);
-  const params = Object.entries(desire.params ?? {}).filter(([, value]) => value !== "" && value !== null);
+  const params = Object.entries(desire.params).filter(([, value]) => value !== "" && value !== null);
   return (
     <li
       class="desire"

@@ -1,6 +1,7 @@
 import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import type { PlaybackController } from "../playback/playbackController";
-import type { Status, ToRobot } from "../protocol/types";
+import type { ToRobot } from "../protocol/types";
+import type { Message } from "../state/latest";
 import type { Session } from "../state/session";
 import { createStore } from "../state/store";
 import { DriveController } from "./driveController";
@@ -78,7 +79,7 @@ describe("commands that come late", () => {
   test("are not sent, and the page says why; what was held must be pressed again", () => {
     const { drive, press, sent, store } = hands();
     store.link.value = { ...store.link.peek(), phase: "live" };
-    const status = { type: "status", guard: { e_stopped: false }, driver: null } as unknown as Status;
+    const status = { type: "status", guard: { e_stopped: false }, driver: null } as unknown as Message<"status">;
     store.latest.put(status);
     expect(drive.refusal.value).toBe(null);
     press("keydown", "KeyW");
@@ -100,7 +101,7 @@ describe("Escape with the help open", () => {
     const made = hands({ going });
     const eStop = vi.fn();
     Object.assign(made.session, { eStop });
-    made.store.latest.put({ type: "status", guard: { state } } as unknown as Status);
+    made.store.latest.put({ type: "status", guard: { state } } as unknown as Message<"status">);
     made.store.link.value = { ...made.store.link.peek(), phase: live ? "live" : "stale" };
     made.store.help.value = true;
     return { ...made, eStop };

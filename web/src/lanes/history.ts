@@ -144,9 +144,8 @@ export class LaneHistory {
     const last = (slot + CAPACITY - 1) % CAPACITY;
     const before = lane.text[last];
     lane.text[slot] = before === row.text ? before : row.text;
-    const divisors = row.divisors ?? NO_DIVISORS;
     const known = lane.divisors[last];
-    lane.divisors[slot] = known && equal(known, divisors) ? known : divisors;
+    lane.divisors[slot] = known && equal(known, row.divisors) ? known : row.divisors;
   }
 }
 

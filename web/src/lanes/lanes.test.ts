@@ -19,7 +19,18 @@ import {
 const START = 1_790_000_000;
 
 function row(over: Partial<LaneRow> = {}): LaneRow {
-  return { class: "QR", intensity: 8, utility: 1, rate: 0.5, divisor: 2, state: "fulfilled", text: "fits", ...over };
+  const [divisor, divisors] = [2, {}];
+  return {
+    class: "QR",
+    intensity: 8,
+    utility: 1,
+    rate: 0.5,
+    divisor,
+    divisors,
+    state: "fulfilled",
+    text: "fits",
+    ...over,
+  };
 }
 
 function filled(count: number, make: (i: number) => LaneRow[]): LaneHistory {
@@ -95,10 +106,23 @@ describe("history", () => {
 describe("the past that the robot sends", () => {
   /** Twice a second from `from` on; QR was undesired until sample `at`, with a reason since. */
   function past(from: number, count: number, at: number): LanesHistory {
-    const before = { intensity: null, utility: null, divisor: null, state: "undesired", text: "No desire" } as const;
-    const since = { intensity: 8, utility: 2, divisor: 4, state: "degraded", text: "Too costly" } as const;
+    const before = {
+      intensity: null,
+      utility: null,
+      divisor: null,
+      divisors: {},
+      state: "undesired",
+      text: "No desire",
+    } as const;
+    const since = {
+      intensity: 8,
+      utility: 2,
+      divisor: 4,
+      divisors: {},
+      state: "degraded",
+      text: "Too costly",
+    } as const;
     return {
-      type: "lanes_history",
       stamps: Array.from({ length: count }, (_, i) => from + i * 0.5),
       rows: [
         {
@@ -119,7 +143,14 @@ describe("the past that the robot sends", () => {
     expect(history.count).toBe(1200);
     expect(history.sample("QR", START + 399.7)).toMatchObject({ intensity: null, state: "undesired", rate: null });
     const later = history.sample("QR", START + 400.1)!;
-    expect(later).toMatchObject({ intensity: 8, utility: 2, divisor: 4, state: "degraded", text: "Too costly" });
+    expect(later).toMatchObject({
+      intensity: 8,
+      utility: 2,
+      divisor: 4,
+      divisors: {},
+      state: "degraded",
+      text: "Too costly",
+    });
     expect(later.rate).toBeCloseTo(800 / 1200, 5);
     history.push({ stamp: START + 600, rows: [row()] });
     expect(history.sample("QR", START + 600.1)!.intensity).toBe(8);
@@ -143,7 +174,7 @@ describe("the past that the robot sends", () => {
 
   test("a robot whose clock was set back has a new past; no past changes nothing", () => {
     const history = filled(200, () => [row({ text: "heard" })]);
-    history.fill({ type: "lanes_history", stamps: [], rows: [] });
+    history.fill({ stamps: [], rows: [] });
     expect(history.count).toBe(200);
     history.fill(past(START - 5000, 50, 10));
     expect(history.count).toBe(50);

@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
-import type { Landmark, Perceived } from "../protocol/types";
+import type { Landmark } from "../protocol/types";
+import type { Message } from "../state/latest";
 import type { Context } from "./canvas";
 import { landmarksLayer } from "./landmarksLayer";
 import type { Point } from "./mapProjection";
@@ -25,7 +26,7 @@ test("a person is drawn where the distance is known", () => {
       { x: 1, y: 2 },
       { x: null, y: null },
     ],
-  } as Perceived;
+  } as unknown as Message<"perceived">;
   expect(placesOf((context, onScreen) => peopleLayer.draw(context, perceived, onScreen))).toEqual([[10, 20]]);
 });
 

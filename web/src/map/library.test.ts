@@ -1,7 +1,8 @@
 import { signal } from "@preact/signals";
 import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import { Problem, type Rest } from "../protocol/rest";
-import type { Hello, KeptMaps, Localization } from "../protocol/types";
+import type { Hello, KeptMaps } from "../protocol/types";
+import type { Message } from "../state/latest";
 import { createStore } from "../state/store";
 import { MapLibrary } from "./library";
 
@@ -10,7 +11,7 @@ afterEach(() => void vi.useRealTimers());
 
 const kept = (name: string, available = true): KeptMaps => ({
   folder: "maps",
-  current: { available, name, state: available ? "tracking" : null },
+  current: { available, name, state: available ? "tracking" : null, stamp: null },
   maps: [],
 });
 
@@ -30,7 +31,8 @@ function page({ name = "third", map = true, shown = true } = {}) {
   library.start();
   store.hello.value = { channels: { map } } as Hello;
   store.link.value = { phase: "live", retryAt: 0 };
-  const scan = (on: string) => store.latest.put({ type: "localization", map: on } as Localization);
+  const scan = (on: string) =>
+    store.latest.put({ type: "localization", map: on } as unknown as Message<"localization">);
   const settle = () => vi.advanceTimersByTimeAsync(0);
   return {
     robot,

@@ -5,7 +5,7 @@ import type { Session } from "../state/session";
 import { createStore } from "../state/store";
 import { MapControl } from "./mapControl";
 
-const goal = (id: string, kind: string): Desire => ({
+const goal = (id: string, kind: Desire["source"]["kind"]): Desire => ({
   id,
   class: "GoTo",
   intensity: 8,

@@ -21,12 +21,12 @@ const row = (some: Partial<LaneRow>): LaneRow => ({
   utility: 1,
   rate: 1,
   divisor: 1,
+  divisors: {},
   state: "fulfilled",
   text: "",
   ...some,
 });
 const going = (some: Partial<Navigation>): Navigation => ({
-  type: "navigation",
   stamp: 1,
   behavior: "PlanAndFollowPath",
   state: "following",
@@ -37,10 +37,10 @@ const going = (some: Partial<Navigation>): Navigation => ({
   recoveries: 0,
   desire: "d1",
   path: [],
+  given_up: null,
   ...some,
 });
 const place = (some: Partial<Localization>): Localization => ({
-  type: "localization",
   stamp: 1,
   state: "tracking",
   map: "lab",

@@ -59,7 +59,7 @@ function Events() {
             class="event"
             data-testid="event"
             data-kind={event.kind}
-            data-subject={event.subject ?? ""}
+            data-subject={event.subject}
           >
             <time title={clockTime(event.stamp)}>{now === null ? clockTime(event.stamp) : ago(now - event.stamp)}</time>
             <span class="event-kind">{event.kind.replace(/_/g, " ")}</span>

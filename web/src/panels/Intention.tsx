@@ -33,7 +33,7 @@ function Body({ intention }: { intention: IntentionMessage }) {
             label={name === "cpu" ? "CPU promised" : name === "recording" ? "CPU for recording" : spaced(name)}
             value={use.used}
             limit={use.capacity}
-            text={`${number(use.used)} of ${number(use.capacity)} ${use.unit ?? ""}`}
+            text={`${number(use.used)} of ${number(use.capacity)} ${use.unit}`}
           />
         ))}
       </div>

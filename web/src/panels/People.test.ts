@@ -1,7 +1,8 @@
 import { expect, test } from "vitest";
+import type { RobotEvent } from "../protocol/types";
 import { inTheDark } from "./People";
 
-const event = (id: number, subject: string, camera: string) => ({
+const event = (id: number, subject: string, camera: string): RobotEvent => ({
   id,
   stamp: id,
   kind: "percept",

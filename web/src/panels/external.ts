@@ -113,7 +113,7 @@ function ExternalPanel({ entry, store }: { entry: PanelEntry; store: Store }) {
   const place = useRef<HTMLDivElement>(null);
   useEffect(() => {
     const context = frames.context(entry);
-    let unmount: (() => void) | void;
+    let unmount: (() => void) | undefined;
     let closed = false;
     void load(entry)
       .then((mount) => {

@@ -4,7 +4,7 @@ import type { Playback } from "../protocol/types";
 import { createStore } from "../state/store";
 import { PlaybackController } from "./playbackController";
 
-const STATE: Omit<Playback, "type"> = {
+const STATE: Playback = {
   file: "a.mcap",
   begin: 100,
   end: 160,
@@ -12,6 +12,7 @@ const STATE: Omit<Playback, "type"> = {
   speed: 1,
   playing: true,
   phase: "playing",
+  problem: null,
 };
 
 function replay(state: Partial<Playback> = {}, refusal?: Problem) {

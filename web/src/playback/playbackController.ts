@@ -54,22 +54,20 @@ export class PlaybackController {
   }
 
   /** Decided by the recording's state when the request's turn comes: earlier requests may have changed it. */
-  private async toggle(): Promise<Partial<Playback>> {
+  private async toggle(): Promise<Playback> {
     const playback = this.store.playback.peek();
     if (playback?.phase === "ended") return this.rest.playback({ position: playback.begin, playing: true });
     return this.rest.playback({ playing: !playback?.playing });
   }
 
-  private ask(request: () => Promise<Partial<Playback>>): void {
+  private ask(request: () => Promise<Playback>): void {
     this.turns.ask(async () => this.take(await request()));
   }
 
   /** What the answer says of the playback is newer than the last report. */
-  private take(answer: Partial<Playback>): void {
-    const known = this.store.playback.peek();
-    if (!known || typeof answer.position !== "number" || typeof answer.playing !== "boolean") return;
-    const next = { ...known, ...answer };
-    this.store.clock.played(next, performance.now() / 1000);
-    this.store.playback.value = next;
+  private take(answer: Playback): void {
+    if (!this.store.playback.peek()) return;
+    this.store.clock.played(answer, performance.now() / 1000);
+    this.store.playback.value = answer;
   }
 }

@@ -1,10 +1,10 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { Problem, type Rest } from "../protocol/rest";
-import type { Recorder } from "../protocol/types";
+import type { Message } from "../state/latest";
 import { createStore } from "../state/store";
 import { RecordingControl } from "./recordingControl";
 
-const IDLE: Recorder = {
+const IDLE: Message<"recorder"> = {
   type: "recorder",
   stamp: 0,
   state: "idle",
@@ -20,7 +20,7 @@ const IDLE: Recorder = {
   reason: "",
   available: true,
 };
-const RECORDING: Recorder = { ...IDLE, state: "recording", name: "a", began: 1000, desired: true };
+const RECORDING: Message<"recorder"> = { ...IDLE, state: "recording", name: "a", began: 1000, desired: true };
 
 function page(rest: Partial<Rest> = {}) {
   const store = createStore();

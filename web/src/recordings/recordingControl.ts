@@ -56,7 +56,7 @@ export class RecordingControl {
   async save(name?: string): Promise<boolean> {
     return this.ask("save", async () => {
       const kept = await this.rest.saveRing(name ? { name } : {});
-      this.store.notify("info", kept ? `Saved as ${kept}.` : "Saved.");
+      this.store.notify("info", `Saved as ${kept}.`);
       await this.refresh();
     });
   }

@@ -3,7 +3,6 @@ import type { Recorder, Recording } from "../protocol/types";
 import { nameProblem, newestFirst, recordedFor, replayAddress, ringMinutes } from "./recordingText";
 
 const recorder = (change: Partial<Recorder>): Recorder => ({
-  type: "recorder",
   stamp: 0,
   state: "recording",
   name: "a",

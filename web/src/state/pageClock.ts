@@ -10,7 +10,7 @@ export class PageClock {
   private replay = false;
 
   /** A new connection: to a robot, or to a replay. */
-  begin(playback: Omit<Playback, "type"> | null, at: number): void {
+  begin(playback: Playback | null, at: number): void {
     this.robot.reset();
     this.recording.reset();
     this.replay = playback !== null;
@@ -25,7 +25,7 @@ export class PageClock {
     this.robot.roundTrip(rtt, at);
   }
 
-  played(playback: Omit<Playback, "type">, at: number): void {
+  played(playback: Playback, at: number): void {
     if (this.replay) this.recording.report(playback, at);
   }
 

@@ -144,7 +144,7 @@ export class Session {
     this.lastHeardAt = at;
     this.onFrame.forEach((handler) => handler(message));
     if (message.type === "channel") return;
-    if (message.type === "hello") this.store.clock.begin(message.playback ?? null, at / 1000);
+    if (message.type === "hello") this.store.clock.begin(message.playback, at / 1000);
     if (message.type === "playback") this.store.clock.played(message, at / 1000);
     if (message.type === "jump") this.jump();
     if ("stamp" in message && typeof message.stamp === "number" && message.type !== "load")
@@ -159,7 +159,7 @@ export class Session {
     this.outdate();
     batch(() => {
       this.store.hello.value = hello;
-      this.store.playback.value = hello.playback ?? null;
+      this.store.playback.value = hello.playback;
     });
     this.onHello.forEach((handler) => handler());
   }

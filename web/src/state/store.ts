@@ -51,7 +51,7 @@ export function createStore() {
   const events = signal<RobotEvent[]>([]);
   const loadHistory = signal<LoadPoint[]>([]);
   const notices = signal<Notice[]>([]);
-  const playback = signal<Omit<Playback, "type"> | null>(null);
+  const playback = signal<Playback | null>(null);
   const lanes = new LaneHistory();
   const operator = signal(readOperator());
   const live = computed(() => link.value.phase === "live") as ReadonlySignal<boolean>;

@@ -25,7 +25,3 @@ test("a behavior goes by its title, and drives while a hand only keeps the wheel
   expect(driverName({ ...ann(false), exploited: "PlanAndFollowPath" }, MODULES)).toBe("Plan and follow a path");
   expect(driverName(null, MODULES)).toBe("–");
 });
-
-test("without a word on holding, the one in control drives", () => {
-  expect(driverName({ driver: { operator: "Ann", mine: true }, exploited: null }, MODULES)).toBe("You");
-});

@@ -3,7 +3,7 @@
 import { moduleTitle } from "./format";
 
 interface Driving {
-  driver: { operator: string; mine: boolean; holds?: boolean } | null;
+  driver: { operator: string; mine: boolean; holds: boolean } | null;
   exploited: string | null;
 }
 
@@ -16,7 +16,7 @@ type Modules = readonly { name: string; title: string }[];
 export function driverName(status: Driving | null, modules: Modules): string {
   if (!status) return "–";
   const { driver, exploited } = status;
-  if (driver && (driver.holds ?? true)) return driver.mine ? "You" : driver.operator;
+  if (driver?.holds) return driver.mine ? "You" : driver.operator;
   return exploited === null || (driver && exploited === BY_HAND) ? "Nobody" : moduleTitle(exploited, modules);
 }
 

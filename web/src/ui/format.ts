@@ -23,8 +23,8 @@ export function divisor(phi: number | null | undefined): string {
 }
 
 /** What each of several filters lets through, a line each; empty for a single one, which is shown elsewhere. */
-export function divisorLines(divisors: Readonly<Record<string, number | null>> | undefined): string[] {
-  const filters = Object.entries(divisors ?? {});
+export function divisorLines(divisors: Readonly<Record<string, number | null>>): string[] {
+  const filters = Object.entries(divisors);
   return filters.length < 2 ? [] : filters.map(([name, phi]) => `${name} ${divisor(phi)}`);
 }
 

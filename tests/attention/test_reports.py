@@ -1,21 +1,17 @@
-"""The JSON forms that the console and the commands share."""
+"""The records that the console and the commands report, as JSON."""
 
 from __future__ import annotations
 
 import json
 import math
+from typing import Any
+
+import msgspec
 
 from app.attention.desires import Desire, DesireClass, Source
 from app.attention.intention import Intention, divisors_of, parameters_of
 from app.attention.reasons import explain
-from app.attention.serialize import (
-    desire_class_to_json,
-    desire_to_json,
-    event_to_json,
-    intention_to_json,
-    resource_to_json,
-    strategy_to_json,
-)
+from app.attention.reports import desire_class_report, intention_report, resource_report, strategy_report
 from app.attention.solver import Selection, solve
 from app.attention.strategies import Location, Resource, Strategy, StrategyTable
 from app.attention.timeline import Timeline
@@ -24,9 +20,14 @@ from tests.attention.thesis import CPU, TABLE_4_4, desire, problem
 TABLE = StrategyTable(TABLE_4_4, {"cpu": Resource("cpu", 100, "% of one core", "The computer")})
 
 
+def as_json(record: object) -> Any:
+    """``record`` as a client reads it."""
+    return json.loads(msgspec.json.encode(record))
+
+
 def test_desire() -> None:
     one = Desire("d-1", "GoTo", 8.0, 1.0, False, {"x": 3}, Source("rest", "curl"), 10.5, 40.5)
-    assert desire_to_json(one) == {
+    assert as_json(one) == {
         "id": "d-1",
         "class": "GoTo",
         "intensity": 8.0,
@@ -40,14 +41,22 @@ def test_desire() -> None:
 
 
 def test_class_strategy_resource_event() -> None:
-    described = desire_class_to_json(DesireClass("Dance", "Dance", "Move to music."))
-    assert described["schema"]["additionalProperties"] is False
+    described = desire_class_report(DesireClass("Dance", "Dance", "Move to music."), TABLE)
+    assert described.schema["additionalProperties"] is False
+    assert not described.served
+    assert desire_class_report(DesireClass("GoTo", "Go", "Go there."), TABLE).served
     strategy = Strategy("a", "A", 4, filters={"M.x": math.inf}, costs={"cpu": 2}, location=Location("t.yaml", 7))
-    assert strategy_to_json(strategy)["filters"] == {"M.x": None}
-    assert strategy_to_json(strategy)["declared"] == "t.yaml:7"
-    assert resource_to_json(TABLE.resources["cpu"])["unit"] == "% of one core"
+    told = as_json(strategy_report(strategy, selected=True))
+    assert (told["class"], told["filters"], told["declared"], told["selected"]) == (
+        "A",
+        {"M.x": None},
+        "t.yaml:7",
+        True,
+    )
+    report = resource_report(TABLE.resources["cpu"], 50, None)
+    assert (report.unit, report.capacity, report.declared, report.used) == ("% of one core", 50, 100, 0)
     event = Timeline(5).add("guard", "guard", "stopped", {"why": "late"}, stamp=2.0)
-    assert event_to_json(event) == {
+    assert as_json(event) == {
         "id": 1,
         "stamp": 2.0,
         "kind": "guard",
@@ -74,8 +83,7 @@ def intention(selection: Selection, *classes: str) -> Intention:
 
 def test_intention() -> None:
     p = problem([desire("GoTo", 8), desire("LocateFaces", 8)], TABLE_4_4, CPU)
-    found = intention_to_json(intention(solve(p), "GoTo", "LocateFaces"), TABLE)
-    assert json.loads(json.dumps(found, allow_nan=False)) == found
+    found = as_json(intention_report(intention(solve(p), "GoTo", "LocateFaces"), TABLE.resources))
     assert found["stamp"] == 5.0
     assert [s["name"] for s in found["strategies"]] == ["6", "11", "13"]
     assert found["use"] == {"cpu": {"used": 80, "capacity": 100, "unit": "% of one core"}}
@@ -95,4 +103,4 @@ def test_intention() -> None:
 
 def test_an_intention_without_a_bound_is_json_too() -> None:
     safe = Selection(("12",), (), 0.0, math.inf, {"cpu": 0.0}, False)
-    assert json.loads(json.dumps(intention_to_json(intention(safe), TABLE), allow_nan=False))["bound"] is None
+    assert as_json(intention_report(intention(safe), TABLE.resources))["bound"] is None
