@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from app.attention.desires import DesireClass
-from app.base.library import LONGEST_NAME
+from app.base.named_library import LONGEST_NAME
 from app.logs.library import NAME_PATTERN, name_or_nothing
 from app.maps.zones import FURTHEST_M
 

@@ -11,7 +11,7 @@ from fastapi import APIRouter, Header, Path, Request
 from fastapi.responses import Response
 
 from app.attention.serialize import desire_to_json
-from app.base.library import NAME
+from app.base.named_library import NAME
 from app.console.problems import Problem
 from app.console.recordings import RecorderReport, record, withdraw
 from app.console.replays import ReplayFailed, ReplayReplaced, Replays, reached_by
