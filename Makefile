@@ -10,7 +10,7 @@ help: ## show this
 
 run: ## start the robot in its simulated lab and its console on http://127.0.0.1:8080
 test: ## everything the project is held to: lint, types, layers, the page's tests, pytest
-lint: ## ruff, mypy --strict and the import layers
+lint: ## ruff, mypy --strict, the import layers and the words of the prose
 soak: ## an idle robot for 45 minutes: its memory stays flat; ARGS=MINUTES
 bench: ## every benchmark
 references: ## measure the modules' reference values anew, say what differs; ARGS=--record: on a new recording
