@@ -10,7 +10,7 @@ help: ## show this
 
 run: ## start the robot in its simulated lab and its console on http://127.0.0.1:8080
 test: ## everything the project is held to: lint, types, layers, the page's tests, pytest
-lint: ## ruff, mypy --strict, the import layers; biome and tsc on the page
+lint: ## ruff, mypy --strict, the import layers and the words of the prose; biome and tsc on the page
 lock: ## renew requirements/*.lock; ARGS=--keep: versions stay where they fit
 docs: ## the documentation as a site, with the reference of the packages: build/site/index.html
 soak: ## an idle robot for 45 minutes: its memory stays flat; ARGS=MINUTES

@@ -324,6 +324,7 @@ def lint() -> int:
             ["ruff", "format", "--quiet", "--output-format=concise", "--check", "."],
             ["mypy", "--no-error-summary"],
             ["lint-imports", "--no-logo"],
+            ["python", "scripts/words.py", "--quiet"],
         ]
     )
     return lint_page() or status

@@ -65,7 +65,7 @@ def add_parser(subparsers: Any) -> None:
     """Declare ``hbba completion``."""
     parser = subparsers.add_parser(
         "completion",
-        help="print what makes your shell complete commands and names",
+        help="print a completion script for your shell",
         description="Print a script that makes your shell complete commands, options, files, recordings and scenarios. "
         "bash: hbba completion bash > ~/.local/share/bash-completion/completions/hbba; zsh: hbba completion zsh > "
         "FOLDER/_hbba with a FOLDER of $fpath; fish: hbba completion fish > ~/.config/fish/completions/hbba.fish.",

@@ -8,7 +8,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from app.base.library import LONGEST_NAME, NAME, Library, data_folder, name_rule
+from app.base.named_library import LONGEST_NAME, NAME, NamedLibrary, data_folder, name_rule
 
 SUFFIX = ".mcap"
 #: Pattern (ECMA-262) of a field that holds a recording's name or is empty.
@@ -22,7 +22,7 @@ def name_or_nothing(name: str) -> str:
     return name
 
 
-class RecordingLibrary(Library):
+class RecordingLibrary(NamedLibrary):
     """Recordings in one folder, each ``<name>.mcap``. All methods touch the disk: call them off the event loop."""
 
     kind = "recording"

@@ -92,7 +92,7 @@ class MapControl(ServiceSlot[MapKeeper]):
 
     def __init__(self, log: logging.Logger | None = None) -> None:
         super().__init__(lambda: MapUnavailable("this program makes no maps: SLAM2D does not run"))
-        self._layers = Layers()
+        self._layers = MapLayers()
         self._observers: Observers[[]] = Observers("the map in use")
         self._log = log or logging.getLogger(__name__)
 
@@ -128,7 +128,7 @@ class MapControl(ServiceSlot[MapKeeper]):
             self._log.warning("%s", lack)
 
 
-class Layers:
+class MapLayers:
     """All layers, each with the name of the map it was loaded for (None: for none yet)."""
 
     def __init__(self) -> None:
@@ -177,7 +177,7 @@ class Layers:
 class _Layered:
     """A keeper with layers."""
 
-    def __init__(self, keeper: MapKeeper, layers: Layers, changed: Callable[[], None]) -> None:
+    def __init__(self, keeper: MapKeeper, layers: MapLayers, changed: Callable[[], None]) -> None:
         self._keeper = keeper
         self._layers = layers
         self._changed = changed

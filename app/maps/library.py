@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from app.base.errors import ConfigError
-from app.base.library import Library, data_folder
+from app.base.named_library import NamedLibrary, data_folder
 from app.maps.control import MapUnavailable
 from app.maps.map_file import MOST_CELLS, pgm_bytes, read_map, yaml_text
 from app.maps.picture import shown_png
@@ -62,7 +62,7 @@ class MapFacts:
     problem: str = ""
 
 
-class MapLibrary(Library):
+class MapLibrary(NamedLibrary):
     """Maps in one folder. All methods touch the disk: call them off the event loop.
 
     Methods that take a name raise ValueError for an invalid one, UnknownMap if no map has it, ConfigError for a map

@@ -95,7 +95,7 @@ async def _sleep_until(clock: Clock, stamp: float) -> None:
         await asyncio.sleep(max(stamp - clock.now(), _SHORTEST_SLEEP_S))
 
 
-class _Job(Generic[T]):
+class _ThreadJob(Generic[T]):
     """Work in a thread: its ``result`` there, and the ``future`` that a task on the loop waits for."""
 
     def __init__(self, loop: VirtualTimeLoop, result: concurrent.futures.Future[T]) -> None:
@@ -177,7 +177,7 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
     def __init__(self, patience_s: float = 10.0) -> None:
         self.virtual_time = 0.0
         self.patience_s = patience_s
-        self.jobs: deque[_Job[Any]] = deque()
+        self.jobs: deque[_ThreadJob[Any]] = deque()
         selector = _JumpingSelector()
         super().__init__(selector)
         selector.loop = self
@@ -192,7 +192,7 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
         self, executor: concurrent.futures.Executor | None, func: Callable[..., T], *args: Any
     ) -> asyncio.Future[T]:
         """As in asyncio; time does not pass until the thread returns its result."""
-        job = _Job(self, (executor or self._threads).submit(func, *args))
+        job = _ThreadJob(self, (executor or self._threads).submit(func, *args))
         self.jobs.append(job)
         return job.future
 

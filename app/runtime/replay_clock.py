@@ -22,7 +22,7 @@ _FEW = 64
 _SHORTEST_WAIT_S = 1e-4
 
 
-class _Run(NamedTuple):
+class _ClockRun(NamedTuple):
     """The reading was ``base`` at the real moment ``mark`` and has grown by ``rate`` s a second since."""
 
     base: float
@@ -42,7 +42,7 @@ class ReplayClock:
         #: It never reads more than this (s).
         self.end = end
         # Replaced as a whole: read in other threads too.
-        self._state = _Run(start, real(), 0.0)
+        self._state = _ClockRun(start, real(), 0.0)
         self._sleepers: list[tuple[float, int, asyncio.Future[None]]] = []
         self._order = count()
         self._given_up = 0
@@ -97,12 +97,12 @@ class ReplayClock:
         if not 0 <= rate < math.inf:
             raise ValueError(f"a recording's time runs at a finite rate from 0, not {rate!r}")
         now = self.now()
-        self._state = _Run(now, self._real(), rate)
+        self._state = _ClockRun(now, self._real(), rate)
         self._wake()
 
     def jump(self, stamp: float) -> None:
         """Read ``stamp`` from now on, be it earlier or later, at the same rate, and release every sleeper."""
-        self._state = _Run(min(stamp, self.end), self._real(), self.rate)
+        self._state = _ClockRun(min(stamp, self.end), self._real(), self.rate)
         sleepers, self._sleepers, self._given_up = sorted(self._sleepers), [], 0
         for _, _, woken in sleepers:
             _resolve(woken)
@@ -111,7 +111,7 @@ class ReplayClock:
     def advance_to(self, stamp: float) -> None:
         """Advance to ``stamp`` and wake the sleepers that are due; an earlier stamp changes nothing."""
         now = self.now()
-        self._state = _Run(min(max(stamp, now), max(self.end, now)), self._real(), self.rate)
+        self._state = _ClockRun(min(max(stamp, now), max(self.end, now)), self._real(), self.rate)
         self._wake()
 
     # --- Inside ------------------------------------------------------------------------------------------------------

@@ -60,7 +60,7 @@ class ModuleState:
         return self.status != "running"
 
 
-class _Run:
+class _ModuleRun:
     """One run of a module: its task, when it began to serve, and what blocks it."""
 
     def __init__(self, slot: ModuleSlot, given: float, hung: asyncio.Future[str]) -> None:
@@ -100,7 +100,7 @@ class Supervisor:
         self._observers: Observers[[ModuleState]] = Observers("the states of modules")
         self._tasks: dict[str, asyncio.Task[None]] = {}
         self._watching: asyncio.Task[None] | None = None
-        self._runs: dict[str, _Run] = {}
+        self._runs: dict[str, _ModuleRun] = {}
         #: Shut down, and at their last job.
         self._leaving: list[ModuleWorker] = []
         self.states = {name: ModuleState(name, "stopped", 0.0) for name in slots}
@@ -166,7 +166,7 @@ class Supervisor:
         failed_before = False
         try:
             while True:
-                run = _Run(slot, self._given.now(), asyncio.get_running_loop().create_future())
+                run = _ModuleRun(slot, self._given.now(), asyncio.get_running_loop().create_future())
                 status, problem = await self._live(run, failed_before)
                 if run.serving_since is not None and self._clock.now() - run.serving_since >= TRUSTED_AFTER_S:
                     delay = FIRST_DELAY_S
@@ -180,7 +180,7 @@ class Supervisor:
         finally:
             self._change(slot, status="stopped")
 
-    async def _live(self, run: _Run, again: bool) -> tuple[Status, str]:
+    async def _live(self, run: _ModuleRun, again: bool) -> tuple[Status, str]:
         """Run a module until it ends or hangs and leave nothing of it running; returns how it ended, and why."""
         slot = run.slot
         restarts = self.states[slot.name].restarts + again

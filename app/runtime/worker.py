@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
-class _Job:
+class _WorkerJob:
     run: Callable[[], None]
     future: Future[Any]
 
@@ -29,7 +29,7 @@ class ModuleWorker(Executor):
 
     def __init__(self, name: str) -> None:
         self._name = name
-        self._jobs: queue.SimpleQueue[_Job | None] = queue.SimpleQueue()
+        self._jobs: queue.SimpleQueue[_WorkerJob | None] = queue.SimpleQueue()
         self._thread: threading.Thread | None = None
         self._shut_down = False
 
@@ -52,7 +52,7 @@ class ModuleWorker(Executor):
         if self._thread is None:
             self._thread = threading.Thread(target=self._run, name=f"module {self._name}", daemon=True)
             self._thread.start()
-        self._jobs.put(_Job(job, future))
+        self._jobs.put(_WorkerJob(job, future))
         return future
 
     def shutdown(self, wait: bool = False, *, cancel_futures: bool = False) -> None:

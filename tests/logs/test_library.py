@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.base.library import NAME
+from app.base.named_library import NAME
 from app.logs.library import RecordingLibrary, default_name
 
 

@@ -56,6 +56,8 @@ def words() -> Iterator[ModuleType]:
 def commit_message() -> Iterator[ModuleType]:
     yield _load("commit_message")
     del sys.modules["commit_message"]
+
+
 def page_types() -> Iterator[ModuleType]:
     yield _load("page_types")
     del sys.modules["page_types"]

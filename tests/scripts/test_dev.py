@@ -242,7 +242,7 @@ def test_a_failing_step_fails_the_whole_though_the_others_run(
 
     monkeypatch.setattr(dev, "web_script", web_script)
     assert dev.lint() == 0
-    assert len(programs.commands) == 4
+    assert len(programs.commands) == 5
     programs.status = 3
     assert dev.lint() == 3
     assert len(programs.commands) == 8

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
-from app.base.library import NAME
+from app.base.named_library import NAME
 from app.console.rest.models import Request
 from app.maps.zones import FURTHEST_M
 

@@ -161,9 +161,7 @@ def program_router(system: System, hub: Hub) -> APIRouter:
         problems = [
             f"{state.name}: {state.status}" for state in system.supervisor.states.values() if state.status != "running"
         ]
-        guard = reports.guard(
-            hub.link_status, system.clock.now(), rate(system.clock), system.body_restarter.problem
-        )
+        guard = reports.guard(hub.link_status, system.clock.now(), rate(system.clock), system.body_restarter.problem)
         if guard.state in ("silent", "sensor_failure"):
             problems.append(guard.reason)
         if stopped := recorder.problem():

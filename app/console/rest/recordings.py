@@ -11,7 +11,7 @@ from fastapi import APIRouter, Header, Path, Request
 from fastapi.responses import Response
 
 from app.attention.desires import Desire
-from app.base.library import NAME
+from app.base.named_library import NAME
 from app.console.problems import Problem
 from app.console.recordings import RecorderWatch, record, withdraw
 from app.console.records.recordings import RecordingList, RecordingReport, ReplayReport, Saved, Withdrawn

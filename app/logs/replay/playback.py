@@ -15,7 +15,7 @@ from app.logs.log import Log, LogError, LogInfo
 from app.logs.mcap.damage import LogDamaged, missing
 from app.logs.replay.playback_state import Phase, PlaybackState, checked_speed
 from app.logs.replay.replay_body import ReplayBody
-from app.logs.replay.seek import Seeker
+from app.logs.replay.seek import ReplaySeeker
 from app.program.system import System
 from app.runtime.channel import Channel
 from app.runtime.filter import CLOSED
@@ -48,7 +48,7 @@ class Playback:
         self._clock = clock
         self._info = log.info
         self._end = min(log.info.end, clock.end)
-        self._seeker = Seeker(system, body, clock, log)
+        self._seeker = ReplaySeeker(system, body, clock, log)
         self._speed = checked_speed(speed)
         self._playing = playing
         self._ended = False

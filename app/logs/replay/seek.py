@@ -46,7 +46,7 @@ SHOW_WITHIN_S = 0.3
 _READ_AGAIN_S = 0.001
 
 
-class Seeker:
+class ReplaySeeker:
     """Call :meth:`open` first, :meth:`close` at the end. ``log`` is read in a thread of its own."""
 
     def __init__(self, system: System, body: ReplayBody, clock: ReplayClock, log: Log) -> None:

@@ -23,7 +23,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from app.attention.desires import DesireClass
 from app.attention.timeline import EventKind
-from app.base.library import LONGEST_NAME
+from app.base.named_library import LONGEST_NAME
 from app.logs.control import RecorderControl, RecorderUnavailable
 from app.logs.library import NAME_PATTERN, RecordingLibrary, default_name, name_or_nothing
 from app.logs.log import LogError

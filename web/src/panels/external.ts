@@ -27,7 +27,7 @@ export interface PanelContext {
   on(kind: string, handler: Handler): () => void;
 }
 
-export type Mount = (element: HTMLElement, context: PanelContext) => (() => void) | void;
+export type Mount = (element: HTMLElement, context: PanelContext) => (() => void) | undefined;
 
 /** Hands frames to panels: each panel gets those of its kinds alone. */
 export class PanelFrames {

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.base.library import NAME, Library, data_folder
+from app.base.named_library import NAME, NamedLibrary, data_folder
 
 
-class Notes(Library):
+class Notes(NamedLibrary):
     kind = "note"
     suffix = ".txt"
 

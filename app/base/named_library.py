@@ -20,7 +20,7 @@ def name_rule(kind: str) -> str:
     )
 
 
-class Library:
+class NamedLibrary:
     """Entries in one folder: files or folders called name + :attr:`suffix`. Methods that read the disk say so."""
 
     #: The noun for an entry in error messages.
