@@ -24,7 +24,7 @@ from app.runtime.clock import RealClock
 from tests.patience import PATIENCE_S
 
 WEBCAM = paths.config_dir() / "robots" / "webcam.yaml"
-PORTRAIT = Path(__file__).parents[3] / "app" / "robots" / "simulated" / "faces" / "pilot.jpg"
+PORTRAIT = Path(__file__).parents[3] / "app" / "robots" / "simulated" / "scenery" / "faces" / "pilot.jpg"
 RATE = 48000
 
 
