@@ -146,7 +146,7 @@ def test_whatever_ends_the_errand_restores_everything(after: str) -> None:
         assert story.acts[3][1] == GiveUp("walled in")
 
 
-def test_the_same_goal_given_anew_is_another_errand() -> None:
+def test_the_same_goal_given_again_is_another_errand() -> None:
     story = Story()
     story.until(50)
     story.until(69, lambda now: status(now, progress=None), given=GIVEN + 50)

@@ -44,7 +44,7 @@ async def test_a_ring_is_saved_on_request_and_turns_on(tmp_path: Path) -> None:
         await robot.until(lambda status: status.state == "idle")
     assert not robot.control.available
     assert len(of(await read(tmp_path / "seen.mcap"), Odometry)) == 100
-    assert await asyncio.to_thread(leftovers, robot.library.ring_folder) == []  # withdrawn: nobody wants the rest
+    assert await asyncio.to_thread(leftovers, robot.library.ring_folder) == []  # withdrawn: the rest is not needed
 
 
 async def test_a_ring_that_changes_its_length_turns_on(tmp_path: Path) -> None:
@@ -171,7 +171,7 @@ async def test_a_recording_that_takes_the_rings_place_throws_nothing_away(
         robot.feed("odometry", odometry(BEGIN + 1))
         await robot.taken("odometry", 101)
         async with asyncio.timeout(PATIENCE_S):
-            # The file is there a moment before it is told.
+            # The file is there a moment before its report.
             while len(found := await asyncio.to_thread(files, tmp_path)) < 2 or "is saved as" not in caplog.text:
                 await robot.statuses.receive()
         robot.desire(False)
