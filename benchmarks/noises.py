@@ -64,11 +64,11 @@ def listen(plan: Script) -> Hour:
 
 def told_by_ours(hour: Hour, rule: LoudnessRule) -> Times:
     """When (s) ours tells a noise."""
-    judge = OnsetDetector(rule)
+    detector = OnsetDetector(rule)
     frames = [
         n
         for n, (e, w) in enumerate(zip(hour.band, hour.whole, strict=True))
-        if judge.judge(e, lambda w=w: w) is not None
+        if detector.update(e, lambda w=w: w) is not None
     ]
     return np.array(frames, np.float64) * (FRAME / RATE)
 

@@ -39,7 +39,7 @@ def test_neither_a_moving_source_nor_a_turning_robot_clicks(shaded: BaffledMicro
     for number in range(180):
         t = (number + 1) * BLOCK / RATE
         walker = np.array([7.0 - 1.4 * t, 2.0 + 1.0 * t, 1.6])
-        emission = Emission("sine", sine(), 0, walker, image_due=np.array([-1.0, 0.0, 0.0]))
+        emission = Emission("sine", sine(), 0, walker, looks=np.array([-1.0, 0.0, 0.0]))
         blocks.append(hearing.block([emission], at(3.0 + 0.3 * t, 3.0, 0.8 * t)))
     heard = np.concatenate(blocks, axis=1)[:, 20 * BLOCK :]
     assert hearing.kernels > 20
