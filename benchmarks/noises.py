@@ -65,10 +65,10 @@ def listen(plan: Script) -> Hour:
 
 def events_of_ours(hour: Hour, rule: LoudnessRule) -> Times:
     """Times (s) of our events."""
-    judge = OnsetDetector(rule)
+    detector = OnsetDetector(rule)
     frames = []
     for n, (e, w) in enumerate(zip(hour.band, hour.whole, strict=True)):
-        if judge.update(e, partial(float, w)) is not None:
+        if detector.update(e, partial(float, w)) is not None:
             frames.append(n)
     return np.array(frames, np.float64) * (FRAME / RATE)
 

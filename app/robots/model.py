@@ -52,7 +52,7 @@ class Joint:
         return self.X_PJ
 
 
-class RobotModel:
+class KinematicModel:
     """The tree of links and joints of one URDF file."""
 
     def __init__(self, root: str, joints: tuple[Joint, ...]) -> None:
@@ -93,7 +93,7 @@ def rotation_about(axis: NDArray[np.float64], angle: float) -> NDArray[np.float6
     return np.asarray(np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross))
 
 
-def load_model(path: Path) -> RobotModel:
+def load_model(path: Path) -> KinematicModel:
     """Read the URDF file ``path``. Raises ConfigError if it is invalid, or if its links do not form a tree."""
     try:
         with open_plain(path) as file:
@@ -112,7 +112,7 @@ def load_model(path: Path) -> RobotModel:
         raise ConfigError(
             f"its links must form one tree; these have no parent: {', '.join(roots) or 'none'}", str(path)
         )
-    return RobotModel(roots[0], joints)
+    return KinematicModel(roots[0], joints)
 
 
 def _joint(element: ElementTree.Element) -> Joint:

@@ -1,4 +1,4 @@
-"""The operator's hands: they follow a script, let go before what stands in the way, and never hold on to the sticks."""
+"""The simulated operator: follows a script, releases the sticks before an obstacle, and never holds on to them."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def scan(stamp: float, distance: float = 5.0, bearing_deg: float = 0.0) -> Laser
 
 
 class World:
-    """A link and a channel whose sticks move a point robot: all that the hands know of a program."""
+    """A link and a channel whose sticks move a point robot: all that the operator uses of a program."""
 
     def __init__(self, clock: VirtualClock, start: Pose2, wall_x: float = math.inf) -> None:
         self.clock = clock
@@ -81,7 +81,7 @@ class World:
 def driven(
     script: list[dict[str, Any]], start: Pose2 | None = None, wall_x: float = math.inf, follows: bool = True
 ) -> tuple[World, list[int], float]:
-    """What the world became of the script, which legs were told, and how long it took."""
+    """The world after the script, the reported legs, and the duration."""
 
     async def main() -> tuple[World, list[int], float]:
         clock = VirtualClock()
@@ -173,7 +173,7 @@ def test_the_sticks_stay_in_their_range_and_turn_the_right_way(
         assert sticks.angular * error > 0
 
 
-def test_the_thesiss_trial_has_a_script_and_who_has_none_is_told(tmp_path: Path) -> None:
+def test_the_thesiss_trial_has_a_script_and_who_has_none_is_reported(tmp_path: Path) -> None:
     script = load_script()
     assert sum(leg.pause is not None for leg in script) == 3
     empty = tmp_path / "empty.yaml"

@@ -1,4 +1,4 @@
-"""The trial in virtual time: driven to its end, seen by nobody's clock, recorded without a gap."""
+"""The trial in virtual time: driven to its end, independent of real time, recorded without a gap."""
 
 from __future__ import annotations
 

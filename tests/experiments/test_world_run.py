@@ -1,4 +1,4 @@
-"""A whole program in a world that keeps its time: it lives as configured, ends with its script, and fails loudly."""
+"""A whole program in a world that keeps its time: it runs as configured, ends with its script, and fails loudly."""
 
 from __future__ import annotations
 

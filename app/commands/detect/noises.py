@@ -186,12 +186,12 @@ def _noises(
         rest = samples[frames * FRAME :]
         for frames_of_all in samples[: frames * FRAME].reshape(frames, FRAME, -1):
             time_s = max(0.0, number_of_frame * FRAME / RATE - at_rate.delay_s)
-            for column, (microphone, band, judge) in enumerate(ears):
+            for column, (microphone, band, detector) in enumerate(ears):
                 frame = frames_of_all[:, column]
-                energy, threshold = band.frame(frame), judge.threshold
+                energy, threshold = band.frame(frame), detector.threshold
                 if levels is not None:
                     levels.add(time_s, energy, threshold)
-                noise = onset_of(frame, energy, judge)
+                noise = onset_of(frame, energy, detector)
                 if noise is None:
                     continue
                 row = {

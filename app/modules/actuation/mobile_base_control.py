@@ -115,7 +115,7 @@ class MobileBaseControl(Module):
             port = self.input(contender.port, Twist, always_open=True, moves=True)
             self.on(port, partial(self._take, contender.port))
         self._scans = self.input("scans", LaserScan, always_open=True)
-        self.on(self._scans, self._look)
+        self.on(self._scans, self._take_scan)
         # Read when a command is limited, not on arrival.
         self._odometry = self.input("odometry", Odometry, capacity=128, always_open=True)
         self._operator = self.input("operator", OperatorDrive, capacity=8, always_open=True)
@@ -181,7 +181,7 @@ class MobileBaseControl(Module):
         self._commands[port] = command
         self._drive_and_report()
 
-    async def _look(self, scan: LaserScan) -> None:
+    async def _take_scan(self, scan: LaserScan) -> None:
         if self._collision_context is None:
             return
         self._collision_context.scanned(scan)

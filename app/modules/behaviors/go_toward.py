@@ -75,9 +75,9 @@ class GoToward(Module):
         self.zones = self.input("zones", Zones)
         self.twist = self.output("twist", Twist)
         self.status = self.output("status", NavigationStatus)
-        self.on(self.scans, self._see)
-        self.on(self.odometry, self._detect_stall)
-        self.on(self.localization, self._localize)
+        self.on(self.scans, self._take_scan)
+        self.on(self.odometry, self._take_odometry)
+        self.on(self.localization, self._take_localization)
         self.on(self.zones, self._take_zones)
         self.every(self.settings.period_s, self._cycle)
         self._poses = LocalizationMonitor()
@@ -108,13 +108,13 @@ class GoToward(Module):
         """A stop, for the moment when attention closes the output."""
         return Twist(self.clock.now(), 0.0, 0.0) if port == "twist" else None
 
-    async def _see(self, scan: LaserScan) -> None:
+    async def _take_scan(self, scan: LaserScan) -> None:
         self._scan = scan
 
-    async def _detect_stall(self, odometry: Odometry) -> None:
+    async def _take_odometry(self, odometry: Odometry) -> None:
         self._poses.add_odometry(odometry)
 
-    async def _localize(self, localization: Localization) -> None:
+    async def _take_localization(self, localization: Localization) -> None:
         self._poses.add_localization(localization)
 
     async def _take_zones(self, zones: Zones) -> None:

@@ -138,13 +138,13 @@ class PlanAndFollowPath(Module):
         self.path = self.output("path", PlannedPath)
         self.status = self.output("status", NavigationStatus)
         self.costmap = self.output("costmap", OccupancyGrid)
-        self.on(self.scans, self._see)
-        self.on(self.images, self._look)
-        self.on(self.odometry, self._detect_stall)
-        self.on(self.localization, self._localize)
+        self.on(self.scans, self._take_scan)
+        self.on(self.images, self._take_image)
+        self.on(self.odometry, self._take_odometry)
+        self.on(self.localization, self._take_localization)
         self.on(self.map, self._take_map)
         self.on(self.zones, self._take_zones)
-        self.on(self.base, self._notice)
+        self.on(self.base, self._take_exploitation)
         self.every(self.settings.period_s, self._cycle)
         self._poses = LocalizationMonitor()
         self._scan: LaserScan | None = None
@@ -226,16 +226,16 @@ class PlanAndFollowPath(Module):
 
     # --- inputs ---
 
-    async def _see(self, scan: LaserScan) -> None:
+    async def _take_scan(self, scan: LaserScan) -> None:
         self._scan = scan
 
-    async def _look(self, image: Image) -> None:
+    async def _take_image(self, image: Image) -> None:
         self._image = image
 
-    async def _detect_stall(self, odometry: Odometry) -> None:
+    async def _take_odometry(self, odometry: Odometry) -> None:
         self._poses.add_odometry(odometry)
 
-    async def _localize(self, localization: Localization) -> None:
+    async def _take_localization(self, localization: Localization) -> None:
         self._poses.add_localization(localization)
 
     async def _take_map(self, grid: OccupancyGrid) -> None:
@@ -245,7 +245,7 @@ class PlanAndFollowPath(Module):
         self._zones = zones
         self._wanted_plan = self._wanted_plan or "zones changed"
 
-    async def _notice(self, exploitation: Exploitation) -> None:
+    async def _take_exploitation(self, exploitation: Exploitation) -> None:
         self._given_mps = exploitation.twist.linear_mps if exploitation.behavior == self.name else 0.0
 
     # --- a cycle ---

@@ -131,68 +131,80 @@ def status_of(goal: Pose2, given: float, statuses: Iterable[NavigationStatus]) -
 
 
 def decide(
-    now: float, errand: GoalProgress | None, before: DistressState, patience: DistressTimes, *, by_hand: bool = False
+    now: float,
+    goal_progress: GoalProgress | None,
+    before: DistressState,
+    times: DistressTimes,
+    *,
+    by_hand: bool = False,
 ) -> tuple[DistressState, tuple[Act, ...]]:
-    """The action at ``now`` (s) for ``errand`` (None: no goal), and the next state.
+    """The action at ``now`` (s) for ``goal_progress`` (None: no goal), and the next state.
 
     ``by_hand``: an operator drives now, which is no distress however long it takes.
     """
-    if errand is None or before.goal is None or before.given != errand.given or not same_goal(errand.goal, before.goal):
+    if (
+        goal_progress is None
+        or before.goal is None
+        or before.given != goal_progress.given
+        or not same_goal(goal_progress.goal, before.goal)
+    ):
         ended: tuple[Act, ...] = (Restore("the goal is another one"),) if before.level is not Level.CALM else ()
-        if errand is None:
+        if goal_progress is None:
             return DistressState(), ended
-        after, acts = decide(now, errand, DistressState(errand.goal, errand.given), patience, by_hand=by_hand)
+        after, acts = decide(
+            now, goal_progress, DistressState(goal_progress.goal, goal_progress.given), times, by_hand=by_hand
+        )
         return after, (*ended, *acts)
     state = replace(before, by_hand=now) if by_hand else before
-    status = errand.status
+    status = goal_progress.status
     if status is not None and status.state == "arrived":
         return DistressState(), (*_restored(state, "it has arrived"), Arrived())
     if status is None or status.state not in UNDER_WAY | {"unreachable"}:
         # Attention has selected no behavior for this goal.
         since = now if state.unserved is None else state.unserved
         state = replace(state, unreachable=None, unserved=since)
-        if state.level is Level.CALM or now - since < patience.unserved_s:
+        if state.level is Level.CALM or now - since < times.unserved_s:
             return state, ()
         return replace(state, level=Level.CALM, overreached=True), _restored(state, "no behavior could serve it so")
     state = replace(state, unserved=None)
     if status.state == "unreachable":
         since = now if state.unreachable is None else state.unreachable
         state = replace(state, unreachable=since)
-        if now - max(since, state.by_hand) >= patience.unreachable_s:
+        if now - max(since, state.by_hand) >= times.unreachable_s:
             return DistressState(), (
                 *_restored(state, "it is given up"),
                 GiveUp(status.reason or "it cannot be reached"),
             )
         return state, ()
     state = replace(state, unreachable=None)
-    progress = status.progress_stamp if status.progress_stamp is not None else errand.given
-    stuck_s = now - max(progress, errand.given, state.by_hand)
-    if stuck_s >= patience.give_up_s:
+    progress = status.progress_stamp if status.progress_stamp is not None else goal_progress.given
+    stuck_s = now - max(progress, goal_progress.given, state.by_hand)
+    if stuck_s >= times.give_up_s:
         why = f"no progress for {stuck_s:.0f} s"
-        details = "; ".join(word for word in (status.reason, errand.blocked) if word)
+        details = "; ".join(word for word in (status.reason, goal_progress.blocked) if word)
         return DistressState(), (
             *_restored(state, "it is given up"),
             GiveUp(f"{why} ({details})" if details else why),
         )
-    wanted = _level(stuck_s, patience)
+    wanted = _level(stuck_s, times)
     if state.level is not Level.CALM and status.remaining_m is not None:
         # A detour lengthens the path: progress counts from there.
         state = replace(state, furthest_m=max(status.remaining_m, state.furthest_m or 0.0))
     if wanted.value > state.level.value and not state.overreached:
         furthest = status.remaining_m if state.level is Level.CALM else state.furthest_m
         return replace(state, level=wanted, raised=now, furthest_m=furthest), (Raise(wanted, stuck_s),)
-    if state.level is not Level.CALM and wanted is Level.CALM and now - state.raised >= patience.relief_s:
+    if state.level is not Level.CALM and wanted is Level.CALM and now - state.raised >= times.relief_s:
         far, left = state.furthest_m, status.remaining_m
-        if far is not None and left is not None and far - left < patience.nearer_m:
+        if far is not None and left is not None and far - left < times.nearer_m:
             return state, ()
         return replace(state, level=Level.CALM, furthest_m=None), (Restore("it gets on again"),)
     return state, ()
 
 
-def _level(stuck_s: float, patience: DistressTimes) -> Level:
-    if stuck_s >= patience.inhibit_s:
+def _level(stuck_s: float, times: DistressTimes) -> Level:
+    if stuck_s >= times.inhibit_s:
         return Level.INHIBITING
-    return Level.INSISTING if stuck_s >= patience.insist_s else Level.CALM
+    return Level.INSISTING if stuck_s >= times.insist_s else Level.CALM
 
 
 def _restored(state: DistressState, why: str) -> tuple[Act, ...]:

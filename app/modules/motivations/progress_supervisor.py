@@ -68,7 +68,7 @@ class ProgressSupervisorSettings(Settings):
             raise ValueError("insist_s, inhibit_s and give_up_s follow each other: none may be shorter than the former")
         return self
 
-    def patience(self) -> DistressTimes:
+    def times(self) -> DistressTimes:
         """The thresholds alone."""
         return DistressTimes(self.insist_s, self.inhibit_s, self.give_up_s, self.unreachable_s, self.relief_s)
 
@@ -96,9 +96,9 @@ class ProgressSupervisor(Module):
         self.navigation = self.input("navigation", NavigationStatus, capacity=4)
         self.going_toward = self.input("going_toward", NavigationStatus, capacity=4)
         self.exploitation = self.input("exploitation", Exploitation)
-        self.on(self.navigation, self._hear)
-        self.on(self.going_toward, self._hear)
-        self.on(self.exploitation, self._notice)
+        self.on(self.navigation, self._take_status)
+        self.on(self.going_toward, self._take_status)
+        self.on(self.exploitation, self._take_exploitation)
         self.every(_BEAT_S, self._supervise)
         self._statuses: dict[str, NavigationStatus] = {}
         self._exploited: Exploitation | None = None
@@ -118,11 +118,11 @@ class ProgressSupervisor(Module):
         if self._insisted is not None or self._inhibiting:
             self._restore()
 
-    async def _hear(self, status: NavigationStatus) -> None:
+    async def _take_status(self, status: NavigationStatus) -> None:
         self._statuses[status.behavior] = status
         await self._supervise()
 
-    async def _notice(self, exploitation: Exploitation) -> None:
+    async def _take_exploitation(self, exploitation: Exploitation) -> None:
         self._exploited = exploitation
 
     async def _supervise(self) -> None:
@@ -130,15 +130,15 @@ class ProgressSupervisor(Module):
         desire = self._workspace.strongest().get(GO_TO)
         if desire is not None and desire.utility == 0:
             desire = None  # another desire inhibits the class
-        errand = None if desire is None else self._errand(desire)
+        goal_progress = None if desire is None else self._goal_progress(desire)
         exploited = self._exploited
         fresh = exploited is not None and now - exploited.stamp <= _FRESH_S
         by_hand = exploited is not None and fresh and exploited.behavior == self.settings.by_hand
-        self._distress, acts = decide(now, errand, self._distress, self.settings.patience(), by_hand=by_hand)
+        self._distress, acts = decide(now, goal_progress, self._distress, self.settings.times(), by_hand=by_hand)
         for act in acts:
             self._do(act, desire)
 
-    def _errand(self, desire: Desire) -> GoalProgress:
+    def _goal_progress(self, desire: Desire) -> GoalProgress:
         goal = goal_of(desire)
         known = self._given.get(desire.id)
         if known is None or not same_goal(known[0], goal):

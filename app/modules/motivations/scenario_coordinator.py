@@ -76,9 +76,9 @@ class ScenarioCoordinator(Module):
         self.landmarks = self.input("landmarks", Landmarks)
         self.noises = self.input("noises", LoudNoise, capacity=8)
         self.sources = self.input("sources", SoundSources)
-        self.on(self.landmarks, self._notice)
-        self.on(self.noises, self._startle)
-        self.on(self.sources, self._hear)
+        self.on(self.landmarks, self._take_landmarks)
+        self.on(self.noises, self._take_noise)
+        self.on(self.sources, self._take_sources)
         self.every(_BEAT_S, self._keep_listening)
         self._posted: list[str] = []
         self._listening: str | None = None
@@ -127,16 +127,16 @@ class ScenarioCoordinator(Module):
     def _source(self) -> Source:
         return Source("motivation", self.name)
 
-    async def _notice(self, message: Landmarks) -> None:
+    async def _take_landmarks(self, message: Landmarks) -> None:
         for landmark in message.landmarks[self._known :]:
             x, y, _ = landmark.p_OQ
             self.log.info("found QR code %r at x %.2f m, y %.2f m in odom", landmark.text, x, y)
         self._known = max(self._known, len(message.landmarks))
 
-    async def _startle(self, noise: LoudNoise) -> None:
+    async def _take_noise(self, noise: LoudNoise) -> None:
         self._listen(because=f"a noise {noise.ratio:.0f} times louder than before")
 
-    async def _hear(self, heard: SoundSources) -> None:
+    async def _take_sources(self, heard: SoundSources) -> None:
         # A source without a speech probability may be a voice.
         self._voice_heard |= any(s.active and not s.speech < self.settings.voice for s in heard.sources)
 

@@ -97,9 +97,9 @@ class FaceDetector(Module):
         self.panorama = self.input("panorama", Image)
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
         self.faces = self.output("faces", Faces)
-        self.on(self.images, self._look)
-        self.on(self.panorama, self._look)
-        self.on(self.odometry, self._remember)
+        self.on(self.images, self._detect)
+        self.on(self.panorama, self._detect)
+        self.on(self.odometry, self._take_odometry)
 
     async def start(self) -> None:
         """Load the model; after a restart, continue with unused track numbers. Raises ModuleFailed."""
@@ -114,10 +114,10 @@ class FaceDetector(Module):
         self._min_score = float(parameters.get("min_score", self.settings.min_score))
         self._fine = bool(parameters.get("fine", self.settings.fine))
 
-    async def _remember(self, odometry: Odometry) -> None:
+    async def _take_odometry(self, odometry: Odometry) -> None:
         self._poses.add(odometry)
 
-    async def _look(self, image: Image) -> None:
+    async def _detect(self, image: Image) -> None:
         sightings = await self.compute(self._find, image, self._min_score, self._fine)
         X_OB = await self._poses.at(image.stamp) if sightings else None
         if sightings:

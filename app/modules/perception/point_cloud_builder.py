@@ -50,13 +50,13 @@ class PointCloudBuilder(Module):
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
         self.clouds = self.output("clouds", PointCloud)
         self.on(self.images, self._build)
-        self.on(self.odometry, self._remember)
+        self.on(self.odometry, self._take_odometry)
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take ``max_points`` from the intention."""
         self._max_points = int(parameters.get("max_points", self.settings.max_points))
 
-    async def _remember(self, odometry: Odometry) -> None:
+    async def _take_odometry(self, odometry: Odometry) -> None:
         self._poses.add(odometry)
 
     async def _build(self, image: Image) -> None:

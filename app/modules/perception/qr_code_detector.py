@@ -116,7 +116,7 @@ class QRCodeDetector(Module):
         self.on(self.images, self._detect)
         self.on(self.panorama, self._detect)
         self.on(self.scans, self._keep)
-        self.on(self.odometry, self._remember)
+        self.on(self.odometry, self._take_odometry)
 
     async def start(self) -> None:
         """Keep OpenCV's work in the module's thread, and continue with the landmarks from before a restart."""
@@ -132,7 +132,7 @@ class QRCodeDetector(Module):
         """Take ``upscale`` from the intention."""
         self._upscale = bool(parameters.get("upscale", self.settings.upscale))
 
-    async def _remember(self, odometry: Odometry) -> None:
+    async def _take_odometry(self, odometry: Odometry) -> None:
         self._poses.add(odometry)
 
     async def _keep(self, scan: LaserScan) -> None:

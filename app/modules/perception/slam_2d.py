@@ -129,7 +129,7 @@ class SLAM2D(Module):
         self.map = self.output("map", OccupancyGrid)
         self.zones = self.output("zones", Zones)
         self.on(self.scans, self._see)
-        self.on(self.odometry, self._remember)
+        self.on(self.odometry, self._take_odometry)
         self.every(self.settings.publish_s, self._let_draw)
 
     async def start(self) -> None:
@@ -158,7 +158,7 @@ class SLAM2D(Module):
 
     # --- Localization -----------------------------------------------------------------------------------------
 
-    async def _remember(self, odometry: Odometry) -> None:
+    async def _take_odometry(self, odometry: Odometry) -> None:
         self._odometry = odometry
         self._poses.add(odometry)
 

@@ -117,8 +117,8 @@ class VoiceLocalizer(Module):
         self.odometry = self.input("odometry", Odometry, capacity=100, always_open=True)
         self.sources = self.output("sources", SoundSources)
         self.separated = self.output("separated", SeparatedSound)
-        self.on(self.audio, self._hear)
-        self.on(self.odometry, self._remember)
+        self.on(self.audio, self._take_audio)
+        self.on(self.odometry, self._take_odometry)
 
     async def start(self) -> None:
         """Load the network of the voice activity detection."""
@@ -142,17 +142,17 @@ class VoiceLocalizer(Module):
         """Lost sound is a gap, which the samples' numbers show."""
         self._overruns.lost(self.audio, loss)
 
-    async def _remember(self, odometry: Odometry) -> None:
+    async def _take_odometry(self, odometry: Odometry) -> None:
         self._poses.add(odometry)
 
-    async def _hear(self, audio: Audio) -> None:
+    async def _take_audio(self, audio: Audio) -> None:
         self._overruns.heard()
         if self._wiring is None or not self._wiring.same(audio):
             self._retire()
             self._wiring = _Wiring(audio.p_BM, audio.rate)
             self._doubted = False
         if audio.first_sample != self._next_sample:
-            self._forget()
+            self._reset()
         if not self._waiting_length:
             self._first_sample, self._stamp = audio.first_sample, audio.stamp
         self._waiting.append(audio.samples)
@@ -205,7 +205,7 @@ class VoiceLocalizer(Module):
             self._heading = X_OB.theta
         return self._heading
 
-    def _forget(self) -> None:
+    def _reset(self) -> None:
         """Reset: the next samples do not follow the last."""
         self._waiting, self._waiting_length = [], 0
         if self._pipeline is not None:
@@ -214,7 +214,7 @@ class VoiceLocalizer(Module):
     def _retire(self) -> None:
         """Replace the pipeline, with new track numbers."""
         self._pipeline = None
-        self._forget()
+        self._reset()
 
 
 def _made(

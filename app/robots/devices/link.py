@@ -16,7 +16,7 @@ from app.robots.devices.player import Player
 from app.robots.devices.reader import InputReader
 from app.robots.devices.sound import no_sound_card
 from app.robots.devices.streams import AudioFrames, ImageFrames
-from app.robots.model import RobotModel
+from app.robots.model import KinematicModel
 from app.robots.receivers import Receivers
 
 log = logging.getLogger("hbba.devices")
@@ -28,7 +28,7 @@ _MOST_PICTURES, _MOST_FRAMES = 2, 94
 class DevicesLink:
     """Implements ``app.link.RobotLink``; ``clock_offset`` (s) makes the robot's clock of ``time.monotonic()``."""
 
-    def __init__(self, config: DevicesConfig, model: RobotModel, clock_offset: float) -> None:
+    def __init__(self, config: DevicesConfig, model: KinematicModel, clock_offset: float) -> None:
         self._config = config
         self._offset = clock_offset
         self._readers: dict[str, InputReader[Any]] = {}

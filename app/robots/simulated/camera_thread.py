@@ -29,7 +29,7 @@ from app.robots.simulated.wire import ImageNotice
 
 
 @dataclass(slots=True, eq=False)
-class _Job:
+class _RenderJob:
     """An image in progress, requested at ``since`` (s, monotonic)."""
 
     snapshot: WorldSnapshot
@@ -107,11 +107,11 @@ class CameraThread:
             self._wake()
 
     def _serve(self, renderers: Mapping[str, CameraRenderer]) -> None:
-        jobs: dict[str, _Job] = {}
+        jobs: dict[str, _RenderJob] = {}
         while self._wait(bool(jobs)):
             with self._condition:
                 for stream, (snapshot, since) in self._asked.items():
-                    jobs[stream] = _Job(snapshot, renderers[stream].draw(snapshot), since)
+                    jobs[stream] = _RenderJob(snapshot, renderers[stream].draw(snapshot), since)
                 self._asked.clear()
             stream = self._most_urgent(jobs)
             if next(jobs[stream].steps, stream) is stream:
@@ -124,7 +124,7 @@ class CameraThread:
                 self._condition.wait()
             return not self._ending
 
-    def _most_urgent(self, jobs: Mapping[str, _Job]) -> str:
+    def _most_urgent(self, jobs: Mapping[str, _RenderJob]) -> str:
         now = time.monotonic()
         waited = {stream: (now - job.since) / self._periods[stream] for stream, job in jobs.items()}
         latest = max(waited, key=lambda stream: waited[stream])

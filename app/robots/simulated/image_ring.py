@@ -74,7 +74,7 @@ class ImageRings:
     def close(self) -> None:
         """Release the memory."""
         for ring in self.rings.values():
-            ring.forget()
+            ring.release()
         self._map.close()
 
 
@@ -117,7 +117,7 @@ class ImageRing:
             return None
         return read_only(color), depth
 
-    def forget(self) -> None:
+    def release(self) -> None:
         """Release the arrays, so that the memory can be closed."""
         self._sequences.clear()
         self.colors.clear()

@@ -80,7 +80,7 @@ class RealtimeLoop:
                     if (
                         notice.stream in simulation.wanted
                     ):  # else its age would grow for ever, and the guard refuse to drive
-                        simulation.saw(notice.stream, now + self._offset)
+                        simulation.note_sensor(notice.stream, now + self._offset)
                     self._socket.send(notice)
             if self._acoustics is not None:
                 for audio in self._acoustics.receive(simulation.physics.time_s):
@@ -112,7 +112,7 @@ class RealtimeLoop:
         if self._acoustics is not None and self._acoustics.late and "microphones" in simulation.wanted:
             return True
         return camera is not None and any(
-            camera.busy(stream) and simulation.looks(stream) for stream in simulation.cameras
+            camera.busy(stream) and simulation.image_due(stream) for stream in simulation.cameras
         )
 
     def _also(self, stamp: float) -> None:

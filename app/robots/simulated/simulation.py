@@ -180,14 +180,14 @@ class WorldSimulation:
 
     def send(self, stream: str, message: object, seen: float) -> None:
         """Send ``message``, with ``seen`` as the last time of its stream."""
-        self.saw(stream, seen)
+        self.note_sensor(stream, seen)
         self._send_out(stream, message)
 
-    def saw(self, stream: str, seen: float) -> None:
+    def note_sensor(self, stream: str, seen: float) -> None:
         """Note ``seen`` as the last time of ``stream``: the guard checks the age of sensors."""
         self._last_seen[stream] = seen
 
-    def looks(self, stream: str) -> bool:
+    def image_due(self, stream: str) -> bool:
         """Whether an image of ``stream`` is wanted and due."""
         return stream in self.wanted and self._schedules[stream].ready(self.physics.time_s)
 

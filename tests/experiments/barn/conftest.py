@@ -51,7 +51,7 @@ def three(tmp_path: Path) -> Path:
 
 
 async def straight_on(run: WorldRun, goal: Pose2) -> None:
-    """Drive straight to the goal on the map at 1 m/s, whatever stands there."""
+    """Drive straight to the goal on the map at 1 m/s, whatever the obstacles."""
     X_WG = run.link.start_pose @ goal
     while True:
         at = run.link.true_pose()

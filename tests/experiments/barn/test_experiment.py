@@ -1,4 +1,4 @@
-"""The whole experiment: what is done is not done again, and it is told as a table, JSON and pictures."""
+"""The whole experiment: finished trials are not repeated, and results are a table, JSON and pictures."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_a_line_that_is_no_result_is_said(three: Path, tmp_path: Path) -> None:
         done(what, ResultsStore(tmp_path, what.of()))
 
 
-def test_the_table_tells_shares_and_failures_their_reasons(three: Path, tmp_path: Path) -> None:
+def test_the_table_reports_shares_and_failures_their_reasons(three: Path, tmp_path: Path) -> None:
     results = [crossed("1"), crossed("2", "collision", 4.2, "touched cylinder0.7"), crossed("3"), crossed("4")]
     lines = table(results).splitlines()
     assert "| successes, % | 75.0 |" in lines

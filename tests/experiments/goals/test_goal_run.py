@@ -25,7 +25,7 @@ people:
 
 
 @pytest.mark.slow
-def test_goals_are_given_on_a_map_made_before_and_the_truth_is_told(tmp_path: Path) -> None:
+def test_goals_are_given_on_a_map_made_before_and_the_truth_is_reported(tmp_path: Path) -> None:
     jackal = paths.config_dir() / "jackal.yaml"
     (tmp_path / "tour.yaml").write_text(TOUR)
     (tmp_path / "person.yaml").write_text(PERSON)

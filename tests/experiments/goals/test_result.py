@@ -52,7 +52,7 @@ def test_clearance_turns_with_the_outline(x: float, y: float, angle: float) -> N
     assert clearance(turned, c * x - s * y, s * x + c * y, 0.1) == pytest.approx(clearance(SQUARE, x, y, 0.1), abs=1e-9)
 
 
-def test_a_summary_counts_what_matters_and_a_table_tells_it() -> None:
+def test_a_summary_counts_what_matters_and_a_table_reports_it() -> None:
     results = [
         went(1),
         went(2, time_s=30.0, driven_m=8.0, error_m=0.2, people_m=0.3, recoveries=2),

@@ -150,7 +150,7 @@ async def until(bench: Bench, condition: Callable[[], bool], limit_s: float) -> 
 
 
 class Living:
-    """``async with Living(world, bench):`` the world lives as long as the block."""
+    """``async with Living(world, bench):`` the world runs for the block."""
 
     def __init__(self, world: DrivenWorld, bench: Bench, **what: bool) -> None:
         self._coroutine = world.live(bench, **what)

@@ -372,7 +372,7 @@ async def test_boxed_in_it_tries_what_it_can_then_asks_for_help_and_goes_on_when
 
 
 @in_virtual_time
-async def test_the_costmap_is_told_to_those_who_listen_at_most_five_times_a_second() -> None:
+async def test_the_costmap_is_reported_to_those_who_listen_at_most_five_times_a_second() -> None:
     world = DrivenWorld(HOUSE, Pose2(1.0, 1.0, 0.0))
     async with Drive(world, x=3.5, y=1.0) as drive:
         heard = drive.bench.listen("costmap")

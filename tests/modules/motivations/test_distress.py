@@ -46,7 +46,7 @@ def status(
 class Story:
     """Decisions on an errand, every 0.25 s: ``acts`` are (s since it was given, what was done)."""
 
-    patience: DistressTimes = PATIENCE
+    times: DistressTimes = PATIENCE
 
     def __post_init__(self) -> None:
         self.now = GIVEN
@@ -65,8 +65,8 @@ class Story:
     ) -> None:
         while self.now < GIVEN + seconds:
             self.now += 0.25
-            errand = None if goal is None else GoalProgress(goal, given, says(self.now), blocked)
-            self.state, acts = decide(self.now, errand, self.state, self.patience, by_hand=by_hand)
+            goal_progress = None if goal is None else GoalProgress(goal, given, says(self.now), blocked)
+            self.state, acts = decide(self.now, goal_progress, self.state, self.times, by_hand=by_hand)
             self.acts += [(round(self.now - GIVEN, 2), act) for act in acts]
 
     def said(self) -> Iterator[tuple[float, str]]:
@@ -146,7 +146,7 @@ def test_whatever_ends_the_errand_restores_everything(after: str) -> None:
         assert story.acts[3][1] == GiveUp("walled in")
 
 
-def test_the_same_goal_given_anew_is_another_errand() -> None:
+def test_the_same_goal_given_again_is_another_errand() -> None:
     story = Story()
     story.until(50)
     story.until(69, lambda now: status(now, progress=None), given=GIVEN + 50)

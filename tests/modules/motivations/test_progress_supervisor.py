@@ -1,4 +1,4 @@
-"""ProgressSupervisor on virtual time: what it does to desires and what it tells people."""
+"""ProgressSupervisor on virtual time: its changes of desires and its messages to people."""
 
 from __future__ import annotations
 

@@ -117,14 +117,14 @@ def test_a_strip_of_people_holds_their_faces(camera: float, face: float, distanc
     assert view.lowest < math.atan2(face - camera, distance) < view.highest
 
 
-def test_a_strip_is_made_anew_when_the_camera_tilts_and_not_when_it_trembles() -> None:
+def test_a_strip_is_made_again_when_the_camera_tilts_and_not_when_it_trembles() -> None:
     strip = Strip(IMV, X_BIMV.rotation[2], StripView(60))
     for degrees, fits in ((0.3, True), (3.0, False)):
         tilted = Pose3.from_translation_rpy((0, 0, 0), (0, math.radians(degrees), 0)) @ X_BIMV
         assert strip.fits(IMV, tilted.rotation[2]) == fits
 
 
-def test_a_box_at_the_rim_is_told_in_pixels_of_the_image() -> None:
+def test_a_box_at_the_rim_is_reported_in_pixels_of_the_image() -> None:
     strip = Strip(IMV, X_BIMV.rotation[2], VIEW)
     face = Detection(0.9, (60.0, 60.0, 50.0, 60.0), np.full((5, 2), 85, np.float32))
     seen = in_image(face, strip)

@@ -97,7 +97,7 @@ def looker() -> FaceLocator:
 
 
 def standing(face: str, azimuth: float, distance: float, **more: Any) -> dict[str, Any]:
-    """Somebody ``distance`` (m) from the robot at ``HERE``, who looks at it."""
+    """A person ``distance`` (m) from the robot at ``HERE``, who looks at it."""
     at = (HERE.x + distance * math.cos(azimuth), HERE.y + distance * math.sin(azimuth))
     heading = math.degrees(azimuth) + 180
     return {"face": face, "at": at, "heading_deg": heading, "script": [{"wait": 99, "look": "robot"}], **more}

@@ -174,5 +174,5 @@ def test_memory_is_bounded() -> None:
         assert len(tracks.numbers) <= 10
 
 
-def test_numbers_begin_where_they_are_told_to() -> None:
+def test_numbers_begin_where_they_are_reported_to() -> None:
     assert numbers(FaceTracks(first=7).see(0.0, "kinect", [sight((2, 0, 1.6))], HERE)) == [7]

@@ -92,7 +92,7 @@ def test_a_long_wall_at_a_known_pose_is_met_where_the_ray_meets_its_plane(
     assert hit.sigma_m >= 0.005 * range_m
 
 
-def test_noise_is_averaged_and_the_sigma_tells_it() -> None:
+def test_noise_is_averaged_and_the_sigma_reports_it() -> None:
     errors, sigmas = [], []
     for seed in range(40):
         hit = meet(scan_of([((1.5, -3), (1.5, 3))], noise_m=0.01, seed=seed), (1.0, 0.3, 0.0))

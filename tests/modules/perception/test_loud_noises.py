@@ -37,7 +37,8 @@ def with_clap(energies: NDArray[np.float64], at: int, peak: float) -> NDArray[np
     return energies
 
 
-# --- The judge -------------------------------------------------------------------------------------------------------
+# --- The detector
+# -------------------------------------------------------------------------------------------------------
 
 
 def test_a_clap_is_one_noise_at_the_frame_it_begins_with_its_ratio() -> None:
@@ -47,7 +48,7 @@ def test_a_clap_is_one_noise_at_the_frame_it_begins_with_its_ratio() -> None:
     assert told[400] == pytest.approx(1e-2 / FAN, rel=0.05)
 
 
-def test_claps_that_follow_each_other_are_each_told_and_louder_or_softer_ones_too() -> None:
+def test_claps_that_follow_each_other_are_each_reported_and_louder_or_softer_ones_too() -> None:
     energies = hum(1500)
     at = [400, 480, 560, 700, 1200]
     for place, peak in zip(at, (1e-2, 8e-3, 1e-2, 3e-3, 6e-2), strict=True):
@@ -56,7 +57,7 @@ def test_claps_that_follow_each_other_are_each_told_and_louder_or_softer_ones_to
 
 
 @given(st.lists(st.floats(1e-10, 1.0), min_size=1, max_size=100), st.floats(2, 1000))
-def test_it_never_tells_anything_at_the_start(energies: list[float], ratio: float) -> None:
+def test_it_never_reports_anything_at_the_start(energies: list[float], ratio: float) -> None:
     assert begins(np.array(energies), LoudnessRule(ratio=ratio)) == []
 
 
@@ -85,8 +86,8 @@ def test_a_level_that_drifts_is_followed(db_per_minute: float) -> None:
 
 
 @pytest.mark.parametrize("step_db", [20, 40])
-def test_a_level_that_jumps_is_told_once_and_then_usual(step_db: float) -> None:
-    """A vacuum cleaner is switched on: after a few seconds, claps beside it are told again."""
+def test_a_level_that_jumps_is_reported_once_and_then_usual(step_db: float) -> None:
+    """A vacuum cleaner is switched on: after a few seconds, claps beside it are detected again."""
     energies = hum(1500)
     energies[400:] *= 10 ** (step_db / 10)
     energies = with_clap(energies, 1300, 60 * float(energies[1300]))
@@ -134,7 +135,7 @@ def test_what_grows_out_of_talk_is_none_and_what_bursts_out_of_quiet_is() -> Non
     burst[400:406] = 1.2e-3
     assert begins(grown) == []
     assert begins(burst) == [400]
-    # As loud as nobody talks, it may rise as it likes.
+    # Louder than any speech, it may rise as it likes.
     grown[400:406] = 1e-2
     assert begins(grown) == [400]
 

@@ -87,7 +87,7 @@ def test_a_code_whose_pose_never_comes_is_seen_but_not_placed(caplog: pytest.Log
     assert len([r for r in caplog.records if "are not placed" in r.message]) == 1
 
 
-def test_landmarks_are_told_when_added_or_moved_and_outlive_a_restart() -> None:
+def test_landmarks_are_reported_when_added_or_moved_and_outlive_a_restart() -> None:
     still = {"stop": facing(1.5, 0, 1.3)}
 
     async def main() -> None:
@@ -174,7 +174,7 @@ def whole_bench() -> Bench:
 
 
 def known(b: Bench) -> tuple[Landmark, ...]:
-    """The landmarks that the module knows, told or not."""
+    """The landmarks that the module knows, published or not."""
     module = b.slot.context.instance
     assert isinstance(module, QRCodeDetector)
     return module._map.landmarks

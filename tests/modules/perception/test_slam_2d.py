@@ -70,7 +70,7 @@ class Body:
         await self.go([self.X_WB] * round(seconds * 10))
 
     def is_within(self, metres: float, radians: float, start: Pose2 = ROUND[0]) -> bool:
-        """Whether the place told last is so near to the true one, the map's origin being at ``start``."""
+        """Whether the last published pose is so near to the true one, the map's origin being at ``start``."""
         off = (start @ self.explained_each[-1].X_MB).inverse() @ self.X_WB
         return math.hypot(off.x, off.y) < metres and abs(off.theta) < radians
 
@@ -79,7 +79,7 @@ class Body:
         return self.explained_each[-1].state
 
     def states(self, since: int = 0) -> list[str]:
-        """The states told, each once as long as it lasted."""
+        """The published states, consecutive equal ones once."""
         found = [place.state for place in self.explained_each[since:]]
         return [state for state, before in zip(found, ["", *found], strict=False) if state != before]
 
@@ -154,7 +154,7 @@ def test_it_maps_and_knows_where_it_is_though_wheels_slip(library: MapLibrary) -
     assert np.mean(around) > 0.97, "what is drawn stands within 0.1 m of a wall"
 
 
-def test_a_map_is_told_only_when_it_changed(library: MapLibrary) -> None:
+def test_a_map_is_reported_only_when_it_changed(library: MapLibrary) -> None:
     async def script(body: Body) -> None:
         await body.go(ROUND[:20])
         await body.stand(12.0)
@@ -270,7 +270,7 @@ def test_a_robot_that_is_placed_where_it_is_not_adds_nothing_to_the_map(library:
     assert live(script, library).is_within(0.06, 0.02)
 
 
-def test_odometry_that_begins_anew_moves_no_robot(library: MapLibrary) -> None:
+def test_odometry_that_begins_again_moves_no_robot(library: MapLibrary) -> None:
     async def script(body: Body) -> None:
         await body.go(ROUND[:60])
         body.X_OB = Pose2(900.0, -3.0, 2.0)
@@ -337,7 +337,7 @@ def test_a_kept_map_is_loaded_where_the_robot_is_said_to_be(kept: MapLibrary) ->
     assert body.maps[-1].cells.shape < (1000, 1000), "the map stays as it was kept"
 
 
-def test_without_a_word_it_looks_for_itself_and_is_told_to_be_searching_till_then(kept: MapLibrary) -> None:
+def test_without_a_word_it_looks_for_itself_and_is_reported_to_be_searching_till_then(kept: MapLibrary) -> None:
     async def script(body: Body) -> None:
         body.X_WB = Pose2(9.0, 6.5, math.pi)
         await body.stand(0.5)
@@ -450,7 +450,7 @@ def test_what_cannot_be_is_refused_in_words_and_changes_nothing(kept: MapLibrary
     assert live(script, kept).is_within(0.05, 0.02)
 
 
-def test_beginning_anew_forgets_the_map_and_its_zones(kept: MapLibrary) -> None:
+def test_beginning_again_forgets_the_map_and_its_zones(kept: MapLibrary) -> None:
     async def script(body: Body) -> None:
         await body.stand(0.2)
         await body.control.keeper.load("hall", Pose2())

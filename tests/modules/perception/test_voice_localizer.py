@@ -151,8 +151,8 @@ def test_a_gap_begins_afresh_and_parameters_make_another_pipeline_without_using_
             assert four.track > first.track
             assert off_deg(four.direction, 60) < 8
             assert drain(separated) == []
-            # A message that cannot be sound makes the module fail; its next life takes new numbers, whatever was told
-            # last.
+            # A message that cannot be sound makes the module fail; its next instance uses new numbers, whatever was
+            # published last.
             b.graph.channel("sources").publish(SoundSources(b.clock.now(), (0.0, 0.0, 0.0), ()))
             b.feed("audio", None)
             await b.clock.sleep(2.0)
@@ -164,7 +164,7 @@ def test_a_gap_begins_afresh_and_parameters_make_another_pipeline_without_using_
     run_virtual(main())
 
 
-def test_microphones_that_cannot_tell_directions_are_a_failure_in_words(talker: NDArray[np.int16]) -> None:
+def test_microphones_that_cannot_report_directions_are_a_failure_in_words(talker: NDArray[np.int16]) -> None:
     async def main() -> None:
         async with bench(speech=False) as b:
             await say(b, talker[: 8 * FRAME, :1], p_BM=P_BM[:1])

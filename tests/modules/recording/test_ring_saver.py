@@ -171,7 +171,7 @@ async def test_a_recording_that_takes_the_rings_place_throws_nothing_away(
         robot.feed("odometry", odometry(BEGIN + 1))
         await robot.taken("odometry", 101)
         async with asyncio.timeout(PATIENCE_S):
-            # The file is there a moment before it is reported.
+            # The file is there a moment before its report.
             while len(found := await asyncio.to_thread(files, tmp_path)) < 2 or "is saved as" not in caplog.text:
                 await robot.statuses.receive()
         robot.desire(False)

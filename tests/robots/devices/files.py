@@ -37,7 +37,7 @@ def video_file(folder: Path, levels: list[int], fps: float = 50.0) -> Path:
 
 
 def ramp(length: int, channels: int = 2) -> NDArray[np.int16]:
-    """Samples that tell their own number, in every channel but for its sign."""
+    """Samples that contain their own number, in every channel but for its sign."""
     up = np.arange(length, dtype=np.int16)
     return np.stack([up if channel % 2 == 0 else -up for channel in range(channels)], axis=1)
 

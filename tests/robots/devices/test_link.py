@@ -151,7 +151,7 @@ async def test_a_busy_loop_loses_the_newest_instead_of_queueing_without_bound() 
 async def test_a_computer_without_sound_cards_makes_a_mute_body(
     missing: str, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """Or the page would take in what is said, and nobody hear it."""
+    """Or the page would record a voice that is never played."""
     monkeypatch.setattr("app.robots.devices.link.no_sound_card", lambda: missing)
     config = DevicesConfig(kind="devices", name="A desk", model=MODEL, loudspeaker=SpeakerConfig())
     body = DevicesLink(config, DESK, 0.0)

@@ -34,7 +34,7 @@ def arguments(**given: Any) -> argparse.Namespace:
 
 
 def desk(folder: Path) -> Path:
-    """A picture of somebody beside a QR code."""
+    """A picture of a person beside a QR code."""
     picture = np.full((480, 640, 3), 170, np.uint8)
     portrait = cv2.resize(np.asarray(cv2.imread(str(PORTRAIT))), (240, 320), interpolation=cv2.INTER_AREA)
     picture[80:400, 40:280] = portrait

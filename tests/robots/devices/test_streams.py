@@ -1,4 +1,4 @@
-"""What devices give, as messages: sound that was not read is told as missing."""
+"""Data of devices as messages: unread sound is reported as missing."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def microphone(monkeypatch: pytest.MonkeyPatch) -> Microphone:
 
 
 @pytest.mark.parametrize("how", ["on time", "overrun", "skipped"])
-def test_lost_samples_are_told_by_number(microphone: Microphone, how: str) -> None:
+def test_lost_samples_are_reported_by_number(microphone: Microphone, how: str) -> None:
     now = 10.0
     ear = AudioFrames(SoundInputConfig(rate=16000, frame_samples=160), Pose3.identity(), lambda: now).open()
     first = ear.read()

@@ -1,4 +1,4 @@
-"""The body in the physics: what it weighs, how it stands, drives and brakes. No process, no camera."""
+"""The body in the physics: mass, rest, driving and braking. No process, no camera."""
 
 from __future__ import annotations
 

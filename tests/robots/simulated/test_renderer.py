@@ -1,4 +1,4 @@
-"""What is drawn and what need not be: walls hide, bounding spheres tell, and nothing that may be seen is left out."""
+"""Culling in the renderer: by walls and bounding spheres, without loss of any visible shape."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def after(snapshot: WorldSnapshot, body: int, y: float, slide: float = 0.0) -> W
 
 
 @needs_gl
-def test_a_picture_is_drawn_anew_only_where_something_that_may_be_seen_has_moved(
+def test_a_picture_is_drawn_again_only_where_something_that_may_be_seen_has_moved(
     model: mujoco.MjModel, renderer: Renderer
 ) -> None:
     near, far = 0, 1

@@ -23,9 +23,9 @@ class DriftGraph:
     """Submaps as nodes, connected where they share keyframes and where loops are closed; lengths in metres driven."""
 
     def __init__(self) -> None:
-        self.forget()
+        self.clear()
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """Recompute from all submaps and edges: they changed otherwise than by additions at the end."""
         self._submaps = 0
         self._edges = 0

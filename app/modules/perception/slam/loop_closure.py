@@ -159,7 +159,7 @@ class LoopJob:
         for id in cut.changed:
             memory.grids.pop(id, None)
         memory.held = [held for held in memory.held if not {held.edge.a, held.edge.b} & cut.replaced.keys()]
-        memory.drift.forget()
+        memory.drift.clear()
         return cut
 
     def _corrected(self, poses: Mapping[int, Pose2], edges: list[Edge]) -> Mapping[int, Pose2]:

@@ -32,7 +32,7 @@ class AutomaticGain:
     def __init__(self, rate: int, settings: GainSettings = GainSettings()) -> None:
         self._target = 10 ** (settings.target_db / 20)
         self._most = 10 ** (settings.most_db / 20)
-        self._forget = settings.release_db_s / rate / 10
+        self._decay = settings.release_db_s / rate / 10
         self._attack = settings.attack
         self._peak = settings.peak
         #: Gain rises within 4 ms and falls at once, since a sudden sound must not clip.
@@ -48,7 +48,7 @@ class AutomaticGain:
         elif power > self._loud:
             self._loud += self._attack * (power - self._loud)
         else:
-            self._loud = max(power, self._loud * 10 ** (-self._forget * len(piece)))
+            self._loud = max(power, self._loud * 10 ** (-self._decay * len(piece)))
         highest = max(float(piece.max()), -float(piece.min()))
         gain = min(
             self._target / math.sqrt(self._loud + _SILENCE), self._most, self._peak / max(highest, math.sqrt(_SILENCE))

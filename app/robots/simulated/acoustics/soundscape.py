@@ -8,7 +8,7 @@ from app.base.errors import ConfigError
 from app.base.geometry import Pose2, Pose3
 from app.messages import SoundTruth
 from app.robots.config import LoudspeakerConfig, MicrophonesConfig
-from app.robots.model import RobotModel
+from app.robots.model import KinematicModel
 from app.robots.simulated.acoustics.ipc import AcousticsSetup, ActiveSound, SoundScene
 from app.robots.simulated.acoustics.sounds import PEAK_DB_SPL, VARIANTS, ClipLibrary, Key
 from app.robots.simulated.acoustics.synthesis import MAKERS
@@ -34,7 +34,7 @@ class Soundscape:
         config: MicrophonesConfig,
         loudspeaker: LoudspeakerConfig | None,
         world: WorldConfig,
-        model: RobotModel,
+        model: KinematicModel,
         scenario: ScenarioConfig | None,
         wheels: tuple[str, str],
         seed: int,

@@ -44,7 +44,7 @@ def kind(request: pytest.FixtureRequest) -> str:
 @settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_never_into_what_it_could_not_stop_before(name: str, kind: str, data: st.DataObject) -> None:
-    """Whatever stands about and however it moves: if it could still stop before, it can after the next command."""
+    """For any obstacles and any motion: if it could still stop before, it can after the next command."""
     limits, footprint, period_s = BODIES[kind]
     half_x, half_y = footprint[0][0], abs(footprint[0][1])
     random = np.random.default_rng(data.draw(st.integers(0, 2**32 - 1)))

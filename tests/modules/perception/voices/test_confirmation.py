@@ -38,7 +38,7 @@ def test_a_loud_moment_is_remembered_as_long_as_proof_is() -> None:
     assert not reported(talker, [talker], 9.0, SETTINGS)
 
 
-def test_who_is_tried_anew_is_told_of_for_the_trial_and_no_longer() -> None:
+def test_who_is_tried_again_is_reported_for_the_trial_and_no_longer() -> None:
     talker = source(0.3, 1.0)
     confirm([talker], 0.3, 9.0, SETTINGS)
     talker.restart_trial(9.0)
@@ -87,12 +87,12 @@ def leading(recent: float, leads: float, share: float = 1.0, number: int = 1) ->
         (1.07, 0.15, 1.4, True),  # surely no copy
         (1.15, 0.35, 1.4, True),
         (1.15, 0.5, 1.4, False),  # a copy, probably
-        (1.3, 0.65, 1.4, False),  # a copy too soon after its source to be told from it by when it begins
+        (1.3, 0.65, 1.4, False),  # a copy too soon after its source for its onsets to differ
         (1.15, 0.35, 1.8, False),  # what is heard beside it leads by far more
-        (0.95, 0.5, 1.2, True),  # too dry a room for echoes, or a sound that never begins anew, as a fan's
+        (0.95, 0.5, 1.2, True),  # too dry a room for echoes, or a sound without onsets, as a fan's
     ],
 )
-def test_beside_a_louder_one_only_who_leads_is_told_of(leads: float, echo: float, other: float, trusted: bool) -> None:
+def test_beside_a_louder_one_only_who_leads_is_reported(leads: float, echo: float, other: float, trusted: bool) -> None:
     weak, strong = leading(0.3, leads), leading(0.4, other, number=2)
     weak.echo = echo
     confirm([weak, strong], 0.4, 9.0, SETTINGS)
@@ -119,7 +119,7 @@ def test_who_is_loudest_need_not_lead() -> None:
 
 
 @pytest.mark.parametrize(("sounded", "trusted"), [(0.9, True), (1.1, False)])
-def test_what_only_follows_is_told_of_for_a_moment(sounded: float, trusted: bool) -> None:
+def test_what_only_follows_is_reported_for_a_moment(sounded: float, trusted: bool) -> None:
     weak, strong = leading(0.3, 1.0), leading(0.4, 1.4, number=2)
     weak.restart_trial(9.0)
     weak.heard_s = sounded * SETTINGS.soon_s

@@ -62,7 +62,7 @@ def test_a_clap_is_short_and_begins_at_once_and_no_two_are_alike(library: ClipLi
         assert loud[0] < 0.003 * RATE
 
 
-def test_it_tells_when_a_sound_is_active(library: ClipLibrary) -> None:
+def test_it_reports_when_a_sound_is_active(library: ClipLibrary) -> None:
     clip = library.get("question")
     assert not clip.active(-0.1)
     assert not clip.active(clip.seconds + 0.1)

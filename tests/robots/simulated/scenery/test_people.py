@@ -204,7 +204,8 @@ def test_limbs_hang_together_in_every_posture() -> None:
 
 @pytest.mark.slow
 async def test_the_truth_of_a_running_world_is_the_scenarios(robot: RobotConfig, hall: WorldConfig) -> None:
-    """Across the link's process: who walks is told walking, at the height given, looking along the way."""
+    """Across the link's process: a walking person is reported as walking, at the given height, looking along the
+    path."""
     blind = robot.streams.model_copy(update={"kinect": None, "imv": None, "microphones": None, "hokuyo": None})
     walker = {"name": "walker", "face": "pilot", "at": (3, 3), "height_m": 1.81, "script": [{"walk": (9, 3)}]}
     scenario = ScenarioConfig.model_validate({"name": "test", "people": [walker | {"repeat": False}]})

@@ -1,4 +1,5 @@
-"""The stage: people follow their scripts, wait for the robot, look where they are told; sounds come at their times."""
+"""State of a scenario: people follow their scripts, wait for the robot, look in the given direction; sounds come at
+their times."""
 
 from __future__ import annotations
 
@@ -66,7 +67,7 @@ def test_a_walk_takes_its_time_and_ends_at_its_point() -> None:
     assert walk.people[0].x == pytest.approx(3.0, abs=0.02)
     assert walk.people[0].y == pytest.approx(0.0, abs=1e-9)
     assert max(speeds) == pytest.approx(1.2, abs=0.01)
-    assert max(abs(b - a) for a, b in itertools.pairwise(speeds)) < 0.16  # nobody starts or stops in an instant
+    assert max(abs(b - a) for a, b in itertools.pairwise(speeds)) < 0.16  # no person starts or stops in an instant
 
 
 def test_a_person_waits_before_the_robot_and_goes_on_when_it_is_gone() -> None:
@@ -125,7 +126,7 @@ def test_who_looks_at_the_robot_turns_head_and_body_to_it(bearing_deg: float) ->
     assert abs(wrap_angle(look.actors[0].heading - bearing)) < math.radians(40)  # no owl
 
 
-def test_nobody_looks_at_the_robot_unless_told() -> None:
+def test_nobody_looks_at_the_robot_unless_reported() -> None:
     look = scenario_state(person(heading_deg=90, script=[{"wait": 60}]))
     look.advance(6.0, Pose2(3.0, 0.0, 0.0))
     assert look.people[0].heading == pytest.approx(math.pi / 2)
@@ -158,7 +159,7 @@ def test_what_is_said_comes_from_the_mouth_and_moves_with_it() -> None:
     assert says.place(cue)[0] > begin[0] + 1.5
 
 
-def test_claps_are_told_before_they_sound_and_the_palms_meet_then() -> None:
+def test_claps_are_reported_before_they_sound_and_the_palms_meet_then() -> None:
     claps = scenario_state(person(script=[{"wait": 1}, {"clap": 3, "every": 0.5}, {"wait": 60}]))
     apart: dict[int, float] = {}
     seen: dict[str, Cue] = {}
@@ -197,7 +198,7 @@ def sounds(seed: int) -> list[tuple[str, float]]:
     for i in range(100):
         many.advance(i * 1.0, AWAY)
         for cue in many.cues:
-            assert cue.name in found or cue.begin_s >= many.time_s - 1.0  # nothing is told too late
+            assert cue.name in found or cue.begin_s >= many.time_s - 1.0  # no sound is added too late
             assert cue.begin_s <= many.time_s + LOOKAHEAD_S
             found[cue.name] = cue.begin_s
             assert many.place(cue) == ((1, 2, 1) if cue.name.startswith("door") else (0, 0, 2))
@@ -221,7 +222,7 @@ def test_sounds_come_at_their_times_with_jitter_from_the_seed() -> None:
     cuts=st.lists(st.floats(0.001, 0.5), min_size=1, max_size=60),
     robot=st.tuples(st.floats(-3, 5), st.floats(-3, 3)),
 )
-def test_how_often_time_is_told_changes_nothing(cuts: list[float], robot: tuple[float, float]) -> None:
+def test_how_often_time_is_reported_changes_nothing(cuts: list[float], robot: tuple[float, float]) -> None:
     script = [{"walk": (2, 1)}, {"clap": 1, "look": "robot"}, {"say": "hello"}, {"walk": (0, 0), "look": "robot"}]
     pose = Pose2(*robot, 0.0)
     one, other = (scenario_state(person(script=script), footsteps={}) for _ in range(2))

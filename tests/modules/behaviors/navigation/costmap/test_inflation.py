@@ -75,7 +75,7 @@ def test_zones_cost_and_keep_out() -> None:
 
 @settings(max_examples=25)
 @given(st.integers(0, 10_000), st.booleans(), st.integers(1, 40))
-def test_made_anew_only_where_the_map_changed_is_the_same_as_made_anew(seed: int, zoned: bool, changes: int) -> None:
+def test_made_again_only_where_the_map_changed_is_the_same_as_made_again(seed: int, zoned: bool, changes: int) -> None:
     rng = np.random.default_rng(seed)
     zones = ZONES if zoned else ()
     cells = random_cells(seed, 260, 300)

@@ -239,7 +239,7 @@ def test_it_rolls_along_and_what_it_keeps_stays_in_its_place() -> None:
     assert (behind > pose.x - 4.6).all()
 
 
-def test_far_away_it_begins_anew() -> None:
+def test_far_away_it_begins_again() -> None:
     here = costmap()
     here.add_scan(World((WALL,)).scan(0.0, HERE), HERE)
     assert not len(here.around(Pose2(100.0, -100.0, 0.0), 0.1).obstacles)

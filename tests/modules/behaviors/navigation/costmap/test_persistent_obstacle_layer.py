@@ -19,7 +19,7 @@ from tests.modules.behaviors.navigation.boxes import World, looking
 from tests.modules.behaviors.navigation.maps import ROUND
 
 EYE = looking(0.0, 1.38)
-#: Lower than the laser, which stands at 0.4 m; a camera at 1.38 m that looks ahead sees it from 3 m on.
+#: Lower than the laser, which is at 0.4 m; a camera at 1.38 m that looks ahead sees it from 3 m on.
 BOX = (3.0, -0.2, 3.3, 0.2, 0.0, 0.22)
 
 

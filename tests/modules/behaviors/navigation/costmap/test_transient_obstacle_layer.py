@@ -17,7 +17,7 @@ X_MO = Pose2(5.0, 4.3, math.pi / 2)
 
 
 def around(stamp: float, on_map: list[tuple[float, float]], robot: Pose2) -> CostmapWindow:
-    """What stands at places of the map, seen from where the robot is on it; its grid is 8 m wide."""
+    """The costmap of obstacles at places of the map, around the robot; its grid is 8 m wide."""
     X_OM = X_MO.inverse()
     places = np.array([[(X_OM @ Pose2(x, y)).x, (X_OM @ Pose2(x, y)).y] for x, y in on_map]).reshape(-1, 2)
     here = X_OM @ robot

@@ -20,7 +20,7 @@ from app.modules.behaviors.navigation.recovery.recovery_behaviors import (
 SETTINGS = RecoverySettings(rounds=2)
 
 
-def test_measures_get_stronger_then_people_are_asked_and_it_begins_anew() -> None:
+def test_measures_get_stronger_then_people_are_asked_and_it_begins_again() -> None:
     recovery = Recovery(SETTINGS)
     taken = []
     for _ in range(2 * len(LADDER) + 2):
@@ -110,7 +110,7 @@ def test_backing_off_brings_it_to_the_place_behind(distance: float, bearing: flo
     assert least < 0.1
 
 
-def test_lost_it_turns_after_a_moment_so_far_and_no_further_and_anew_when_people_had_time_to_help() -> None:
+def test_lost_it_turns_after_a_moment_so_far_and_no_further_and_again_when_people_had_time_to_help() -> None:
     search = SpinSearch(RecoverySettings(wait_s=1.5, ask_s=15.0, find_rad=6.0))
     for began in (10.0, 10.0 + 9.0 + 15.0):
         assert not search.turns(began)

@@ -38,7 +38,7 @@ def test_standing_though_commanded_is_running_into_something_ahead() -> None:
     assert stall.laid_over(free(), 60.0).distance.min() == 8.0, "it is believed for a while"
 
 
-def test_commands_that_begin_anew_from_standing_against_something_are_felt() -> None:
+def test_commands_that_begin_again_from_standing_against_something_are_felt() -> None:
     stall = StallDetector(BODY)
     commanded = [0.05, 0.09, 0.04, 0.08, 0.12, 0.04, 0.08, 0.04, 0.08, 0.04]
     contacts = [stall.update(0.1 * k, mps, MotionState(POSE, 0.002, 0.0)) for k, mps in enumerate(commanded)]

@@ -1,4 +1,5 @@
-"""One control cycle on values: what the camera saw once stands there again when the body comes back."""
+"""One control cycle on values: an obstacle that the camera saw once is in the costmap again when the body comes
+back."""
 
 from __future__ import annotations
 
@@ -156,7 +157,7 @@ def seeing_no_depth() -> ControlCycle:
     return here
 
 
-def test_whoever_plans_is_told_what_is_kept_with_another_map_though_it_changed_as_often() -> None:
+def test_whoever_plans_is_reported_what_is_kept_with_another_map_though_it_changed_as_often() -> None:
     here = seeing_no_depth()
     assert here.persistent_obstacles is not None
     for x in (1.0, 2.0):

@@ -1,4 +1,4 @@
-"""What is told of the way, and what of that is logged."""
+"""Published statuses of a path, and their log lines."""
 
 from __future__ import annotations
 
