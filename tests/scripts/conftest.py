@@ -53,11 +53,13 @@ def words() -> Iterator[ModuleType]:
     del sys.modules["words"]
 
 
+@pytest.fixture(scope="session")
 def commit_message() -> Iterator[ModuleType]:
     yield _load("commit_message")
     del sys.modules["commit_message"]
 
 
+@pytest.fixture(scope="session")
 def page_types() -> Iterator[ModuleType]:
     yield _load("page_types")
     del sys.modules["page_types"]

@@ -245,7 +245,7 @@ def test_a_failing_step_fails_the_whole_though_the_others_run(
     assert len(programs.commands) == 5
     programs.status = 3
     assert dev.lint() == 3
-    assert len(programs.commands) == 8
+    assert len(programs.commands) == 10
     programs.status, page_status = 0, 1
     assert dev.lint() == 1
     assert of_the_page == [("lint", "check")] * 3
