@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
 from app.messages import Image
-from app.modules.perception.faces.face_position import FaceLooker
-from app.modules.perception.faces.yunet import THRESHOLD, FaceFinder
+from app.modules.perception.faces.face_position import FaceLocator
+from app.modules.perception.faces.yunet import THRESHOLD, YuNetDetector
 from app.modules.perception.opencv import use_calling_thread
 from benchmarks.report import Row, benchmark_main, row
 from tests.scenery.face_scenes import NAMES, facing, imv_image, kinect_image
@@ -57,7 +57,7 @@ def haar() -> Detector:
 
 def yunet() -> Detector:
     """Ours."""
-    finder = FaceFinder(THRESHOLD)
+    finder = YuNetDetector(THRESHOLD)
     return lambda color: [face.box for face in finder.find(color)]
 
 
@@ -129,7 +129,7 @@ LOOKS = (
 
 def at_distances(looks: Sequence[Look], distances: Sequence[float], turns: int) -> list[Row]:
     """For each look the CPU time of an image, and the share of faces found by distance."""
-    looker = FaceLooker(THRESHOLD)
+    looker = FaceLocator(THRESHOLD)
     rows = []
     for look in looks:
         shares: list[float] = []

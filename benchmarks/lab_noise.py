@@ -161,7 +161,7 @@ def _amplitude(level_db: float) -> float:
 
 
 def _clap(rng: np.random.Generator) -> Sound:
-    """Hands that meet: a burst of some milliseconds with the resonance of the hollow between them."""
+    """A clap: a burst of some milliseconds with the resonance of the hollow between the hands."""
     t = np.arange(round(0.06 * RATE)) / RATE
     center = rng.uniform(900, 2400)
     sos = butter(2, (0.5 * center, min(2.2 * center, 8000)), "bandpass", fs=RATE, output="sos")

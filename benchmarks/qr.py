@@ -84,7 +84,7 @@ def peers() -> dict[str, Reader]:
 
 
 def photographs(name: str) -> Iterator[Case]:
-    """ZXing's photographs of one set, with the text that stands beside each."""
+    """ZXing's photographs of one set, with the text of each."""
     for photo in sorted((REFERENCE / name).glob("*")):
         truth = photo.with_suffix(".txt")
         if photo.suffix in {".png", ".jpg", ".jpeg", ".gif"} and truth.is_file():

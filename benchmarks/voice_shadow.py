@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose3
-from app.robots.simulated.acoustics.diffraction import Microphones
-from app.robots.simulated.acoustics.offline import Source, render_scene
+from app.robots.simulated.acoustics.diffraction import BaffledMicrophones
+from app.robots.simulated.acoustics.offline_rendering import OfflineSource, render_scene
 from app.robots.simulated.acoustics.room import Shoebox
 from benchmarks.voice_rooms import BLOCK_S, RATE, Recipe, Scene, Talker, draw, talk
 
@@ -20,7 +20,7 @@ def shadowed(recipe: Recipe, positions: NDArray[np.float64], speech: Path, torso
     plan = draw(recipe)
     length = int(recipe.duration_s * RATE)
     sources = [
-        Source(talk(speech, file, length).astype(np.float32), path[0], looks="listener")
+        OfflineSource(talk(speech, file, length).astype(np.float32), path[0], looks="listener")
         for file, path in zip(plan.files, plan.paths, strict=True)
     ]
     room = Shoebox((0.0, 0.0, 0.0), tuple(plan.size), (recipe.rt60_s, recipe.rt60_s))
@@ -29,7 +29,7 @@ def shadowed(recipe: Recipe, positions: NDArray[np.float64], speech: Path, torso
         Pose3.from_translation_rpy(tuple(plan.middle)),
         room,
         recipe.duration_s,
-        Microphones(positions, RATE, shadow=torso),
+        BaffledMicrophones(positions, RATE, shadow=torso),
         seed=recipe.seed,
     )
     samples = heard.T.astype(np.float64)

@@ -103,9 +103,10 @@ def main() -> int:
 
 
 def set_up(extras: set[str], *, page_wanted: bool = True, debian: bool = False, browser: bool = True) -> None:
-    """The virtual environment with ``extras``, the compiled kernels and, if wanted, the page and Debian's packages.
+    """Set up the virtual environment with ``extras``, the compiled kernels and, if wanted, the page and Debian's
+    packages.
 
-    ``browser``: of the latter also the one that tests drive. What does not need the environment is done beside it.
+    ``browser``: also the Debian package of the browser for tests. Steps independent of the environment run in parallel.
     """
     make_environment()
     with ThreadPoolExecutor(2) as beside:
@@ -126,7 +127,7 @@ def set_up(extras: set[str], *, page_wanted: bool = True, debian: bool = False, 
 
 
 def make_environment() -> None:
-    """Create ``.venv``; one that was made elsewhere or by another Python is made anew."""
+    """Create ``.venv``; one that was made elsewhere or by another Python is replaced."""
     stamp = read_stamp()
     if stamp and (stamp["root"], stamp["python"]) != (str(ROOT), sys.version):
         shutil.rmtree(VENV)
@@ -195,13 +196,13 @@ def lock(arguments: list[str]) -> int:
 
 
 def compile_kernels() -> None:
-    """Compile the numerical kernels unless they stand in the cache as they are now."""
+    """Compile the numerical kernels unless the cache holds their present version."""
     asked = [PYTHON, "-c", "import sys; from app.base import compiled; sys.exit(0 if compiled.is_ready() else 1)"]
     if run(asked) == 0:
         return
     say("compiling the numerical kernels (a minute the first time)")
     if run([PYTHON, "-m", "app.base.compiled"]):
-        raise SetupFailed("The numerical kernels could not be compiled: what failed stands above.")
+        raise SetupFailed("The numerical kernels could not be compiled: see the error above.")
 
 
 def build_page(node: page.Node | None) -> None:
@@ -266,7 +267,7 @@ def install_debian_packages(*, browser: bool = True) -> None:
 
 
 def read_stamp() -> dict[str, Any] | None:
-    """What was installed last, or None."""
+    """The stamp of the last installation, or None."""
     try:
         stamp: dict[str, Any] | None = json.loads(STAMP.read_text(encoding="utf-8")) if PYTHON.is_file() else None
     except (OSError, ValueError):
@@ -274,13 +275,13 @@ def read_stamp() -> dict[str, Any] | None:
     return stamp
 
 
-#: What starts a command that others go before: tests in virtual time take what those against the clock leave.
+#: Prefix of a command with lower priority: tests in virtual time leave the processor to those against the clock.
 GIVING_WAY = ("nice", "-n", "3")
 
 #: Tests that drive programs against the clock, or a browser: these go first, one after another.
 HURRIED = (
     "tests/browser",
-    "tests/commands/test_body.py",
+    "tests/commands/test_body_options.py",
     "tests/commands/test_run.py",
     "tests/console/live/test_late_commands.py",
     "tests/console/live/test_lost_body.py",
@@ -418,7 +419,7 @@ def run(command: list[object]) -> int:
 
 
 def say(text: str) -> None:
-    """One line of progress."""
+    """Print one line of progress."""
     over = "\r\x1b[K" if sys.stdout.isatty() else ""  # pip's progress, which goes on below
     sys.stdout.write(f"{over}hbba: {text}\n")
     sys.stdout.flush()

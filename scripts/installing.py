@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TextIO
 
-#: Where there is no terminal: a line after so long (s), and not more often.
+#: Without a terminal: a line after this time (s), and at most one in it.
 LINE_EVERY_S = 10.0
 _PROXY = re.compile(r"ProxyError\(.*?(Tunnel connection failed: [^'\")]+|Connection refused|Name or service not known)")
 
@@ -58,13 +58,13 @@ def install_locked(python: Path, root: Path, needs: Iterable[str], *, title: str
 
 
 class Progress:
-    """What pip has done so far, out of what it writes."""
+    """Progress of pip, read from its output."""
 
     def __init__(self) -> None:
         self._collected: set[str] = set()
 
     def read(self, line: str) -> str | None:
-        """How far it is after this ``line``, in words; None where the line says nothing of it."""
+        """The progress after this ``line``, in words; None if the line contains none."""
         if found := re.match(r"\s*Collecting ([\w.-]+)", line):
             self._collected.add(found[1])
             return f"{len(self._collected)} packages so far, now {found[1]}"
@@ -110,7 +110,7 @@ def install(
 
 
 def failure(said: str) -> PipFailed:
-    """The failure of pip, which wrote ``said``, with what is to be done about it."""
+    """The failure of pip, whose output is ``said``, with its remedy."""
     if found := _PROXY.search(said):
         return PipFailed(
             f"The proxy does not let pip through to the Python package index ({found[1].strip()}): correct the "

@@ -33,7 +33,7 @@ class Node:
 
 
 def static_folder(root: Path = ROOT) -> Path:
-    """Where the built page lies."""
+    """Folder of the built page."""
     return root / "app" / "console" / "static"
 
 

@@ -1,4 +1,4 @@
-"""The house stands as ARCHITECTURE.md draws it: imports point down (the contracts are in pyproject.toml)."""
+"""The rooms are layered as ARCHITECTURE.md says: imports point down (the contracts are in pyproject.toml)."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ SourceKind = Literal["motivation", "operator", "rest"]
 
 
 class UnknownDesireClass(Exception):
-    """No desire class has this name. ``name`` is the one asked for, ``known`` those there are."""
+    """No desire class has this name. ``name`` is the unknown one, ``known`` those there are."""
 
     def __init__(self, name: str, known: Iterable[str]) -> None:
         self.name = name
@@ -34,7 +34,7 @@ class UnknownDesireClass(Exception):
 
 
 class InvalidDesire(Exception):
-    """A desire was refused. ``field`` is the dotted name of what is wrong, ``message`` says what is allowed."""
+    """A desire was refused. ``field`` is the dotted name of the invalid field, ``message`` says what is allowed."""
 
     def __init__(self, field: str, message: str) -> None:
         self.field = field
@@ -50,8 +50,7 @@ class NoParameters(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class DesireClass:
-    """What can be desired: its name in configuration and REST, words for people, and its parameters as a pydantic
-    model."""
+    """A desire class: its name in configuration and REST, words for people, and its parameters as a pydantic model."""
 
     name: str
     title: str
@@ -104,7 +103,7 @@ class DesireClasses(Mapping[str, DesireClass]):
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Who asked: a motivation of the robot, an operator at the console or a REST client, by name."""
+    """The author of a desire: a motivation of the robot, an operator at the console or a REST client, by name."""
 
     kind: SourceKind
     name: str
@@ -112,7 +111,7 @@ class Source:
 
 @dataclass(frozen=True, slots=True)
 class Desire:
-    """One desire, as it stands in the Intention Workspace.
+    """One desire in the Intention Workspace.
 
     ``intensity`` in ]0, 8]; ``utility`` (desired) in [0, 8], 0 inhibits the class; ``security`` must be fulfilled;
     ``params`` as validated by the class; ``created`` and ``expires`` are stamps (seconds of the robot's clock),
@@ -145,7 +144,7 @@ def checked_number(field: str, value: object, *, above: float | None = None) -> 
 def strongest_first(desire: Desire) -> tuple[float, bool, float]:
     """Sort key: the most intense desire first; of equally intense ones security before others, then the newest.
 
-    The thesis leaves the tie open. The newest wins so that whoever asks now is heard; security so that nobody can
-    silence it without saying so louder.
+    The thesis leaves the tie open. The newest wins, so that a new request takes effect; security wins, so that only a
+    desire of greater intensity can override it.
     """
     return (-desire.intensity, not desire.security, -desire.created)

@@ -13,7 +13,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from app.attention.desires import GRAIN, SCALE
 
-#: The word that stands for φ in a family's filters.
+#: The placeholder of φ in a family's filters.
 PHI = "phi"
 _Number = Annotated[float, Field(ge=0, le=1e9, allow_inf_nan=False)]
 
@@ -54,7 +54,7 @@ def _named_by_phi(names: str) -> str:
 
 
 class CalibratedByPhi(_Model):
-    """What calibration of this computer says, and the line that holds where it was not calibrated."""
+    """The calibrated cost, and the line used on a computer without a calibration."""
 
     calibrated_or: CostByPhi
 
@@ -63,7 +63,7 @@ class StrategyFamily(_Model):
     """Strategies of one class at several φ, as the file writes them."""
 
     names: Annotated[str, AfterValidator(_named_by_phi)] = Field(
-        json_schema_extra={"pattern": _NAMES}, description="Their names; {phi} stands for φ."
+        json_schema_extra={"pattern": _NAMES}, description="Their names; {phi} is replaced by φ."
     )
     cls: str = Field(alias="class", min_length=1, description="The desire class they serve.")
     phis: list[Annotated[int, Field(ge=1)]] = Field(min_length=1, description="Each φ that there is a strategy of.")

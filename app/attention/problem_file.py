@@ -31,7 +31,7 @@ class DesireEntry(BaseModel):
         1.0, description="Desired utility u: how good it must be at least; 0 inhibits the class."
     )
     security: bool = Field(False, description="Whether it must be fulfilled.")
-    params: dict[str, Any] = Field(default={}, description="What it hands to the modules of its strategies.")
+    params: dict[str, Any] = Field(default={}, description="Parameters for the modules of its strategies.")
 
 
 class ProblemFile(StrategyFile):

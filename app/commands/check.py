@@ -12,7 +12,7 @@ from app.base.errors import ConfigError
 from app.commands.output import add_json, print_json
 from app.commands.packaged import config_file
 
-#: Raises ConfigError for a mistake; returns what is allowed but should be known, if there can be any.
+#: Raises ConfigError for a mistake; returns warnings, if there can be any.
 _Check = Callable[[Path], "tuple[str, ...] | None"]
 
 
@@ -57,8 +57,8 @@ def _counted(cautions: Sequence[str]) -> str:
 
 
 def check_file(path: Path) -> tuple[str, Sequence[str]]:
-    """Validate one file, and everything it names; return what kind of configuration it is, and what is allowed but
-    should be known, in sentences. Raises ConfigError."""
+    """Validate one file, and everything it names; return the kind of configuration, and warnings in sentences. Raises
+    ConfigError."""
     from app.base.yaml_source import load_yaml
 
     if path.suffix == ".urdf":
@@ -156,10 +156,10 @@ def _remap(path: Path) -> None:
 def _channels(path: Path) -> tuple[str, ...]:
     """Check a table by itself, then every program beside it that uses it."""
     from app.base.yaml_source import load_yaml
-    from app.program.config import ChannelTable
+    from app.program.config import ChannelTableFile
 
     document = load_yaml(path)
-    for name, spec in document.validate(ChannelTable).root.items():
+    for name, spec in document.validate(ChannelTableFile).root.items():
         try:
             _ = spec.message_type
         except KeyError:
@@ -182,7 +182,7 @@ def _programs_naming(path: Path) -> list[Path]:
             try:
                 data = load_yaml(candidate).data
             except ConfigError:
-                continue  # somebody else's file; it is not what was asked about
+                continue  # another file has the mistake; the check is about this one
             if not isinstance(data, Mapping) or "modules" not in data:
                 continue
             named = [data.get("channels"), *(data.get("strategies") or ())]
@@ -192,10 +192,10 @@ def _programs_naming(path: Path) -> list[Path]:
 
 
 def _calibration(path: Path) -> None:
-    from app.attention.calibration import Calibration
+    from app.attention.calibration import CostCalibration
     from app.base.yaml_source import parse
 
-    parse(path, Calibration)
+    parse(path, CostCalibration)
 
 
 #: Kind, the keys by which it is known, its check.

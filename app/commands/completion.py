@@ -10,7 +10,7 @@ from app.base import paths
 
 SHELLS = ("bash", "zsh", "fish")
 
-#: What takes a log: a file, or the name of one of the user's recordings.
+#: Arguments that take a log: a file, or the name of one of the user's recordings.
 _TAKE_LOGS = ("hbba calibrate", "hbba log ", "hbba replay", "hbba slam")
 
 _LOGS = {"bash": "_hbba_logs", "zsh": "_hbba_logs", "fish": "(_hbba_logs)"}
@@ -82,7 +82,7 @@ def run(args: argparse.Namespace) -> int:
     for each in leaves(parser):
         for action in each._actions:
             if (kind := _kind_of(each.prog, action)) is not None:
-                # Where shtab looks for it.
+                # The attribute that shtab reads.
                 action.complete = kind  # type: ignore[attr-defined]
     scenarios = sorted(path.stem for path in (paths.config_dir() / "scenarios").glob("*.yaml"))
     functions = _FUNCTIONS[args.shell].replace("SCENARIOS", " ".join(["none", *scenarios]))
@@ -101,7 +101,7 @@ def leaves(parser: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]
 
 
 def _kind_of(command: str, action: argparse.Action) -> Mapping[str, Any] | None:
-    """How the value of ``action`` is completed; None where that is not known."""
+    """The completion for the value of ``action``; None if it has none."""
     import shtab
 
     if action.dest in ("file", "log") and not action.option_strings and command.startswith(_TAKE_LOGS):

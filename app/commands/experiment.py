@@ -44,7 +44,7 @@ def add_parser(subparsers: Any) -> None:
         "trial",
         help="the thesis's tour-guide trial, driven by its script",
         description="Drive the robot along a scenario's script (default: the tour-guide trial of the thesis, figure "
-        "4.8), with attention, and tell what it attended to and found. Ctrl-C stops it and the robot.",
+        "4.8), with attention, and report its attention and its findings. Ctrl-C stops it and the robot.",
     )
     trial.add_argument(
         "--config", type=Path, metavar="FILE", help="the program: a file, or a name as jackal (default: lab)"
@@ -157,7 +157,7 @@ def _budget(text: str) -> float:
 def _scenario(named: str | None) -> Path | None:
     """The scenario's file, None for the experiment's own. Raises ConfigError."""
     from app.base.errors import ConfigError
-    from app.commands.body import scenario_file
+    from app.commands.body_options import scenario_file
 
     if named is None:
         return None

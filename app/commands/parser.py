@@ -1,4 +1,4 @@
-"""The command line as argparse reads it: every command, and refusals that say what was probably meant."""
+"""The parser of the command line: every command, and refusals with a suggestion."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class _Version(argparse.Action):
 
 
 class _Parser(argparse.ArgumentParser):
-    """Refuses what it does not know itself, with its own usage: argparse leaves that to the parser of all commands."""
+    """Refuses unknown arguments itself, with its own usage: argparse leaves that to the parser of all commands."""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
         """Nothing is left unknown."""
@@ -36,7 +36,7 @@ class _Parser(argparse.ArgumentParser):
         return known, unknown
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
-        """As argparse, which suggests nothing before Python 3.14."""
+        """As argparse; a suggestion is added, which argparse does only from Python 3.14 on."""
         if action.choices is not None and value not in action.choices:
             known = [str(choice) for choice in action.choices]
             words = f"invalid choice: {value!r}{_hint(str(value), known)} (choose from {', '.join(known)})"

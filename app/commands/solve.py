@@ -85,7 +85,7 @@ def run(args: argparse.Namespace) -> int:
         from app.commands.solve_report import report_consequences, report_selection
 
         plain = not _speaks_unicode()
-        # Reasons may take all the time that is left: what is selected is seen meanwhile.
+        # Reasons may take all the remaining time: the selection is printed before.
         print(report_selection(stated, selection, plain=plain), flush=True)
         selection = _explained(stated, selection, deadline)
         print(report_consequences(stated, selection, *_consequences(stated, selection), plain=plain))

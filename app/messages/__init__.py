@@ -1,11 +1,11 @@
 """Every message that crosses a channel: frozen, slotted dataclasses, passed by reference, never copied.
 
-Conventions (ARCHITECTURE.md, *Words*): SI units, radians, seconds; right-handed frames, x forward, y left, z up
-(REP 103/105: ``odom -> base_link -> ...``); camera optical frames x right, y down, z forward. ``stamp`` is the
-robot's clock at *capture*, seconds since the Unix epoch. Arrays are read-only: whoever makes a message passes its
-arrays through :func:`read_only`. Poses are named by monogram: ``X_WB`` is the pose of B in W, ``p_WB`` its
-translation; M is ``map`` (in ``p_BM`` a microphone), O ``odom``, B ``base_link``, C a camera's optical frame, L the
-laser, A the array of microphones, Q a QR code, F a face, S a sound source.
+Conventions (ARCHITECTURE.md, *Words*): SI units, radians, seconds; right-handed frames, x forward, y left, z up (REP
+103/105: ``odom -> base_link -> ...``); camera optical frames x right, y down, z forward. ``stamp`` is the robot's clock
+at *capture*, seconds since the Unix epoch. Arrays are read-only: the publisher of a message passes its arrays through
+:func:`read_only`. Poses are named by monogram: ``X_WB`` is the pose of B in W, ``p_WB`` its translation; M is ``map``
+(in ``p_BM`` a microphone), O ``odom``, B ``base_link``, C a camera's optical frame, L the laser, A the array of
+microphones, Q a QR code, F a face, S a sound source.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What perceptions make of what the body senses."""
+"""Messages of perceptions."""
 
 from __future__ import annotations
 
@@ -141,7 +141,7 @@ class SoundSource:
 
     ``track`` keeps its number from birth to death. ``power`` in [0, 1] is how strongly the microphones agree on the
     direction; ``level_db`` how loud it is, dB of full scale. ``active`` whether it sounds now; ``speech`` in [0, 1] is
-    the probability that it is a voice, NaN while nobody has judged. ``range_m`` from the microphones' middle, with
+    the probability that it is a voice, NaN while unknown. ``range_m`` from the microphones' middle, with
     standard deviation ``range_sigma_m``, supposes a standing person's mouth (the height Gaussian).
     """
 

@@ -1,6 +1,5 @@
-"""What the program tells of itself.
-
-Recorded and replayed as any other message; nothing acts on them. A closed filter's divisor is inf."""
+"""Records of the program about itself. Recorded and replayed as any other message; no module acts on them. A closed
+filter's divisor is inf."""
 
 from __future__ import annotations
 
@@ -9,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class DesireRecord:
-    """One desire as it stood: ``params`` is JSON; ``expires`` (robot's clock, s) is +inf for one that never does."""
+    """One desire at one moment: ``params`` is JSON; ``expires`` (robot's clock, s) is +inf without an expiry."""
 
     id: str
     cls: str

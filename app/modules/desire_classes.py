@@ -7,7 +7,8 @@ from typing import Annotated
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from app.attention.desires import DesireClass
-from app.logs.library import LONGEST_NAME, NAME_PATTERN, name_or_nothing
+from app.base.library import LONGEST_NAME
+from app.logs.library import NAME_PATTERN, name_or_nothing
 from app.maps.zones import FURTHEST_M
 
 
@@ -49,7 +50,7 @@ class LocateVoicesParameters(BaseModel):
         ge=1,
         le=4,
         title="Voices apart",
-        description="Most sources of sound that are given each by itself, where the strategy in force separates.",
+        description="Greatest number of separated sources, where the strategy in force separates.",
     )
 
 
@@ -63,14 +64,14 @@ class DetectNoisesParameters(BaseModel):
         ge=2,
         le=1000,
         title="How loud",
-        description="So many times the energy of what was heard before makes a noise a loud one.",
+        description="A noise is loud if its energy is this many times that of the background.",
     )
     hold_off_s: float = Field(
         0.25,
         ge=0,
         le=10,
         title="Hold-off",
-        description="Quiet between two noises that are told as two, in seconds.",
+        description="Least quiet time between two noises that count as two, in seconds.",
     )
 
 
@@ -153,36 +154,36 @@ def desire_classes() -> tuple[DesireClass, ...]:
         DesireClass(
             name="LocateFaces",
             title="Locate faces",
-            description="Find faces in both cameras' views, follow them, and tell where they are (m, in base_link).",
+            description="Find faces in both cameras' views, track them, and publish their positions (m, in base_link).",
             parameters=LocateFacesParameters,
         ),
         DesireClass(
             name="DetectNoises",
             title="Detect loud noises",
-            description="Tell when a clap, a call or the like is heard, much louder than what was heard before.",
+            description="Detect a clap, a call or the like: a sound much louder than the background.",
             parameters=DetectNoisesParameters,
         ),
         DesireClass(
             name="LocateVoices",
             title="Locate voices",
-            description="Tell where voices and other sounds come from (in base_link), and hear each by itself.",
+            description="Locate and track voices and other sounds (directions in base_link), and separate them.",
             parameters=LocateVoicesParameters,
         ),
         DesireClass(
             name="SLAM",
             title="Map and know where it is",
-            description="Map the place with the laser, close loops, and tell where the robot is on the map (m).",
+            description="Map the place with the laser, close loops, and localize the robot on the map (m).",
         ),
         DesireClass(
             name="GoTo",
             title="Go to a place",
-            description="Go to a place on the map, around what stands in the way.",
+            description="Drive to a place on the map, around obstacles.",
             parameters=GoToParameters,
         ),
         DesireClass(
             name="Teleoperation",
             title="Drive by hand",
-            description="Let an operator's hands drive the base while the dead-man is held.",
+            description="Drive the base by an operator's commands while the dead-man is held.",
             parameters=TeleoperationParameters,
         ),
         DesireClass(

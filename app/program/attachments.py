@@ -18,9 +18,9 @@ from app.runtime.graph import Graph
 
 
 def snapshot(configuration: Configuration, graph: Graph, robot: str, body: Body | None = None) -> Manifest:
-    """Everything the program was put together from; ``robot`` is the body's name. Reads files.
+    """All files from which the program was built; ``robot`` is the body's name. Reads files.
 
-    ``body`` is what really ran, where that is not just as its file says (in another scenario, say).
+    ``body`` is the body that ran, if it differs from its file (in another scenario, for instance).
     """
     program = configuration.program
     robot_file = configuration.path(program.robot).resolve()
@@ -28,7 +28,7 @@ def snapshot(configuration: Configuration, graph: Graph, robot: str, body: Body 
         Path(configuration.program_document.file).resolve(),
         configuration.path(program.channels).resolve(),
         *(configuration.path(file).resolve() for file in program.strategies),
-        # Another body may stand in for the one that the program's file names and goes on naming.
+        # Another body may replace the one that the program's file names.
         configuration.path(Path(configuration.program_document.data["robot"])).resolve(),
         robot_file,
         *_body_files(robot_file),
@@ -53,7 +53,7 @@ def snapshot(configuration: Configuration, graph: Graph, robot: str, body: Body 
 
 
 def _body_files(robot_file: Path) -> list[Path]:
-    """What describes the body; nothing where the file does not, since the link came from elsewhere."""
+    """Files that describe the body; none where the body's file names none, since the link was given by the caller."""
     try:
         return [*body_files(load_body(robot_file))]
     except ConfigError:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, Field, RootModel
 
-from app.attention.calibration import Calibration, calibration_file, load_calibration
+from app.attention.calibration import CostCalibration, calibration_file, load_cost_calibration
 from app.base import paths
 from app.base.errors import ConfigError
 from app.base.yaml_source import Document, load_yaml
@@ -23,7 +23,7 @@ class _Model(BaseModel):
 
 
 class AttentionConfig(_Model):
-    """How intentions are chosen."""
+    """Settings of attention: how intentions are chosen."""
 
     safe_strategies: tuple[str, ...] = Field(
         (), description="strategies kept while the solver has not answered yet, or cannot"
@@ -35,7 +35,7 @@ class AttentionConfig(_Model):
 
 
 class ConsoleConfig(_Model):
-    """Where the console listens."""
+    """The address of the console."""
 
     host: str = "127.0.0.1"
     port: int = Field(8080, ge=0, le=65535, description="0: any free port")
@@ -47,7 +47,7 @@ class ConsoleConfig(_Model):
 
 
 class ProgramConfig(_Model):
-    """One robot program, as it stands in its file; paths are relative to the file."""
+    """One robot program, as its file declares it; paths are relative to the file."""
 
     robot: Path
     channels: Path
@@ -58,8 +58,8 @@ class ProgramConfig(_Model):
     modules: dict[str, ModuleSpec] = Field(min_length=1)
 
 
-class ChannelTable(RootModel[dict[str, ChannelSpec]]):
-    """The table of channels, as it stands in its file."""
+class ChannelTableFile(RootModel[dict[str, ChannelSpec]]):
+    """The file of the channel table."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,8 +70,8 @@ class Configuration:
     channels: dict[str, ChannelSpec]
     program_document: Document
     channels_document: Document
-    #: What modules cost on the computer it runs on; None where that was never measured.
-    calibration: Calibration | None = None
+    #: Measured costs of modules on this computer; None without a calibration.
+    calibration: CostCalibration | None = None
 
     @property
     def folder(self) -> Path:
@@ -80,7 +80,7 @@ class Configuration:
 
     @property
     def calibration_file(self) -> Path:
-        """Where the calibration of this computer is or would be."""
+        """Path of this computer's calibration, which need not exist."""
         return calibration_file(self.path(self.program.calibration), paths.host_name())
 
     def path(self, relative: Path) -> Path:
@@ -92,7 +92,7 @@ class Configuration:
         return f"{self.program_document.file}:{self.program_document.line(key)}"
 
     def wiring_error(self, message: str, key: tuple[str, ...]) -> ConfigError:
-        """The ConfigError for a mistake in the graph, pointing into the file where ``key`` stands."""
+        """The ConfigError for a mistake in the graph, with the line of ``key`` in its file."""
         if key[0] == "channels":
             return self.channels_document.error(f"{'.'.join(key[1:])}: {message}", key[1:])
         return self.program_document.error(f"{'.'.join(key)}: {message}", key)
@@ -114,9 +114,9 @@ def load_configuration(path: Path, *, host: str | None = None) -> Configuration:
         if not (folder / relative).is_file():
             raise document.error(f"there is no file {relative} beside {path}", key)
     channels_document = load_yaml(folder / program.channels)
-    channels = channels_document.validate(ChannelTable).root
+    channels = channels_document.validate(ChannelTableFile).root
     host = host or paths.host_name()
-    calibration = load_calibration(folder / program.calibration, host)
+    calibration = load_cost_calibration(folder / program.calibration, host)
     if calibration is not None:
         measured = ", ".join(sorted(calibration.relations))
         log.info("costs as calibrated", extra={"host": host, "made": calibration.made, "filters": measured})

@@ -1,5 +1,5 @@
-"""What the program notes on its timeline besides attention's own events: modules, guard, exploitation, overload,
-channels whose news is too old.
+"""Events of the program on the timeline, beside those of attention: modules, guard, exploitation, overload, stale
+channels.
 
 A bad state is noted once on entering and once on leaving, never in between.
 """
@@ -48,8 +48,8 @@ class TimelineFeed:
         self._stale: dict[str, int] = {}
         self._over = dict.fromkeys(budgets, 0)
 
-    def forget(self) -> None:
-        """Begin anew: whatever comes next is news."""
+    def reset(self) -> None:
+        """Clear the known states: the next report of each is an event again."""
         self._guard = ""
         self._behavior = None
         self._slow_world = False
@@ -95,7 +95,7 @@ class TimelineFeed:
         """The arbiter reported; noted when another behavior drives."""
         if message.behavior != self._behavior:
             self._behavior = message.behavior
-            text = f"{message.behavior} drives" if message.behavior else "Nobody drives"
+            text = f"{message.behavior} drives" if message.behavior else "No behavior drives"
             self._timeline.add("exploitation", message.behavior or "", text)
 
     def freshness(self, channels: Mapping[str, Freshness]) -> None:
@@ -134,7 +134,7 @@ class TimelineFeed:
 
 def _freshness_words(name: str, now: Freshness) -> str:
     if now.state == "closed":
-        return f"{name} is no longer stale: nobody wants it any more"
+        return f"{name} is no longer stale: no subscription is open any more"
     if now.state != "stale":
         return f"{name} is up to date again"
     age = "nothing has come yet" if now.age_s is None else f"its newest message is {now.age_s:.2f} s old"

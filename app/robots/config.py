@@ -22,7 +22,7 @@ class _Model(BaseModel):
 
 
 class LimitsConfig(_Model):
-    """What the base may do (thesis 4.2), and how it brakes when the guard stops it."""
+    """Limits of the base (thesis 4.2), and its deceleration when the guard stops it."""
 
     linear_mps: Positive = 0.40
     angular_radps: Positive = 1.00
@@ -42,12 +42,12 @@ class LimitsConfig(_Model):
         return BaseLimits(self.linear_mps, self.angular_radps, self.linear_mps2, self.angular_radps2)
 
     def guard(self) -> GuardLimits:
-        """What the guard needs of it."""
+        """The limits as the guard uses them."""
         return GuardLimits(self.base(), self.command_timeout_s, self.sensor_timeout_s)
 
 
 class BaseConfig(_Model):
-    """The differential drive as its builder believes it to be, and how far wheels and encoders are from that.
+    """Nominal geometry of the differential drive, and errors of wheels and encoders.
 
     ``wheel_radius_m`` and ``track_m`` are the nominal values that odometry computes with. The errors are fractions of
     them (1-sigma, drawn once per start from the seed); ``slip`` is the 1-sigma fraction by which each wheel slips,
@@ -130,10 +130,10 @@ class ImvConfig(_Model):
 class MicrophonesConfig(_Model):
     """Stream ``microphones``: frames of samples taken together (thesis 4.2).
 
-    ``positions`` (m) are in ``link``. ``noise_db`` is a microphone's own noise, ``sensitivity_db`` the level
-    at 1 m of a talker of ordinary loudness (65 dB SPL there), both in dB of full scale. ``fans_db`` and ``wheels_db``
-    are the levels there of the robot's fans, and of its wheels at 0.4 m/s. ``shadow`` puts the torso between them, as a
-    rigid sphere on whose surface they sit; without it they hear a free field.
+    ``positions`` (m) are in ``link``. ``noise_db`` is a microphone's own noise, ``sensitivity_db`` the level at 1 m of
+    a talker of ordinary loudness (65 dB SPL there), both in dB of full scale. ``fans_db`` and ``wheels_db`` are the
+    levels there of the robot's fans, and of its wheels at 0.4 m/s. ``shadow``: whether the torso is modelled as a rigid
+    sphere with the microphones on its surface; without it they are in a free field.
     """
 
     rate: Annotated[int, Field(ge=8000, le=192000)] = 48000
@@ -165,7 +165,7 @@ class StatusConfig(_Model):
 
 
 class StreamsConfig(_Model):
-    """Every stream of the body. A sensor set to null is not there."""
+    """Every stream of the body; null for a missing sensor."""
 
     odometry: OdometryConfig = OdometryConfig()
     joints: JointsConfig = JointsConfig()
@@ -177,7 +177,7 @@ class StreamsConfig(_Model):
 
 
 class StartPose(_Model):
-    """Where the body stands at the start: metres and degrees in the world."""
+    """Start pose of the body: metres and degrees in the world."""
 
     x: float = 0.0
     y: float = 0.0

@@ -1,4 +1,4 @@
-"""From configuration to a body."""
+"""Construction of bodies from configuration."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Body = RobotConfig | DevicesConfig
 
 
 def load_body(path: Path | str) -> Body:
-    """Read the body that the file describes, of whatever kind. Raises ConfigError (file, line, key)."""
+    """Read the body of the file, of any kind. Raises ConfigError (file, line, key)."""
     data = load_yaml(path).data
     if isinstance(data, dict) and data.get("kind") == "devices":
         return load_devices_config(path)
@@ -40,14 +40,14 @@ def standing_streams(body: Body) -> dict[str, StreamDescription]:
 
 
 def body_files(body: Body) -> tuple[Path, ...]:
-    """The files that the body's own file names and a recording must have to be understood."""
+    """The files named by the body's own file that a recording needs."""
     if isinstance(body, DevicesConfig):
         return (body.model,)
     return (body.model, body.world, *((body.scenario,) if body.scenario is not None else ()))
 
 
 def create_link(robot_config: Body, clock_offset: float) -> RobotLink:
-    """The body that ``robot_config`` asks for, not yet started; ``clock_offset`` + ``time.monotonic()`` is its clock.
+    """The link of the body ``robot_config``, not yet started; ``clock_offset`` + ``time.monotonic()`` is its clock.
 
     Raises ConfigError (file, line, key) if its model or its world is wrong.
     """
@@ -67,7 +67,7 @@ def create_lockstep(
 ) -> LockstepLink:
     """The simulated body ``robot_config`` in the program's own process, in step with ``clock``; see ``lockstep.py``.
 
-    ``world`` stands in for the one that its file names. Raises ConfigError (file, line, key) if its model or its world
+    ``world`` replaces the one that its file names. Raises ConfigError (file, line, key) if its model or its world
     is wrong.
     """
     robot, world, scenario = simulated_parts(robot_config, world)
@@ -77,9 +77,9 @@ def create_lockstep(
 def simulated_parts(
     robot: RobotConfig, world: WorldConfig | None = None
 ) -> tuple[RobotConfig, WorldConfig, ScenarioConfig | None]:
-    """What a simulated body is put together from: itself, where it starts in its scenario; its world; the scenario.
+    """Parts of a simulated body: its configuration with the scenario's start, its world, the scenario.
 
-    ``world`` stands in for the one that its file names. Raises ConfigError.
+    ``world`` replaces the one that its file names. Raises ConfigError.
     """
     _check_model(robot)
     world = world or parse(robot.world, WorldConfig)
@@ -92,7 +92,7 @@ def simulated_parts(
 
 
 def _devices(config: DevicesConfig, clock_offset: float) -> RobotLink:
-    from app.robots.devices.link import DevicesLink  # with libraries for sound, which a simulated body does without
+    from app.robots.devices.link import DevicesLink  # imports sound libraries, which a simulated body does not need
 
     model = load_model(config.model)
     for device in (config.camera, config.microphones):

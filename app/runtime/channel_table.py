@@ -39,7 +39,7 @@ class ChannelSpec(BaseModel):
         raise KeyError(self.message)
 
     def stale_after_s(self, divisor: float = 1) -> float | None:
-        """Age (s) beyond which a message is stale when one in ``divisor`` is asked for; None for events.
+        """Age (s) beyond which a message is stale at divisor ``divisor``; None for events.
 
         Judged against the *commanded* rate, or every switch of attention would raise a false alarm.
         """

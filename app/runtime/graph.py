@@ -17,14 +17,14 @@ from app.runtime.digraph import find_cycle
 from app.runtime.errors import ModuleFailed
 from app.runtime.filter import CLOSED, RateFilter, check_divisor
 from app.runtime.module import Module, ModuleContext, Settings
-from app.runtime.pending_work import Activity
+from app.runtime.pending_work import PendingWork
 
 #: Raises the error for a wiring mistake: (message, key path in the configuration).
 WiringErrorFactory = Callable[[str, tuple[str, ...]], Exception]
 
 
 class WiringError(Exception):
-    """A graph that cannot be: the message says which module or channel, what is wrong and what is allowed."""
+    """An invalid graph: the message names the module or channel, the mistake and what is allowed."""
 
 
 def _plain_wiring_error(message: str, key: tuple[str, ...]) -> Exception:
@@ -32,7 +32,7 @@ def _plain_wiring_error(message: str, key: tuple[str, ...]) -> Exception:
 
 
 class ModuleSpec(BaseModel):
-    """One module as it stands in configuration; its name is its key in the file."""
+    """One module as configured; its name is its key in the file."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -60,7 +60,7 @@ class ModuleSlot:
 
     @property
     def title(self) -> str:
-        """What people call it."""
+        """The module's title, as the page shows it."""
         return self.module_class.title or self.name
 
     def renew(self) -> Module:
@@ -76,12 +76,13 @@ class ModuleSlot:
         return module
 
     def adopt_inputs(self) -> dict[str, int]:
-        """Give the inboxes to a new instance; returns how many messages each lossless input lost meanwhile, if any."""
+        """Give the inboxes to a new instance; returns the number of messages that each lossless input lost meanwhile,
+        if any."""
         lost = {name: port.subscription.adopt() for name, port in self.context.inputs.items() if port.connected}
         return {name: count for name, count in lost.items() if count}
 
     def leave_inputs(self) -> None:
-        """Say that nobody takes from the inboxes until the next instance adopts them."""
+        """Mark the consumer of all inboxes as down until the next instance adopts them."""
         for port in self.context.inputs.values():
             if port.connected:
                 port.subscription.leave()
@@ -98,7 +99,7 @@ class ModuleSlot:
 
 @dataclass(frozen=True, slots=True)
 class Pin:
-    """A filter held at φ = ``divisor`` whatever attention wants; the first ``offset`` messages go by."""
+    """A filter fixed at φ = ``divisor`` against attention; it skips the first ``offset`` messages."""
 
     divisor: float
     offset: int = 0
@@ -130,9 +131,9 @@ class FilterBank:
         return {name: f.divisor for name, f in self._filters.items()}
 
     def pin(self, name: str, pin: Pin) -> None:
-        """Take the filter ``name`` out of others' hands: from now on :meth:`apply` leaves it alone.
+        """Fix the filter ``name``: from now on :meth:`apply` does not change it.
 
-        Raises KeyError for a filter that does not exist and ValueError for a φ or an offset that cannot be.
+        Raises KeyError for a filter that does not exist, ValueError for an invalid φ or offset.
         """
         if pin.offset < 0:
             raise ValueError(f"an offset is a number of messages from 0, not {pin.offset}")
@@ -157,15 +158,15 @@ class FilterBank:
         """The filters that are pinned now."""
         return self._pinned.keys()
 
-    def begin_anew(self) -> None:
-        """Let the next message pass wherever a filter is open, a pinned one's after its offset: as at the start."""
+    def reset(self) -> None:
+        """Reset the phases of open filters: the next message passes, at a pinned filter after its offset."""
         for name, rate_filter in self._filters.items():
             rate_filter.begin(self._pinned.get(name, 0))
 
     def delay(self, offset: int) -> None:
-        """Let ``offset`` messages go by at every filter that is closed now, once, when it first opens.
+        """Skip ``offset`` messages at every filter that is closed now, once, when it first opens.
 
-        So each phase of a decimation can be tried. Raises ValueError for an offset that cannot be.
+        A calibration tries each phase of a decimation so. Raises ValueError for an invalid offset.
         """
         if offset < 0:
             raise ValueError(f"an offset is a number of messages from 0, not {offset}")
@@ -216,7 +217,7 @@ class Graph:
         """
         self._error = error
         self.clock = clock
-        self.activity = Activity()
+        self.pending_work = PendingWork()
         self.specs = dict(channels)
         self.channels: dict[str, Channel[Any]] = {}
         for name, channel_spec in channels.items():
@@ -279,7 +280,7 @@ class Graph:
         }
 
     def undivided(self) -> Collection[str]:
-        """The filters ``Module.port`` whose channel may not be decimated: open or closed, nothing between."""
+        """The filters ``Module.port`` whose channel may not be decimated: they are open or closed."""
         return self.filters.undivided()
 
     def inputs(self) -> dict[str, str]:
@@ -304,14 +305,14 @@ class Graph:
         """Hand the intention's parameters to ``module``. Raises KeyError for one that is not in the graph."""
         self.modules[module].configure(parameters)
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Forget every message: what waits in inboxes, each channel's latest, how far each filter has counted; and
         what modules kept for their next instance."""
         for channel in self.channels.values():
-            channel.forget()
+            channel.clear()
         for slot in self.modules.values():
-            slot.context.kept.clear()
-        self.filters.begin_anew()
+            slot.context.persistent.clear()
+        self.filters.reset()
 
     def channel(self, name: str) -> Channel[Any]:
         """A channel by name. Raises KeyError naming those there are."""
@@ -333,7 +334,7 @@ class Graph:
             raise self._error(validation_message(module_class.Settings, detail), (*key, "settings", *where)) from None
         try:
             context = ModuleContext(name, self.clock, settings, services)
-            context.activity = self.activity
+            context.pending_work = self.pending_work
             return ModuleSlot(name, module_class, spec, context)
         except ModuleFailed as failure:
             raise self._error(str(failure), key) from None

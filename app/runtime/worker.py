@@ -44,7 +44,7 @@ class ModuleWorker(Executor):
                 return
             try:
                 result = function(*args, **kwargs)
-            except BaseException as error:  # noqa: BLE001  # handed to whoever awaits the future
+            except BaseException as error:  # noqa: BLE001  # raised where the future is awaited
                 future.set_exception(error)
             else:
                 future.set_result(result)
@@ -56,7 +56,7 @@ class ModuleWorker(Executor):
         return future
 
     def shutdown(self, wait: bool = False, *, cancel_futures: bool = False) -> None:
-        """Let the thread end after its last job, or after the one at work; never waits for it unless told to."""
+        """Let the thread end after its current job; waits for it only if ``wait``."""
         self._shut_down = True
         if cancel_futures:
             with suppress(queue.Empty):
@@ -73,7 +73,7 @@ class ModuleWorker(Executor):
 
     @property
     def alive(self) -> bool:
-        """Whether its thread has begun and not ended."""
+        """Whether the thread has started and not ended."""
         return self._thread is not None and self._thread.is_alive()
 
     def _run(self) -> None:

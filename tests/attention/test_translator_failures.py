@@ -65,7 +65,7 @@ async def test_a_solver_failure_keeps_the_last_intention() -> None:
 
 @in_virtual_time
 async def test_a_solver_that_failed_is_asked_again_ever_more_seldom() -> None:
-    """What is desired is not left unheard until somebody desires something else."""
+    """A desire is answered after a failure, without another change of the workspace."""
     solver = FailingSolver()
     s = Setting(solver=solver)
     async with s.running():
@@ -207,7 +207,7 @@ async def test_observers_and_modules_that_fail_do_not_stop_attention(caplog: pyt
         s.add("DetectNoises")
         await s.translator.settled()
         assert s.selected == ("9", "10")
-    assert "no longer told" in caplog.text
+    assert "an observer of the intention failed and is removed" in caplog.text
     assert "refused its parameters" in caplog.text
     assert s.events("module") == ["VoiceLocalizer", "LoudNoiseDetector"]
 

@@ -44,7 +44,7 @@ def strangers_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     ("module", "arguments"),
     [
         ("app.base.compiled", []),
-        ("app.console.replay_process", ["0"]),  # of no console that lives: it ends at once
+        ("app.console.replay_process", ["0"]),  # of no running console: it ends at once
         ("app.cli", ["--version"]),
     ],
 )

@@ -41,7 +41,7 @@ def test_what_changed_is_compiled_again_and_nothing_else(tmp_path: Path, monkeyp
     assert not compiled.is_ready()
     compiled.compile_all(told.append)
     assert compiled.is_ready()
-    assert sorted(text.split()[1] for text in told) == names
+    assert sorted(text.split()[1] for text in told) == sorted(names)
     digest = compiled._digest
     monkeypatch.setattr(compiled, "_digest", lambda name: "other" if name == names[1] else digest(name))
     assert not compiled.is_ready()

@@ -21,8 +21,8 @@ from playwright.sync_api import Page, expect
 from app.attention.desires import Source
 from app.base.geometry import Pose2
 from app.base.paths import config_dir
-from app.experiments.lockstep import WorldRun, run_in_world
 from app.experiments.script import Waypoint, drive_script
+from app.experiments.world_run import WorldRun, run_in_world
 from app.maps.library import MapLibrary
 from app.program.config import load_configuration
 from app.robots.config import load_robot_config

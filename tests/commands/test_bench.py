@@ -30,7 +30,7 @@ def test_an_installed_program_says_where_the_benchmarks_are(
     )
 
 
-def test_results_are_written_where_the_person_stands(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_results_are_written_to_the_current_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     ran: list[list[str]] = []
 
     def run(command: list[str], **_: object) -> subprocess.CompletedProcess[str]:

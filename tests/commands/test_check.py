@@ -65,7 +65,7 @@ def kind(file: Path, capsys: pytest.CaptureFixture[str]) -> str:
     return capsys.readouterr().out.split(": ")[1].split(",")[0]
 
 
-def test_kinds_are_told_by_their_keys(capsys: pytest.CaptureFixture[str]) -> None:
+def test_kinds_are_recognised_by_their_keys(capsys: pytest.CaptureFixture[str]) -> None:
     assert [
         kind(CONFIG / name, capsys)
         for name in ("lab.yaml", "channels.yaml", "robots/irl1_tr.yaml", "robots/irl1_tr.urdf", "worlds/lab.yaml")

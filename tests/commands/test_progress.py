@@ -10,7 +10,7 @@ from app.commands.progress import shown
 
 
 class Clock:
-    """Stands until it is told."""
+    """A clock that is set by the test."""
 
     def __init__(self) -> None:
         self.now = 100.0

@@ -93,11 +93,11 @@ class Program:
 @pytest.fixture
 def not_punctual(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is for the life of a process is not for that of a test."""
-    monkeypatch.setattr("app.commands.run.be_punctual", lambda: None)
+    monkeypatch.setattr("app.commands.run.tune_for_latency", lambda: None)
 
 
 @pytest.mark.usefixtures("not_punctual")
-async def test_nobody_is_served_before_the_modules_have_started() -> None:
+async def test_no_request_is_served_before_the_modules_have_started() -> None:
     program, serving = Program(), asyncio.Event()
 
     async def serve() -> None:

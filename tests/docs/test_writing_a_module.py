@@ -19,7 +19,7 @@ from app import cli
 from app.attention.desires import DesireClass, Source
 from app.base import paths
 from app.base.errors import ConfigError
-from app.experiments.lockstep import WorldRun, run_in_world
+from app.experiments.world_run import WorldRun, run_in_world
 from app.messages import Exploitation
 from app.modules import desire_classes as real_classes
 from app.program.config import Configuration, load_configuration

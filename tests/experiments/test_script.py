@@ -19,7 +19,7 @@ from app.base.geometry import Pose2, Pose3, wrap_angle
 from app.experiments.script import (
     PATIENCE_S,
     ScriptBlocked,
-    Sticks,
+    StickCommand,
     Waypoint,
     drive_script,
     in_the_way,
@@ -169,7 +169,7 @@ def test_the_sticks_stay_in_their_range_and_turn_the_right_way(
     assert abs(sticks.angular) <= speed
     assert sticks.linear >= 0
     error = wrap_angle(math.atan2(y, x) - theta)
-    if sticks != Sticks(done=True) and 1e-3 < abs(error) < 3.1:
+    if sticks != StickCommand(done=True) and 1e-3 < abs(error) < 3.1:
         assert sticks.angular * error > 0
 
 
@@ -178,5 +178,5 @@ def test_the_thesiss_trial_has_a_script_and_who_has_none_is_told(tmp_path: Path)
     assert sum(leg.pause is not None for leg in script) == 3
     empty = tmp_path / "empty.yaml"
     empty.write_text("name: empty\n")
-    with pytest.raises(ConfigError, match="drives nobody"):
+    with pytest.raises(ConfigError, match="has no drive"):
         load_script(empty)

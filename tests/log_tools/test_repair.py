@@ -183,7 +183,7 @@ def test_the_definitions_of_a_damaged_first_chunk_come_from_the_summary(tmp_path
     assert loss.what == "a chunk"
 
 
-def test_what_is_missing_is_told_in_bytes_and_seconds(tmp_path: Path) -> None:
+def test_missing_parts_are_reported_in_bytes_and_seconds(tmp_path: Path) -> None:
     log = LOGS[CompressionType.ZSTD]
     (begin, before), (end, after) = log.chunk_ends[3:5]
     data = bytearray(log.data)

@@ -166,7 +166,7 @@ def test_folders_that_are_no_maps_are_let_be(library: MapLibrary) -> None:
 def test_its_picture_is_what_people_call_a_map(library: MapLibrary) -> None:
     library.keep("lab", room())
     pixels = cv2.imdecode(np.frombuffer(library.picture("lab"), np.uint8), cv2.IMREAD_UNCHANGED)
-    # The pillar stands in the south: low in the picture.
+    # The pillar is in the south: low in the picture.
     assert pixels is not None
     assert pixels[40 - 1 - 13, 21] == 0
     assert (pixels[20, 20], pixels[0, 0]) == (254, 205)

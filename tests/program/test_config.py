@@ -85,7 +85,7 @@ def test_a_channel_that_cannot_be_is_found_in_its_own_file(tmp_path: Path) -> No
         (PROGRAM, "scan:\n  type: LaserScam\n", "channels.yaml", 2, "LaserScam"),
     ],
 )
-def test_a_wiring_mistake_is_found_in_the_file_it_stands_in(
+def test_a_wiring_mistake_is_found_in_its_file(
     tmp_path: Path, program: str, channels: str, file: str, line: int, words: str
 ) -> None:
     configuration = load_configuration(written(tmp_path, program, channels))

@@ -18,7 +18,7 @@ from app.runtime.supervisor import ModuleState
 
 STILL = Twist(0.0, 0.0, 0.0)
 LIVE = Freshness("live", 0.02, 0.3, 40.0, 39.8)
-STATUS = LinkStatus(0.0, "idle", "standing; nobody commands", False, None, STILL, 1.0)
+STATUS = LinkStatus(0.0, "idle", "standing; no command", False, None, STILL, 1.0)
 
 
 @pytest.fixture
@@ -75,7 +75,7 @@ def test_a_slow_world_is_noted_when_it_lasts_and_when_it_is_over(feed: TimelineF
 def test_who_drives_is_noted_when_it_is_another(feed: TimelineFeed, timeline: Timeline) -> None:
     for behavior in (None, "Teleop", "Teleop", None):
         feed.exploitation(Exploitation(0.0, behavior, STILL))
-    assert [event.text for event in timeline.query()] == ["Teleop drives", "Nobody drives"]
+    assert [event.text for event in timeline.query()] == ["Teleop drives", "No behavior drives"]
 
 
 def test_a_module_is_noted_when_it_fails_and_when_it_is_back(feed: TimelineFeed, timeline: Timeline) -> None:
@@ -128,9 +128,7 @@ def test_a_stale_channel_is_noted_once_with_its_age_and_what_it_means(feed: Time
         (Freshness("stale", 4.0, None, None), "the module behind it does not run"),
     ],
 )
-def test_channels_that_never_spoke_or_speak_seldom_are_told_apart(
-    timeline: Timeline, freshness: Freshness, words: str
-) -> None:
+def test_silent_and_rare_channels_are_distinguished(timeline: Timeline, freshness: Freshness, words: str) -> None:
     feed = TimelineFeed(timeline, {})
     for _ in range(STALE_LOOKS):
         feed.freshness({"kinect": freshness})
@@ -138,12 +136,12 @@ def test_channels_that_never_spoke_or_speak_seldom_are_told_apart(
     assert words in event.text
 
 
-def test_a_stale_channel_that_nobody_wants_any_more_is_no_alarm(timeline: Timeline) -> None:
+def test_a_stale_channel_that_is_closed_is_no_alarm(timeline: Timeline) -> None:
     feed = TimelineFeed(timeline, {})
     for age in (3.0, 4.0):
         feed.freshness({"kinect": Freshness("stale", age, 0.3, 15.0)})
     feed.freshness({"kinect": Freshness("closed", 5.0, None, 0.0)})
-    assert "nobody wants it" in timeline.query()[-1].text
+    assert "no subscription is open" in timeline.query()[-1].text
 
 
 @given(st.lists(st.sampled_from(("live", "waiting", "stale", "closed"))))
@@ -172,6 +170,6 @@ def test_whatever_comes_after_forgetting_is_news(feed: TimelineFeed, timeline: T
     once = told(timeline)
     tell()
     assert told(timeline) == once
-    feed.forget()
+    feed.reset()
     tell()
     assert told(timeline) == once * 2

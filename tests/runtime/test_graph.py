@@ -121,7 +121,7 @@ def test_two_producers_of_one_channel_are_refused(build: Build) -> None:
     assert "channel n already has a producer, A.numbers" in refused(build, modules, {"n": {}})
 
 
-def test_a_channel_nobody_publishes_on_is_refused_unless_it_is_external(build: Build) -> None:
+def test_a_channel_without_producer_is_refused_unless_it_is_external(build: Build) -> None:
     modules: dict[str, Any] = {"B": (Relay, {"numbers": "n"}, {})}
     assert "no module publishes on channel n" in refused(build, modules, {"n": {}})
     assert build(modules, {"n": {"external": True}}).producers == {}
@@ -313,7 +313,7 @@ def test_a_module_that_names_no_inputs_may_choose_its_own(build: Build) -> None:
     assert "C.it" in named.filters.names()
 
 
-def test_a_pinned_filter_is_nobody_elses(build: Build) -> None:
+def test_a_pinned_filter_is_not_changed_by_others(build: Build) -> None:
     filters = build(*WIRED).filters
     filters.pin("B.numbers", Pin(4, offset=2))
     assert filters.apply({"B.numbers": 1, "A.numbers": 2}) == {"A.numbers": (1, 2)}
@@ -387,7 +387,7 @@ def test_a_graph_that_forgets_filters_as_at_its_start(build: Build, make: Callab
         for value in range(4):
             graph.channels["n"].publish(make(value))
             passed.append(inbox.statistics().passed - before)
-        graph.forget()
+        graph.reset()
         assert graph.channels["n"].latest is None
         assert not inbox.waiting
     assert passed == [0, 1, 1, 1] * 2
@@ -413,9 +413,9 @@ def test_a_filter_that_is_given_back_obeys_again(build: Build) -> None:
 def test_what_a_module_keeps_is_there_for_its_next_instance_until_all_is_forgotten(build: Build) -> None:
     graph = build(*WIRED)
     slot = graph.modules["A"]
-    assert slot.module.kept == {}
-    slot.module.kept["next"] = 7
-    assert slot.module_class(slot.context).kept == {"next": 7}
-    assert graph.modules["B"].module.kept == {}
-    graph.forget()
-    assert slot.module.kept == {}
+    assert slot.module.persistent == {}
+    slot.module.persistent["next"] = 7
+    assert slot.module_class(slot.context).persistent == {"next": 7}
+    assert graph.modules["B"].module.persistent == {}
+    graph.reset()
+    assert slot.module.persistent == {}

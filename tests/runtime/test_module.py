@@ -170,7 +170,7 @@ async def test_a_lossless_input_that_lost_messages_is_a_failure(build: Build, ma
 
 
 @in_virtual_time
-async def test_a_module_may_live_with_what_its_inbox_lost(build: Build, make: Make) -> None:
+async def test_a_module_may_go_on_after_a_loss_of_its_inbox(build: Build, make: Make) -> None:
     slot, noted, publish = burst(build, make, Forgiving)
     await run_for(slot.module, 1, publish)
     assert [event for event in noted if isinstance(event, float)] == [0, 1]
@@ -217,7 +217,7 @@ async def test_an_input_that_is_not_wired_is_simply_not_served(build: Build) -> 
 
 
 @in_virtual_time
-async def test_compute_runs_in_the_modules_thread_and_hands_its_error_over(build: Build) -> None:
+async def test_compute_runs_in_the_modules_thread_and_raises_its_error(build: Build) -> None:
     _, slot, _ = graph_of(build, Recorder)
     module = slot.module
     first, second = await module.compute(threading.current_thread), await module.compute(threading.current_thread)
@@ -301,7 +301,7 @@ async def test_a_last_word_that_fails_is_its_modules_failure_and_stops_no_intent
     assert caught.group_contains(ValueError, match="no word comes")
 
 
-def test_an_output_tells_whether_anybody_wants_it(build: Build) -> None:
+def test_an_output_reports_whether_it_is_wanted(build: Build) -> None:
     graph, slot, _ = graph_of(build, Recorder)
     words = slot.module.words
     told: list[bool] = []

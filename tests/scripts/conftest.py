@@ -51,3 +51,9 @@ def dev(page: ModuleType, installing: ModuleType, locking: ModuleType) -> Iterat
 def commit_message() -> Iterator[ModuleType]:
     yield _load("commit_message")
     del sys.modules["commit_message"]
+
+
+@pytest.fixture(scope="session")
+def words() -> Iterator[ModuleType]:
+    yield _load("words")
+    del sys.modules["words"]

@@ -15,7 +15,7 @@ LOCKED_TEST = ("--no-build-isolation", "-e", ".[test]")
 
 
 class Programs:
-    """Stands where subprocess.run stands: notes the commands and answers for them."""
+    """Replaces subprocess.run: notes the commands and answers for them."""
 
     def __init__(self, status: int = 0, output: str = "") -> None:
         self.commands: list[list[str]] = []
@@ -145,7 +145,7 @@ def test_no_venv_module_is_one_sentence(dev: ModuleType, checkout: Path, monkeyp
         dev.make_environment()
 
 
-def test_an_environment_made_elsewhere_is_made_anew(
+def test_an_environment_made_elsewhere_is_replaced(
     dev: ModuleType, checkout: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     use_pip(dev, monkeypatch, Pip())
@@ -196,7 +196,7 @@ def test_make_run_installs_what_the_camera_needs(dev: ModuleType, monkeypatch: p
     assert asked == [{"debian": True, "browser": False}]
 
 
-def test_others_are_told_what_to_install(
+def test_without_root_the_missing_packages_are_named(
     dev: ModuleType, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     apt = on_a_bare_debian(dev, monkeypatch, uid=1000)

@@ -93,7 +93,7 @@ class Hub:
     def open(self) -> None:
         """Begin to follow the guard's reports and to remember the lanes."""
         self._stack.callback(self._system.link.attach("status", self._on_status))
-        self._stack.callback(self._system.revival.observe(self._on_body))
+        self._stack.callback(self._system.body_restarter.observe(self._on_body))
         self._stack.callback(self.percepts.open())
         self._stack.callback(self.way.open())
         self._stack.callback(asyncio.create_task(self._sampler.remember(), name="console lanes").cancel)

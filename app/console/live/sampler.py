@@ -160,7 +160,7 @@ class Sampler:
             "type": "status",
             "seq": self._sequence,
             "stamp": now,
-            "guard": reports.guard_json(status, now, rate(self._system.clock), self._system.revival.problem),
+            "guard": reports.guard_json(status, now, rate(self._system.clock), self._system.body_restarter.problem),
             "world_rate": 1.0 if status is None else round(status.world_rate, 4),
             "odometry": reports.odometry_json(self._odometry),
             "exploited": reports.exploited(self._exploitation, now, rate(self._system.clock)),

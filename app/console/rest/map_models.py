@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
+from app.base.library import NAME
 from app.console.rest.models import Answer, DesireModel, Request, Stamp
-from app.maps.library import NAME
 from app.maps.zones import FURTHEST_M
 
 #: What a map may be called, for the OpenAPI description; the library itself refuses others, in its own words.

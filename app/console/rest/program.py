@@ -57,7 +57,7 @@ def robot_router(system: System, hub: Hub) -> APIRouter:
             {
                 "stamp": now,
                 "robot": reports.robot_json(system, replayed=hub.driving.recording),
-                "guard": reports.guard_json(status, now, speed, system.revival.problem),
+                "guard": reports.guard_json(status, now, speed, system.body_restarter.problem),
                 "world_rate": 1.0 if status is None else status.world_rate,
                 "odometry": reports.odometry_json(reports.latest(system.graph, "odometry")),
                 "driver": hub.driving.lease.driver_name,
@@ -175,7 +175,9 @@ def program_router(system: System, hub: Hub) -> APIRouter:
         problems = [
             f"{state.name}: {state.status}" for state in system.supervisor.states.values() if state.status != "running"
         ]
-        guard = reports.guard_json(hub.link_status, system.clock.now(), rate(system.clock), system.revival.problem)
+        guard = reports.guard_json(
+            hub.link_status, system.clock.now(), rate(system.clock), system.body_restarter.problem
+        )
         if guard["state"] in ("silent", "sensor_failure"):
             problems.append(guard["reason"])
         if stopped := recorder.problem():

@@ -11,6 +11,7 @@ from fastapi import APIRouter, Header, Path, Request
 from fastapi.responses import Response
 
 from app.attention.serialize import desire_to_json
+from app.base.library import NAME
 from app.console.problems import Problem
 from app.console.recordings import RecorderReport, record, withdraw
 from app.console.replays import ReplayFailed, ReplayReplaced, Replays, reached_by
@@ -30,7 +31,6 @@ from app.console.rest.recording_models import (
 from app.console.rest.routing import router as api_router
 from app.logs.catalog import Catalog, Recording
 from app.logs.control import RecorderUnavailable
-from app.logs.library import NAME
 from app.logs.log import LogError
 
 if TYPE_CHECKING:

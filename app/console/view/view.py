@@ -96,7 +96,7 @@ class View:
         if self._playback is not None:
             self._end_watch = self._playback.on_jump(lambda _: self._on_jump())
         else:
-            self._end_watch = self._system.revival.observe(lambda problem: None if problem else self._on_jump())
+            self._end_watch = self._system.body_restarter.observe(lambda problem: None if problem else self._on_jump())
         if self._early:
             self._start()
 

@@ -1,4 +1,4 @@
-"""What a camera's CameraInfo says, and its pictures brought to what a pinhole camera would have seen."""
+"""A camera's calibration from its CameraInfo, and its pictures rectified to a pinhole camera."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def assumed(width: int, height: int) -> CameraModel:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Calibration:
+class CameraInfo:
     """A camera's calibration: matrix ``K`` (3, 3) px, distortion ``D`` (any length), ``P`` (3, 4) of rectified ones."""
 
     width: int
@@ -35,15 +35,15 @@ class Calibration:
     P: NDArray[np.float64]
 
     @staticmethod
-    def of(info: Any) -> Calibration | None:
-        """What a sensor_msgs/CameraInfo says; None for an uncalibrated camera."""
+    def of(info: Any) -> CameraInfo | None:
+        """The calibration of a sensor_msgs/CameraInfo; None for an uncalibrated camera."""
         upper = not hasattr(info, "k")  # ROS 1 names them D, K, R, P
         K, D, P = (
             np.array(getattr(info, name.upper() if upper else name), dtype=np.float64) for name in ("k", "d", "p")
         )
         if not K[0]:
             return None
-        return Calibration(
+        return CameraInfo(
             int(info.width),
             int(info.height),
             model=str(info.distortion_model),
@@ -56,7 +56,7 @@ class Calibration:
 class PinholeCamera:
     """Pictures of one camera and one size (px), as a pinhole camera without distortion would have made them."""
 
-    def __init__(self, calibration: Calibration | None, width: int, height: int, *, rectified: bool) -> None:
+    def __init__(self, calibration: CameraInfo | None, width: int, height: int, *, rectified: bool) -> None:
         """``rectified`` pictures have no distortion any more. Raises ValueError where sizes cannot belong together."""
         self.model = assumed(width, height)
         self._maps: tuple[NDArray[Any], NDArray[Any]] | None = None

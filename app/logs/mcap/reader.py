@@ -18,11 +18,11 @@ from app.logs.manifest import AttachedFile, Manifest
 from app.logs.mcap.bounds import BoundedReader, check_chunks, records_of
 from app.logs.mcap.damage import LogDamaged, missing, place
 from app.logs.mcap.structure import DAMAGE, MAGIC, RECORD_HEAD, is_closed
-from app.logs.ros.decoder import Contents, Decoder, StoredTopic, contents
+from app.logs.ros.decoder import DecodableContents, Decoder, StoredTopic, contents
 from app.logs.stamps import from_ns, to_ns
 
 FORMAT = "HBBA MCAP"
-#: Messages of a channel that are no further apart (s) make one piece of time in which it spoke.
+#: Messages of a channel at most this far apart (s) form one span of activity.
 SHORT_S = 0.2
 
 #: Of a file that is only read, offsets beyond its end are damage too.
@@ -55,7 +55,7 @@ class McapLog:
 
     @property
     def info(self) -> LogInfo:
-        """What it holds, from the file's summary."""
+        """Facts of the log, from the file's summary."""
         return self._info
 
     @cached_property
@@ -140,7 +140,7 @@ class McapLog:
         check_chunks(self._path, self._file, summary)
         return reader, summary
 
-    def _topics(self) -> Contents:
+    def _topics(self) -> DecodableContents:
         topics = []
         for channel in self._summary.channels.values():
             schema = self._summary.schemas.get(channel.schema_id)
@@ -193,7 +193,7 @@ class McapLog:
         return self._damaged(f"what follows {self._place(since_ns)}", error)
 
     def _times(self, index: ChunkIndex, number: int) -> list[tuple[float, float]]:
-        """When a chunk has messages on a channel: of a short one, all the time; else as its index tells."""
+        """Times at which a chunk has messages on a channel: the whole span of a short chunk; else from its index."""
         whole = [(from_ns(index.message_start_time), from_ns(index.message_end_time))]
         offset = index.message_index_offsets.get(number)
         if offset is None or whole[0][1] - whole[0][0] <= SHORT_S:

@@ -1,4 +1,4 @@
-"""From the topics of a file to messages on channels: the reverse of the encoder."""
+"""Decodes the topics of a file to messages on channels: the reverse of the encoder."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ log = logging.getLogger("hbba.recording")
 
 @dataclass(frozen=True, slots=True)
 class StoredTopic:
-    """A topic as a file tells of it: ``definition`` is the ``ros2msg`` text of its ``type``."""
+    """A topic in a file: ``definition`` is the ``ros2msg`` text of its ``type``."""
 
     name: str
     type: str
@@ -52,14 +52,14 @@ class DecodableChannel:
 
 
 @dataclass(frozen=True, slots=True)
-class Contents:
-    """What of a file can be read: ``channels`` by name; topics ``ignored``, and why."""
+class DecodableContents:
+    """The readable content of a file: ``channels`` by name; topics ``ignored``, and why."""
 
     channels: Mapping[str, DecodableChannel]
     ignored: Mapping[str, str] = field(default_factory=dict)
 
 
-def contents(topics: Iterable[StoredTopic]) -> Contents:
+def contents(topics: Iterable[StoredTopic]) -> DecodableContents:
     """Sort the topics of a file into channels that this program can read and topics it cannot."""
     ignored: dict[str, str] = {}
     of_channel: dict[str, list[StoredTopic]] = {}
@@ -75,7 +75,7 @@ def contents(topics: Iterable[StoredTopic]) -> Contents:
             channels[name] = _channel(name, stored)
         except _Unreadable as reason:
             ignored.update({topic.name: str(reason) for topic in stored})
-    return Contents(channels, ignored)
+    return DecodableContents(channels, ignored)
 
 
 class Decoder:
@@ -91,14 +91,14 @@ class Decoder:
 
     @property
     def topics(self) -> frozenset[str]:
-        """The topics whose records it wants."""
+        """The topics whose records it needs."""
         return frozenset(self._lanes)
 
     def add(self, topic: str, data: bytes) -> tuple[str, Any] | None:
         """Take a record; returns channel and message once that is complete.
 
-        A message with a part lost is left out, and the first of a channel is logged. Raises ValueError where the
-        bytes are not what they should be.
+        A message with a missing part is skipped, and the first of a channel is logged. Raises ValueError for invalid
+        bytes.
         """
         lane, part = self._lanes[topic]
         stamp = data[STAMP : STAMP + 8]
@@ -119,7 +119,7 @@ class Decoder:
 
 
 class _Lane:
-    """What is known so far of the message being put together on one channel."""
+    """The parts received so far of the next message on one channel."""
 
     __slots__ = ("channel", "converter", "lossy", "parts", "stamp")
 
@@ -177,7 +177,7 @@ def _rate(stored: list[StoredTopic]) -> float | None:
 
 
 def _change(topic: StoredTopic) -> str:
-    """How our own types in a topic's definition differ from those of today; "" where they do not."""
+    """Differences between our own types in a topic's definition and those of this version; "" without any."""
     try:
         then = get_types_from_msg(topic.definition, topic.type)
     except TypesysError as error:
@@ -200,7 +200,8 @@ def _change(topic: StoredTopic) -> str:
 
 
 def _first_fields(topic: StoredTopic, cls: type[Any]) -> int | None:
-    """How many fields of ``cls`` a topic holds from before the others were added; None if it is not that alone."""
+    """Number of fields of ``cls`` in a topic written before the other fields were added; None for any other
+    difference."""
     if topic.type != f"{PACKAGE}/msg/{cls.__name__}":
         return None
     try:

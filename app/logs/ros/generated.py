@@ -49,7 +49,7 @@ class UnrecordableType(TypeError):
 
 @dataclass(frozen=True, slots=True)
 class _Field:
-    """How one field of a dataclass becomes ROS fields (``(type, name)`` each) and their values, and back."""
+    """Conversion of one field of a dataclass to ROS fields (``(type, name)`` each) and their values, and back."""
 
     declared: tuple[tuple[str, str], ...]
     pack: Callable[[Any], tuple[Any, ...]]
@@ -75,7 +75,7 @@ class Generated:
             raise UnrecordableType(f"two fields of {cls.__name__} have one name in ROS: {declared}")
         typestore.add(self.type, "\n".join(f"{kind} {name}" for kind, name in declared))
         self._make = typestore.store().types[self.type]
-        # rosbags renames what is a keyword of Python, and keeps the type's name as one more field.
+        # rosbags renames Python's keywords, and keeps the type's name as one more field.
         self._attributes = [f.name for f in fields(self._make) if f.name != "__msgtype__"]  # type: ignore[arg-type]
 
     def to_ros(self, message: Any) -> Any:
@@ -100,7 +100,7 @@ class Generated:
         return self.from_ros(typestore.deserialise(self.type, data))
 
     def empty(self) -> Any:
-        """A message that says nothing: what stands for one that is absent."""
+        """A message of default values, written in place of an absent one."""
         return self._cls(*[field.empty for field in self._fields])
 
 
@@ -116,9 +116,9 @@ def generated(cls: type[Any], count: int | None = None) -> Generated:
 
 
 def before_defaults(cls: type[Any], declared: int) -> int | None:
-    """How many fields of ``cls`` the first ``declared`` fields of its ROS type hold, if all others have defaults.
+    """Number of fields of ``cls`` in the first ``declared`` fields of its ROS type, if all others have defaults.
 
-    None where they do not, or where a field of ``cls`` would be torn apart. Raises UnrecordableType.
+    None if they have not, or if a field of ``cls`` would be split. Raises UnrecordableType.
     """
     hints = typing.get_type_hints(cls)
     for count, field in enumerate(fields(cls)):
@@ -129,7 +129,7 @@ def before_defaults(cls: type[Any], declared: int) -> int | None:
     return None
 
 
-#: What has been made: a type is registered once for the whole process, as the store is one.
+#: Types registered so far: each is registered once for the whole process, for there is one store.
 _made: dict[tuple[type[Any], int | None], Generated] = {}
 
 

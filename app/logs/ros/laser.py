@@ -13,7 +13,7 @@ from app.logs.ros import typestore
 from app.logs.ros.cloud import XYZ, CloudHead
 from app.logs.ros.frames import BASE, TF, Transform, header, pose3_numbers
 from app.logs.ros.info import InfoTopic, pose_key
-from app.logs.ros.record import MAIN, Record, Topic
+from app.logs.ros.record import MAIN, Record, RecordTopic
 from app.logs.ros.record_templates import assembled, with_length
 from app.logs.stamps import SECOND
 from app.messages import LaserScan, read_only
@@ -22,7 +22,7 @@ _SCAN = "sensor_msgs/msg/LaserScan"
 #: Scans are drawn as points about ten times a second, for viewers that know no LaserScan; all are kept as scans.
 #: A little less than the period, or a clock's jitter would halve the rate.
 POINTS_PERIOD_NS = 95 * SECOND // 1000
-#: A transform that stays is repeated once a second, for who begins to look in the middle.
+#: A static transform is repeated once a second, for readers that begin in the middle.
 TRANSFORM_PERIOD_NS = 95 * SECOND // 100
 
 
@@ -45,8 +45,8 @@ class LaserScanConverter:
 
     def __init__(self, channel: str, rate_hz: float | None) -> None:
         """``rate_hz``: nominal rate of scans, None where it is not known."""
-        self._scan = Topic(f"/{channel}", _SCAN, "scan")
-        self._points = Topic(f"/{channel}/points", CloudHead.TYPE, None)
+        self._scan = RecordTopic(f"/{channel}", _SCAN, "scan")
+        self._points = RecordTopic(f"/{channel}/points", CloudHead.TYPE, None)
         self._info = InfoTopic(channel, LaserScanInfo)
         self.topics = (self._scan, self._points, TF, self._info.topic)
         self._scan_time = 0.0 if rate_hz is None else 1.0 / rate_hz

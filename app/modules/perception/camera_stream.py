@@ -46,7 +46,7 @@ class CameraStreamSettings(Settings):
 
 
 class CameraStream(Module):
-    """Encodes what the camera sees, while somebody looks."""
+    """Encodes the camera's images while a subscription is open."""
 
     title = "Camera picture"
     Settings = CameraStreamSettings
@@ -60,7 +60,7 @@ class CameraStream(Module):
         self.on(self.images, self._encode)
 
     async def start(self) -> None:
-        """Keep OpenCV's work where it is measured."""
+        """Keep OpenCV's work in the module's thread, where its CPU time is measured."""
         use_calling_thread()
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
@@ -74,5 +74,5 @@ class CameraStream(Module):
         )
 
     def picture(self, image: Image, quality: int) -> tuple[bytes, int, int]:
-        """What people are shown of ``image``, as of :func:`encode_jpeg`; in the module's own thread."""
+        """The published picture of ``image``, as of :func:`encode_jpeg`; runs in the module's own thread."""
         return encode_jpeg(image.color, quality, self.settings.width)

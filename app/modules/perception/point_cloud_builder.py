@@ -1,4 +1,4 @@
-"""PointCloudBuilder: what the camera sees, as coloured points in space (thesis 3.4).
+"""PointCloudBuilder: coloured point clouds of a depth camera (thesis 3.4).
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────┐
     │ PointCloudBuilder    in   images    Image with depth, 15 Hz / φ                          │
@@ -9,8 +9,8 @@
     p_B = X_BC · z · K⁻¹ (u, v, 1)ᵀ
 
 over a regular grid of at most ``max_points`` pixels, a parameter of the desire Telepresence. Each cloud carries the
-pose X_OB of its own instant: where odometry is not there yet, it is waited for, and a cloud whose pose never comes is
-dropped (the thesis's clouds were drawn with a newer pose than their own, and smeared).
+pose X_OB of its own instant: the builder waits for odometry of that instant and drops a cloud without it (the thesis's
+clouds were drawn with a newer pose than their own, and smeared).
 """
 
 from __future__ import annotations

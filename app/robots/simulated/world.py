@@ -47,7 +47,7 @@ def build_world(config: WorldConfig) -> mujoco.MjSpec:
     spec = mujoco.MjSpec()
     spec.modelname = config.name
     spec.option.timestep = TIMESTEP_S
-    # Not an implicit integrator: it damps the drives after the contacts are solved, so that the wheels would slip
+    # Not an implicit integrator: it damps the drives after solving the contacts, so that the wheels would slip
     spec.option.integrator = mujoco.mjtIntegrator.mjINT_EULER
     spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     spec.visual.quality.offsamples = 0
@@ -80,7 +80,7 @@ class _Builder:
 
     def build(self) -> None:
         self._materials()
-        # What hides comes before what it hides, for shapes are drawn in this order: a hidden pixel costs a third
+        # Front shapes first, since shapes are drawn in this order: a hidden pixel costs a third
         for number, item in enumerate(self._config.objects):
             self._object(number, item)
         for number, cylinders in enumerate(self._config.cylinders):
@@ -223,7 +223,7 @@ class _Builder:
 
 
 _UPRIGHT: Vector = (math.pi / 2, 0.0, 0.0)
-"""Turns a box so that its y points up and its z along -y of the frame it stands in."""
+"""Turns a box so that its y points up and its z along -y of its parent frame."""
 
 
 def X_WP_of_page(poster: PosterConfig) -> Pose3:

@@ -76,7 +76,7 @@ def test_a_video_is_known_by_its_beginning_and_by_its_name(tmp_path: Path) -> No
     assert not is_video(image)
 
 
-def test_a_video_that_breaks_off_is_said_to_and_what_came_before_is_told(
+def test_a_video_that_breaks_off_is_reported_with_its_detections_before(
     tmp_path: Path, people: list[np.ndarray], capsys: pytest.CaptureFixture[str]
 ) -> None:
     whole = write(tmp_path / "whole.avi", people * 4).read_bytes()
@@ -144,7 +144,7 @@ def test_a_table_of_photographs_and_videos_of_a_folder(
     assert np.abs(drawn[0][1].astype(int) - people[0]).max() > 60
 
 
-def test_codes_in_a_video_are_told_from_when_to_when(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_codes_in_a_video_are_reported_with_begin_and_end(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     shown, hidden = picture(KINECT, {TEXT: facing_camera(1.0)}), picture(KINECT, {})
     file = write(tmp_path / "door.mp4", [hidden] * 2 + [shown] * 3 + [hidden])
     assert main(["detect", "qr", str(file)]) == 0

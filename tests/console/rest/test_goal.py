@@ -172,7 +172,7 @@ async def test_goals_end_before_anything_that_is_kept_with_another_map_is_read(
             self.goals = goals(system)
             raise MapUnavailable("its things cannot be read")
 
-        async def forget(self) -> None:
+        async def clear(self) -> None:
             pass
 
     system.map.attach(Keeper(system.maps))

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from app.base.geometry import Pose2, wrap_angle
-from app.experiments.lockstep import WorldRun
+from app.experiments.world_run import WorldRun
 from app.messages import Twist
 
 

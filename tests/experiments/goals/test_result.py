@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.experiments.goals.report import failures, table
-from app.experiments.goals.result import GoalResult, Summary, clearance
+from app.experiments.goals.result import GoalResult, GoalsSummary, clearance
 
 SQUARE = ((0.3, -0.2), (0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2))
 
@@ -59,7 +59,7 @@ def test_a_summary_counts_what_matters_and_a_table_tells_it() -> None:
         went(3, outcome="given up", touched=("person0/trunk", "crate3.0"), reason="unreachable: no way"),
         went(4, outcome="missed", people_m=None),
     ]
-    summary = Summary.of(results)
+    summary = GoalsSummary.of(results)
     assert (summary.goals, summary.reached, summary.with_contact, summary.people_touched) == (4, 2, 1, 1)
     assert summary.least_people_m == 0.3
     assert summary.mean_time_s == 20.0
@@ -68,11 +68,11 @@ def test_a_summary_counts_what_matters_and_a_table_tells_it() -> None:
     lines = table(results).splitlines()
     assert "| reached | 2 (50 %) |" in lines
     assert "| not reached: missed | 1 |" in lines
-    told = failures(results)
-    assert told[0] == "goal 3 at (1.00, 2.00): given up after 10 s, 0.10 m off (unreachable: no way)"
-    assert told[1] == "goal 3 at (1.00, 2.00): touched person0/trunk, crate3.0"
-    assert len(told) == 3
-    assert Summary.of([went(1, outcome="timeout", people_m=None)]).mean_time_s is None
+    events = failures(results)
+    assert events[0] == "goal 3 at (1.00, 2.00): given up after 10 s, 0.10 m off (unreachable: no way)"
+    assert events[1] == "goal 3 at (1.00, 2.00): touched person0/trunk, crate3.0"
+    assert len(events) == 3
+    assert GoalsSummary.of([went(1, outcome="timeout", people_m=None)]).mean_time_s is None
 
 
 def test_results_go_to_json_and_back() -> None:

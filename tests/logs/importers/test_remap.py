@@ -167,7 +167,7 @@ def test_without_tf_sensors_are_where_the_remap_file_says_or_else_a_note(tmp_pat
     assert look_into(tmp_path / "run.mcap").notes == log.info.notes
     image: Image = next(log.messages(channels={"kinect"})).message
     np.testing.assert_allclose(image.X_BC.rotation @ [0, 0, 1], [1, 0, 0], atol=1e-9)  # it looks ahead
-    np.testing.assert_allclose(image.X_BC.rotation @ [0, -1, 0], [0, 0, 1], atol=1e-9)  # and stands upright
+    np.testing.assert_allclose(image.X_BC.rotation @ [0, -1, 0], [0, 0, 1], atol=1e-9)  # and is upright
     log.close()
     log = opened(
         tmp_path,

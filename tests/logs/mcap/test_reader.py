@@ -15,7 +15,7 @@ from mcap.writer import Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from app.base.geometry import FisheyeModel
-from app.log_tools.export.run import Wish, export
+from app.log_tools.export.exporter import Wish, export
 from app.logs import layout as mcap_layout
 from app.logs.log import Indexed, Log, LogError, Logged
 from app.logs.manifest import YAML, AttachedFile, Manifest
@@ -75,7 +75,7 @@ def test_a_fisheyes_images_come_back_beside_a_pinholes(tmp_path: Path) -> None:
     log.close()
 
 
-def test_info_and_manifest_tell_what_the_file_holds_without_reading_its_messages(
+def test_info_and_manifest_are_read_without_its_messages(
     recorded: tuple[Path, list[Logged]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path, written = recorded
@@ -360,7 +360,7 @@ def test_a_channel_that_the_log_does_not_have_is_a_mistake(recorded: tuple[Path,
     log.close()
 
 
-def test_rates_are_told_where_the_table_had_them(tmp_path: Path) -> None:
+def test_rates_are_known_where_the_table_had_them(tmp_path: Path) -> None:
     messages = [m for m in drive(0.1) if m.channel == "odometry"]
     log = McapLog(write_log(tmp_path / "log.mcap", messages, {"odometry": spec("Odometry")}))
     assert log.info.channels["odometry"].rate_hz is None

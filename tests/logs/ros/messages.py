@@ -1,4 +1,4 @@
-"""Messages out of nothing: a hypothesis strategy for any message class, and what tells whether two are the same."""
+"""Generated messages: a hypothesis strategy for any message class, and a comparison of two."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stands in the records that ROS has types for, as another program would understand it."""
+"""The content of records in ROS's own types, as another program would read it."""
 
 from __future__ import annotations
 
@@ -192,7 +192,7 @@ def test_small_messages_are_what_ros_calls_them() -> None:
     assert (line.level, line.name, line.msg) == (line.WARN, "hbba.guard", "no command")
 
 
-def test_landmarks_are_drawn_anew_when_one_is_new_or_elsewhere_but_not_at_every_sighting() -> None:
+def test_landmarks_are_drawn_again_when_one_is_new_or_elsewhere_but_not_at_every_sighting() -> None:
     codec = converter("channel", Landmarks)
     lamp = Landmark("lamp", (1.0, 2.0, 0.5), 0.01, 3, STAMP, STAMP)
     told = [

@@ -180,7 +180,7 @@ def test_after_a_restart_numbers_go_on() -> None:
             await b.clock.sleep(2.0)
             assert b.supervisor.states["Tested"].restarts == 1
             assert await look(PILOT, VISITOR) == [3, 4]
-            b.graph.forget()
+            b.graph.reset()
             b.feed("images", None)
             await b.clock.sleep(4.0)
             assert b.supervisor.states["Tested"].restarts == 2

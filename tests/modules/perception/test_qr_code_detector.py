@@ -36,14 +36,14 @@ def test_a_moving_robot_with_late_odometry_places_a_code_by_the_images_own_stamp
             codes, landmarks = b.listen("codes"), b.listen("landmarks")
             start = b.clock.now()
             late = 0.2  # s; the newest pose known when a code is found is wrong by 0.08 m
-            told = 0
+            published = 0
             for shot in range(20):
                 at = shot * 0.25
                 b.feed("images", kinect_image(start + at, pose(at), {"stop": STOP}, seed=shot))
                 while b.clock.now() < start + at + 0.25:
-                    stamp = 0.01 * told - late
+                    stamp = 0.01 * published - late
                     b.feed("odometry", Odometry(start + stamp, pose(stamp), 0.4, 0.05))
-                    told += 1
+                    published += 1
                     await b.clock.sleep_until(start + stamp + late + 0.01)
             seen = [m for m in drain(codes) if m.codes]
             assert len(seen) >= 10
@@ -250,8 +250,8 @@ def test_both_cameras_move_one_landmark_and_time_does_not_go_back() -> None:
             await b.clock.sleep(1.2)
             b.feed("panorama", panorama_image(now + 0.01, X_OB))
             await b.clock.sleep(0.2)
-            told = drain(landmarks)
-            stamps = [message.stamp for message in told]
+            published = drain(landmarks)
+            stamps = [message.stamp for message in published]
             assert stamps == sorted(stamps)
             (landmark,) = known(b)
             assert landmark.sightings == 3

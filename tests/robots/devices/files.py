@@ -9,7 +9,7 @@ import numpy as np
 import soundfile
 from numpy.typing import NDArray
 
-from app.robots.devices.config import CameraConfig, DevicesConfig, SoundConfig
+from app.robots.devices.config import CameraConfig, DevicesConfig, SoundInputConfig
 from app.robots.devices.link import DevicesLink
 from app.robots.model import load_model
 
@@ -47,6 +47,6 @@ def sound_file(folder: Path, samples: NDArray[np.int16], name: str = "sound.wav"
     return folder / name
 
 
-def link(camera: CameraConfig | None = None, microphones: SoundConfig | None = None) -> DevicesLink:
+def link(camera: CameraConfig | None = None, microphones: SoundInputConfig | None = None) -> DevicesLink:
     config = DevicesConfig(kind="devices", name="A desk", model=MODEL, camera=camera, microphones=microphones)
     return DevicesLink(config, DESK, 0.0)

@@ -15,7 +15,7 @@ import soundfile
 
 from app.base import paths
 from app.base.errors import ConfigError
-from app.commands.body import chosen
+from app.commands.body_options import chosen
 from app.messages import Faces, LoudNoise, QRCodes
 from app.program.system import System
 from app.robots.devices.config import DevicesConfig

@@ -16,10 +16,10 @@ from app.robots.config import ImvConfig, RobotConfig
 from app.robots.model import load_model
 from app.robots.simulated.body import build_simulation
 from app.robots.simulated.camera_models import fisheye_model
-from app.robots.simulated.camera_rendering import FisheyeEye
+from app.robots.simulated.camera_rendering import FisheyeRenderer
 from app.robots.simulated.fisheye import tile
 from app.robots.simulated.odometry import TrueBase
-from app.robots.simulated.renderer import Painter, Snapshot
+from app.robots.simulated.renderer import Renderer, WorldSnapshot
 from app.robots.simulated.world import X_WP_of_page
 from app.robots.simulated.world_config import (
     LETTER_HEIGHT_M,
@@ -38,10 +38,10 @@ class Eye:
 
     def __init__(self, robot: RobotConfig, world: WorldConfig) -> None:
         simulation = build_simulation(robot, world, TrueBase(0.10, 0.10, 0.44))
-        self.painter = Painter(simulation.model)
-        self.imv = FisheyeEye(self.painter, simulation.model, CONFIG, np.random.default_rng(2))
+        self.renderer = Renderer(simulation.model)
+        self.imv = FisheyeRenderer(self.renderer, simulation.model, CONFIG, np.random.default_rng(2))
         self.X_BC = load_model(robot.model).pose(CONFIG.link)
-        self._initial = Snapshot.initial(simulation.model)
+        self._initial = WorldSnapshot.initial(simulation.model)
         self._base = simulation.base_address
 
     def look(self, X_WB: Pose2) -> NDArray[np.uint8]:
@@ -49,7 +49,7 @@ class Eye:
         qpos = self._initial.qpos.copy()
         a = self._base
         qpos[a : a + 7] = [X_WB.x, X_WB.y, 0, math.cos(X_WB.theta / 2), 0, 0, math.sin(X_WB.theta / 2)]
-        for _ in self.imv.draw(Snapshot(0.0, qpos, self._initial.mocap, self.X_BC)):
+        for _ in self.imv.draw(WorldSnapshot(0.0, qpos, self._initial.mocap, self.X_BC)):
             pass
         color = np.zeros((CONFIG.height, CONFIG.width, 3), dtype=np.uint8)
         self.imv.measure(color, None)
@@ -70,14 +70,14 @@ def hall_with_poster(height: float) -> WorldConfig:
 def hall_eye(robot: RobotConfig) -> Iterator[Eye]:
     eye = Eye(robot, hall_with_poster(1.05))
     yield eye
-    eye.painter.close()
+    eye.renderer.close()
 
 
 @pytest.fixture(scope="module")
 def lab_eye(robot: RobotConfig, lab: WorldConfig) -> Iterator[Eye]:
     eye = Eye(robot, lab)
     yield eye
-    eye.painter.close()
+    eye.renderer.close()
 
 
 def at_azimuth(eye: Eye, poster: PosterConfig, azimuth: float, distance: float) -> Pose2:

@@ -11,7 +11,7 @@ import pytest
 
 from app.base.geometry import Pose2
 from app.modules.perception.slam.mapper import Slam
-from app.modules.perception.slam.offline import MappedLog, Sweep, mapped
+from app.modules.perception.slam.offline_mapping import MappedLog, Sweep, mapped
 from app.modules.perception.slam.settings import SlamSettings
 from app.modules.perception.slam.types import SlamState
 from tests.modules.perception.slam.rooms import around, driven, half_circle, ring, room, seen

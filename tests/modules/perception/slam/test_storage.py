@@ -16,7 +16,7 @@ from app.base.errors import ConfigError
 from app.base.geometry import Pose2
 from app.modules.perception.slam.information import diagonal
 from app.modules.perception.slam.mapper import Slam
-from app.modules.perception.slam.scans import Beams
+from app.modules.perception.slam.scans import BeamGeometry
 from app.modules.perception.slam.storage import read_state, write_state
 from app.modules.perception.slam.types import Edge, Keyframe, SlamState
 from tests.modules.perception.slam.places import ANGLES, HALL, X_BL, scan, way
@@ -76,7 +76,7 @@ def test_there_and_back(state: SlamState, tmp_path_factory: pytest.TempPathFacto
 
 def mapped() -> Slam:
     slam = Slam()
-    beams = Beams(ANGLES, 0.1, 30.0, Pose2(float(X_BL.translation[0]), 0.0, 0.0))
+    beams = BeamGeometry(ANGLES, 0.1, 30.0, Pose2(float(X_BL.translation[0]), 0.0, 0.0))
     start = Pose2(1.5, 3.0)
     for number, pose in enumerate(way((1.5, 3.0), (6.0, 3.0))):
         slam.add(number * 0.1, scan(HALL, pose, seed=number).ranges, beams, start.inverse() @ pose)
@@ -93,7 +93,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_mapping_goes_on_from_what_was_kept(written: Path) -> None:
     state = read_state(written)
     slam = Slam(state=state, X_MB=Pose2(4.5, 0.0, 0.0))
-    beams = Beams(ANGLES, 0.1, 30.0, Pose2(0.2, 0.0, 0.0))
+    beams = BeamGeometry(ANGLES, 0.1, 30.0, Pose2(0.2, 0.0, 0.0))
     # Odometry begins anew, elsewhere.
     for number, pose in enumerate(way((6.0, 3.0), (8.0, 3.0))):
         match = slam.add(100.0 + number, scan(HALL, pose, seed=99 + number).ranges, beams, Pose2(5, 5) @ Pose2(pose.x))

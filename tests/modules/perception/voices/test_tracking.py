@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from app.modules.perception.voices.localization import NO_PEAKS, Peaks
-from app.modules.perception.voices.tracking import Track, Tracker
+from app.modules.perception.voices.tracking import SoundTrack, Tracker
 
 STEP_S = 2048 / 48_000
 
@@ -187,7 +187,7 @@ def test_a_walker_who_paused_has_one_track_where_he_goes_on() -> None:
     assert angle(tracks[0].direction, unit(12 * now)) < 3
 
 
-def speed_radps(track: Track) -> float:
+def speed_radps(track: SoundTrack) -> float:
     """To the left, degrees a second."""
     return float(np.degrees(np.cross([0, 0, 1], track.direction) @ track.velocity))
 

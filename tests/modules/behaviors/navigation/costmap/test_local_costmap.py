@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from app.base.geometry import FisheyeModel, Pose2, Pose3
 from app.messages import Image
-from app.modules.behaviors.navigation.costmap.local_costmap import CostmapSettings, LocalCostmap, Surroundings
+from app.modules.behaviors.navigation.costmap.local_costmap import CostmapSettings, CostmapWindow, LocalCostmap
 from tests.modules.behaviors.navigation.boxes import CAMERA, World, looking
 from tests.modules.behaviors.navigation.maps import ROUND
 
@@ -25,20 +25,20 @@ def costmap(settings: CostmapSettings = SETTINGS) -> LocalCostmap:
     return LocalCostmap(ROUND, 1.5, settings)
 
 
-def occupied(around: Surroundings) -> NDArray[np.float64]:
+def occupied(around: CostmapWindow) -> NDArray[np.float64]:
     rows, columns = np.nonzero(around.cells == 100)
     return (
         np.stack((columns, rows), axis=-1) * around.resolution_m + np.array(around.origin) + 0.5 * around.resolution_m
     )
 
 
-def near(around: Surroundings, x: float, y: float, within_m: float = 0.4) -> int:
+def near(around: CostmapWindow, x: float, y: float, within_m: float = 0.4) -> int:
     """How many occupied cells, remembered anywhere, are near a place."""
     away = np.hypot(around.obstacles[:, 0] - x, around.obstacles[:, 1] - y)
     return int((away < within_m).sum())
 
 
-def at(around: Surroundings, x: float, y: float) -> tuple[int, int]:
+def at(around: CostmapWindow, x: float, y: float) -> tuple[int, int]:
     corner, resolution = around.origin, around.resolution_m
     return math.floor((y - corner[1]) / resolution), math.floor((x - corner[0]) / resolution)
 

@@ -11,7 +11,13 @@ from app.base.geometry import Pose2
 from app.messages import OccupancyGrid, Zone
 from app.modules.behaviors.navigation.costmap.footprint import Footprint, clearances
 from app.modules.behaviors.navigation.costmap.inflation import CostField, CostSettings, cost_field, with_obstacles
-from app.modules.behaviors.navigation.planning.goal_planning import Plan, PlanSettings, check_path, plan, why_replan
+from app.modules.behaviors.navigation.planning.goal_planning import (
+    GlobalPlan,
+    PlanSettings,
+    check_path,
+    plan,
+    why_replan,
+)
 from tests.modules.behaviors.navigation.maps import (
     OBLONG,
     ROUND,
@@ -39,11 +45,11 @@ def field(zones: tuple[Zone, ...] = (), body: Footprint = ROUND, costs: CostSett
     return cost_field(office(), body, zones, costs)
 
 
-def through(found: Plan, x: float, y: float, within_m: float = 0.6) -> bool:
+def through(found: GlobalPlan, x: float, y: float, within_m: float = 0.6) -> bool:
     return bool((np.hypot(found.poses[:, 0] - x, found.poses[:, 1] - y) < within_m).any())
 
 
-def check_way(field: CostField, found: Plan, start: Pose2, target: Pose2) -> None:
+def check_way(field: CostField, found: GlobalPlan, start: Pose2, target: Pose2) -> None:
     assert tuple(found.poses[0, :2]) == pytest.approx((start.x, start.y))
     assert tuple(found.poses[-1, :2]) == pytest.approx((target.x, target.y))
     assert lethal_along(field, found.poses) == 0
