@@ -110,7 +110,7 @@ def install(
 
 
 def failure(said: str) -> PipFailed:
-    """The failure of pip, whose output is ``said``, with its remedy."""
+    """The failure of pip, which wrote ``said``, with what is to be done about it."""
     if found := _PROXY.search(said):
         return PipFailed(
             f"The proxy does not let pip through to the Python package index ({found[1].strip()}): correct the "

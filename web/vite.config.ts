@@ -20,6 +20,8 @@ export default defineConfig({
     proxy: {
       "/api": { target: consoleAddress, ws: true },
       "/viser": { target: consoleAddress, ws: true },
+      // Not /src/panels, which is the page's own.
+      "^/panels/": { target: consoleAddress },
     },
   },
   test: { include: ["src/**/*.test.ts"], environment: "node" },

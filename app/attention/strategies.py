@@ -240,7 +240,7 @@ class StrategyFile(BaseModel):
 def load_strategies(
     paths: Iterable[Path | str],
     *,
-    classes: Iterable[str],
+    classes: Iterable[str] | None,
     ports: Mapping[str, Collection[str]] | None = None,
     undivided: Collection[str] = (),
     calibration: CostCalibration | None = None,
@@ -267,14 +267,14 @@ def load_strategies(
 def build_table(
     files: Iterable[tuple[Document, StrategyFile]],
     *,
-    classes: Iterable[str],
+    classes: Iterable[str] | None,
     ports: Mapping[str, Collection[str]] | None = None,
     undivided: Collection[str] = (),
     calibration: CostCalibration | None = None,
 ) -> StrategyTable:
     """The table of several read files; checks as :func:`load_strategies` does."""
     files = tuple(files)
-    known = sorted(set(classes))
+    known = None if classes is None else sorted(set(classes))
     resources: dict[str, Resource] = {}
     for document, file in files:
         for name, entry in file.resources.items():
@@ -354,20 +354,20 @@ def _check_names(
     document: Document,
     at: KeyPath,
     item: StrategyEntry,
-    classes: list[str],
+    classes: list[str] | None,
     resources: Mapping[str, Resource],
     ports: Mapping[str, Collection[str]] | None,
     undivided: Collection[str],
 ) -> None:
     """Refuse a class, resource, module or port that does not exist, and a strategy that requires its own class."""
     name = item.name
-    if item.cls not in classes:
+    if classes is not None and item.cls not in classes:
         raise document.error(
             f"strategy {name!r} serves unknown class {item.cls!r}; {suggestion(item.cls, classes)}", (*at, "class")
         )
     for required in item.requires:
         where = (*at, "requires", required)
-        if required not in classes:
+        if classes is not None and required not in classes:
             raise document.error(
                 f"strategy {name!r} requires unknown class {required!r}; {suggestion(required, classes)}", where
             )

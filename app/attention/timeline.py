@@ -22,6 +22,7 @@ EventKind = Literal[
     "module",
     "stale",
     "goal",
+    "percept",
 ]
 
 

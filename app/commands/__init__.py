@@ -6,7 +6,21 @@ import argparse
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from app.commands import bench, calibrate, check, completion, detect, doctor, experiment, log, replay, run, slam, solve
+from app.commands import (
+    bench,
+    calibrate,
+    check,
+    completion,
+    detect,
+    doctor,
+    experiment,
+    log,
+    new,
+    replay,
+    run,
+    slam,
+    solve,
+)
 
 #: The object that ``argparse`` returns for adding commands; its own type is private and generic.
 Subparsers = Any
@@ -35,6 +49,7 @@ COMMANDS: Mapping[str, CliCommand] = {
     "detect": detect,
     "experiment": experiment,
     "slam": slam,
+    "new": new,
     "bench": bench,
     "completion": completion,
 }

@@ -42,6 +42,7 @@ def chosen(args: argparse.Namespace) -> tuple[Configuration, Body]:
     from app.base.errors import ConfigError
     from app.base.yaml_source import validation_message
     from app.program.config import load_configuration
+    from app.robots.config import RobotConfig
     from app.robots.devices.config import DevicesConfig
     from app.robots.factory import load_body
 
@@ -49,7 +50,7 @@ def chosen(args: argparse.Namespace) -> tuple[Configuration, Body]:
     body = None if robot is None else load_body(robot)
     program = program_named(args.config)
     if program is None:
-        named = body.program if isinstance(body, DevicesConfig) else None
+        named = None if body is None else body.program
         program = named or paths.config_dir() / "lab.yaml"
     configuration = load_configuration(program)
     if robot is not None:
@@ -58,8 +59,8 @@ def chosen(args: argparse.Namespace) -> tuple[Configuration, Body]:
     if body is None:
         body = load_body(configuration.path(configuration.program.robot))
     if args.scenario is not None:
-        if isinstance(body, DevicesConfig):
-            raise ConfigError(f"is for a simulated world, and {body.name} is in the real one", "--scenario")
+        if not isinstance(body, RobotConfig):
+            raise ConfigError(f"is for the simulated world, and {body.name} is not in it", "--scenario")
         body = body.model_copy(update={"scenario": scenario_file(args.scenario)})
     for option in ("camera", "microphones"):
         source = getattr(args, option)
@@ -127,3 +128,16 @@ def scenario_file(named: str) -> Path | None:
     Raises ConfigError.
     """
     return None if named == "none" else config_file(named, "scenario", "--scenario").resolve()
+
+
+def experiment_scenario(named: str | None) -> Path | None:
+    """The file of an experiment's scenario, None for the experiment's own. Raises ConfigError."""
+    from app.base.errors import ConfigError
+    from app.commands.body_options import scenario_file
+
+    if named is None:
+        return None
+    file = scenario_file(named)
+    if file is None:
+        raise ConfigError("an experiment needs a scenario that drives", "--scenario")
+    return file

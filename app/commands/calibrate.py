@@ -220,10 +220,10 @@ def _newest() -> Path:
 
 def _table(configuration: Configuration) -> StrategyTable:
     from app.attention.strategies import load_strategies
-    from app.modules.desire_classes import desire_classes
+    from app.program.desire_classes import desire_classes
 
     files = [configuration.path(file) for file in configuration.program.strategies]
-    return load_strategies(files, classes=[kind.name for kind in desire_classes()])
+    return load_strategies(files, classes=desire_classes(configuration))
 
 
 def _inputs(configuration: Configuration, log: Log, only: Sequence[str] | None) -> dict[str, list[str]]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from app.base import paths
+from app.commands.parser import Parser
 
 SHELLS = ("bash", "zsh", "fish")
 
@@ -92,6 +93,8 @@ def run(args: argparse.Namespace) -> int:
 
 def leaves(parser: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]:
     """The parsers of the commands that do something: ``parser`` itself, or those below it."""
+    if isinstance(parser, Parser):
+        parser.fill()
     below = [action for action in parser._actions if isinstance(action, argparse._SubParsersAction)]
     if not below:
         yield parser

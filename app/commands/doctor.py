@@ -66,6 +66,7 @@ def checks(port: int) -> Iterable[Callable[[], Finding]]:
     return (
         python,
         configuration,
+        packages,
         graphics,
         lambda: port_free("127.0.0.1", port),
         cores,
@@ -119,6 +120,25 @@ def configuration() -> Finding:
     except ConfigError as failure:
         return Finding("configuration", False, True, str(failure), "correct it; `hbba check FILE` looks again")
     return Finding("configuration", True, True, f"{path} ({kind})")
+
+
+def packages() -> Finding:
+    """What packages of others bring by entry points, and that all of it can be imported."""
+    from app.base.errors import ConfigError
+    from app.base.extensions import DISTRIBUTION, GROUPS, announced_configurations, extensions
+
+    found: list[str] = []
+    try:
+        announced_configurations()
+        for group, kind in GROUPS.items():
+            for name, extension in extensions(group).items():
+                if group != "hbba.configurations":
+                    extension.load()
+                if extension.distribution != DISTRIBUTION:
+                    found.append(f"{kind}: {name} ({extension.distribution})")
+    except ConfigError as failure:
+        return Finding("packages", False, False, str(failure), "correct or uninstall the package")
+    return Finding("packages", True, False, ", ".join(found) or "none beside the program's own")
 
 
 def graphics() -> Finding:

@@ -194,6 +194,7 @@ async def _live(
     import cv2
 
     from app.console.app import create_app
+    from app.console.panels import load_panels
     from app.console.server import address_of, serve
     from app.logs.replay.playback import Playback
 
@@ -203,8 +204,9 @@ async def _live(
     announce = announcer(f"HBBA replays {past.info.path.name}", host, port, token, open_browser=args.open)
     speed = 1.0 if args.speed is None else _finite(args.speed)
     playback = Playback(replay.system, replay.body, clock, past, speed=speed)
+    panels = await asyncio.to_thread(load_panels)
     app = create_app(  # takes long: before anything plays
-        replay.system, token=token, host=host, host_names=host_names, playback=playback
+        replay.system, token=token, host=host, host_names=host_names, playback=playback, panels=panels
     )
     async with replay, playback:
         up = asyncio.Event()

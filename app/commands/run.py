@@ -132,6 +132,7 @@ async def _live(
     import cv2
 
     from app.console.app import create_app
+    from app.console.panels import load_panels
     from app.console.server import address_of, serve
     from app.program.system import System
     from app.robots.factory import create_link
@@ -145,7 +146,9 @@ async def _live(
     log.info("starting", extra={"configuration": configuration.program_document.file})
     clock = RealClock()
     system = System(configuration, link=create_link(body, clock.offset), body=body, clock=clock)
-    app = create_app(system, token=token, host=host, host_names=names)  # takes long enough to disturb driving
+    panels = await asyncio.to_thread(load_panels)
+    # Building takes long enough to disturb driving.
+    app = create_app(system, token=token, host=host, host_names=names, panels=panels)
     async with system:
         await serve_once_started(system, lambda: serve(app, host, port, listener=listener, started=announce))
 

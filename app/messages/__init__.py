@@ -21,12 +21,14 @@ from app.messages.navigation import (
     Zones,
 )
 from app.messages.percepts import (
+    Darkness,
     EncodedImage,
     Face,
     Faces,
     Landmark,
     Landmarks,
     LoudNoise,
+    PerceptEvent,
     PointCloud,
     QRCode,
     QRCodes,
@@ -60,6 +62,7 @@ from app.messages.sensors import (
 
 __all__ = [
     "Audio",
+    "Darkness",
     "DesireRecord",
     "DesiresRecord",
     "Divisors",
@@ -86,6 +89,7 @@ __all__ = [
     "OccupancyGrid",
     "Odometry",
     "OperatorDrive",
+    "PerceptEvent",
     "PersonTruth",
     "PlannedPath",
     "PointCloud",

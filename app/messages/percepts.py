@@ -124,6 +124,16 @@ class Faces:
 
 
 @dataclass(frozen=True, slots=True)
+class Darkness:
+    """How bright one image is: ``luma`` in [0, 1], its mean; ``dark`` with hysteresis. ``frame`` names the camera."""
+
+    stamp: float
+    frame: str
+    luma: float
+    dark: bool
+
+
+@dataclass(frozen=True, slots=True)
 class LoudNoise:
     """A frame of sound much louder than those before it: ``ratio`` of its energy to their moving mean (thesis 4.2).
 
@@ -176,3 +186,25 @@ class SeparatedSound:
     samples: NDArray[np.int16]
     rate: int
     first_sample: int
+
+
+@dataclass(frozen=True, slots=True)
+class PerceptEvent:
+    """Something perceived appears, leaves or changes (docs/percept-events.md).
+
+    ``name`` is ``kind``, a dot, and ``appears``, ``leaves`` or ``changes``; ``subject`` is which of its kind (a
+    track's number, a code's text, a camera's frame; "" where there is but one). ``source`` names the sensor. ``stamp``
+    is the capture time of what showed the event, ``since`` that of the first sighting. ``p_OP`` (m, in ``odom``) is
+    where it was seen last and ``heading`` (rad, in ``odom``) in which direction from the robot; None where unknown.
+    ``confidence`` in [0, 1] is that of the last sighting.
+    """
+
+    stamp: float
+    name: str
+    kind: str
+    subject: str
+    source: str
+    since: float
+    confidence: float
+    p_OP: tuple[float, float, float] | None
+    heading: float | None

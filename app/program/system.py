@@ -15,7 +15,6 @@ from pathlib import Path
 from types import TracebackType
 
 from app.attention.cached_solver import CachedSolver
-from app.attention.desires import DesireClasses
 from app.attention.explaining import EXPLAIN_S
 from app.attention.hysteresis import Hysteresis
 from app.attention.strategies import StrategyTable, load_strategies, trimmed
@@ -29,10 +28,11 @@ from app.logs.manifest import Manifest
 from app.maps.control import MapControl
 from app.maps.library import MapLibrary
 from app.maps.library import default_folder as default_maps_folder
-from app.modules.desire_classes import desire_classes
+from app.messages import PerceptEvent
 from app.program.attachments import snapshot
 from app.program.body_restart import BodyRestarter
 from app.program.config import Configuration, load_configuration
+from app.program.desire_classes import desire_classes
 from app.program.self_report import SelfReport
 from app.program.timeline_feed import TimelineFeed
 from app.robots.factory import Body, create_link, load_body
@@ -89,7 +89,7 @@ class System:
         #: Paces work for people, which goes on while a recording is paused; else the robot's clock itself.
         self.pace: Clock = self.clock.pace if isinstance(self.clock, ReplayClock) else self.clock
         self.link = link or create_link(load_body(configuration.path(program.robot)), real.offset)
-        self.classes = DesireClasses(desire_classes())
+        self.classes = desire_classes(configuration)
         self.workspace = IntentionWorkspace(self.classes, self.clock.now, new_id=new_id)
         self.timeline = Timeline(program.attention.history, self.clock.now)
         self.recordings = recordings or RecordingLibrary(default_folder())
@@ -151,6 +151,9 @@ class System:
             self._report.open(self.workspace, self.translator, self.timeline)
             stack.callback(self._report.close)
             stack.callback(self.link.attach("status", self._feed.guard))
+            for channel in self.graph.channels.values():
+                if channel.message_type is PerceptEvent:
+                    stack.callback(channel.observe(self._feed.percept))
             if not self._reproducible:
                 await stack.enter_async_context(self.watchdog)
             await stack.enter_async_context(self.supervisor)

@@ -1,5 +1,5 @@
 """Events of the program on the timeline, beside those of attention: modules, guard, exploitation, overload, stale
-channels.
+channels, percept events.
 
 A bad state is noted once on entering and once on leaving, never in between.
 """
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from app.attention.timeline import Timeline
-from app.messages import Exploitation, LinkStatus
+from app.messages import Exploitation, LinkStatus, PerceptEvent
 from app.runtime.freshness import Freshness
 from app.runtime.load import Load
 from app.runtime.supervisor import ModuleState
@@ -32,6 +32,10 @@ _GUARD_WORDS = {
     "e_stopped": "Emergency stop",
     "sensor_failure": "The guard holds the base",
 }
+
+
+#: Kinds of percepts whose words for people are others.
+_PERCEPT_WORDS = {"code": "QR code", "noise": "loud noise", "dark": "darkness before"}
 
 
 class TimelineFeed:
@@ -98,6 +102,19 @@ class TimelineFeed:
             text = f"{message.behavior} drives" if message.behavior else "No behavior drives"
             self._timeline.add("exploitation", message.behavior or "", text)
 
+    def percept(self, event: PerceptEvent) -> None:
+        """Something perceived appeared, left or changed: noted under the event's name."""
+        data = {
+            "kind": event.kind,
+            "subject": event.subject,
+            "source": event.source,
+            "since": event.since,
+            "confidence": round(event.confidence, 3),
+            "p_OP": None if event.p_OP is None else [round(value, 3) for value in event.p_OP],
+            "heading": None if event.heading is None else round(event.heading, 3),
+        }
+        self._timeline.add("percept", event.name, _percept_words(event), data, stamp=event.stamp)
+
     def freshness(self, channels: Mapping[str, Freshness]) -> None:
         """The channels as they are now, by name; noted when one stays stale, and when it is so no longer."""
         for name, now in channels.items():
@@ -130,6 +147,13 @@ class TimelineFeed:
                 self._over[name] = 0
                 if windows >= OVERLOAD_WINDOWS:
                     self._timeline.add("overload", name, f"{name} is within its budget again", {"used": round(used, 1)})
+
+
+def _percept_words(event: PerceptEvent) -> str:
+    kind = _PERCEPT_WORDS.get(event.kind, event.kind)
+    words = f"{kind} {event.subject}".rstrip()
+    text = f"{words[0].upper()}{words[1:]} {event.name.rpartition('.')[2]}"
+    return text if event.p_OP is None else f"{text} at x {event.p_OP[0]:.1f} m, y {event.p_OP[1]:.1f} m in odom"
 
 
 def _freshness_words(name: str, now: Freshness) -> str:

@@ -63,7 +63,7 @@ class Subscription(Generic[M]):
     __slots__ = (
         "_age_s", "_attended", "_capacity", "_closed", "_discarded", "_dropped", "_inbox", "_now",
         "_on_close", "_on_filter", "_overflowed", "_passed", "_received", "_senders", "_waiter",
-        "filter", "lossless", "name", "taken",
+        "filter", "lossless", "name", "passive", "taken",
     )  # fmt: skip
 
     def __init__(
@@ -75,6 +75,8 @@ class Subscription(Generic[M]):
         divisor: float,
         on_filter: Callable[[], None],
         on_close: Callable[[Subscription[M]], None],
+        *,
+        passive: bool = False,
     ) -> None:
         if capacity < 1:
             raise ValueError(f"the inbox of {name} needs room for at least 1 message, not {capacity}")
@@ -83,6 +85,7 @@ class Subscription(Generic[M]):
         self._now = now
         self._capacity = capacity
         self.lossless = lossless
+        self.passive = passive
         self._on_filter = on_filter
         self._on_close = on_close
         self._inbox: deque[M] = deque()
@@ -309,9 +312,12 @@ class Channel(Generic[M]):
             if not in_time and (full := ", ".join(s.name for s in self._lossless if not s.has_room())):
                 raise InboxOverflow(f"{self.name}: no room within {deadline_s} s at {full}")
 
-    def subscribe(self, name: str, *, capacity: int = 1, lossless: bool = False, divisor: float = 1) -> Subscription[M]:
+    def subscribe(
+        self, name: str, *, capacity: int = 1, lossless: bool = False, divisor: float = 1, passive: bool = False
+    ) -> Subscription[M]:
         """Add a consumer called ``name`` with an inbox of ``capacity`` messages behind a filter of ``divisor``.
 
+        A ``passive`` one takes what passes; the channel is not :attr:`wanted` for it.
         Raises ChannelClosed after :meth:`close`: nothing would ever come.
         """
         if self._closed:
@@ -324,6 +330,7 @@ class Channel(Generic[M]):
             divisor=divisor,
             on_filter=self._update_wanted,
             on_close=self.unsubscribe,
+            passive=passive,
         )
         self._set_subscriptions((*self._subscriptions, subscription))
         return subscription
@@ -360,7 +367,7 @@ class Channel(Generic[M]):
 
     @property
     def wanted(self) -> bool:
-        """Whether any subscription's filter is open; a source without such a subscription may rest."""
+        """Whether the filter of any subscription that is not passive is open; else the source may rest."""
         return self._wanted
 
     def on_wanted(self, callback: Callable[[bool], None]) -> Callable[[], None]:
@@ -378,7 +385,7 @@ class Channel(Generic[M]):
         self._update_wanted()
 
     def _update_wanted(self) -> None:
-        wanted = any(s.filter.is_open for s in self._subscriptions)
+        wanted = any(s.filter.is_open and not s.passive for s in self._subscriptions)
         if wanted != self._wanted:
             self._wanted = wanted
             self._wanted_observers.notify(wanted)

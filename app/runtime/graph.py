@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from app.base.errors import ConfigError
+from app.base.extensions import load_named
 from app.base.yaml_source import likeliest, validation_message
 from app.runtime.channel import Channel
 from app.runtime.channel_table import ChannelSpec
@@ -224,9 +225,9 @@ class Graph:
             try:
                 self.channels[name] = Channel(name, channel_spec.message_type, clock.now)
             except KeyError:
-                raise error(
-                    f"there is no message type {channel_spec.message!r} in app.messages", ("channels", name, "type")
-                ) from None
+                raise error(channel_spec.no_message(), ("channels", name, "type")) from None
+            except ConfigError as failure:
+                raise error(failure.message, ("channels", name, "type")) from failure
         self.modules: dict[str, ModuleSlot] = {}
         for name, spec in modules.items():
             self.modules[name] = self._make_slot(name, spec, services)
@@ -323,7 +324,10 @@ class Graph:
 
     def _make_slot(self, name: str, spec: ModuleSpec, services: Mapping[type[Any], Any]) -> ModuleSlot:
         key = ("modules", name)
-        module_class = load_class(spec.class_path)
+        try:
+            module_class = load_class(spec.class_path)
+        except ConfigError as failure:
+            raise self._error(failure.message, (*key, "class")) from failure
         if module_class is None:
             raise self._error(f"{spec.class_path!r} is not a module class (package.module:Class)", (*key, "class"))
         try:
@@ -377,7 +381,8 @@ class Graph:
             self._check_type(channel, port.message_type, key)
             if channel_name not in self.producers and not self.specs[channel_name].external:
                 raise self._error(f"no module publishes on channel {channel_name}", key)
-            port.connect(channel, 1)
+            # A channel from outside has no source here that could rest: a log feeds it to those who want it.
+            port.connect(channel, 1, passive=port.passive and channel_name in self.producers)
             decimable = self.specs[channel_name].decimable
             self.filters.add(f"{slot.name}.{port_name}", port.subscription.filter, decimable=decimable)
 
@@ -404,17 +409,11 @@ class Graph:
 
 
 def load_class(path: str) -> type[Module] | None:
-    """The module class at ``package.module:Class``, or None if there is none."""
-    module_path, _, class_name = path.partition(":")
-    if not all(part.isidentifier() for part in (*module_path.split("."), class_name)):
-        return None
-    try:
-        found = getattr(importlib.import_module(module_path), class_name, None)
-    except ModuleNotFoundError as failure:
-        # Only the named file itself being absent is the configuration's fault; a broken import inside it is ours.
-        if failure.name is None or not f"{module_path}.".startswith(f"{failure.name}."):
-            raise
-        return None
+    """The module class at ``package.module:Class``, or None if there is none.
+
+    Raises ConfigError where its file cannot be imported.
+    """
+    found = load_named(path)
     return found if isinstance(found, type) and issubclass(found, Module) else None
 
 

@@ -80,6 +80,9 @@ class Module:
     title: ClassVar[str] = ""
     #: Model that validates the settings.
     Settings: ClassVar[type[Settings]] = Settings
+    #: Desire classes (:class:`app.attention.desires.DesireClass`) that this module serves or needs; a program has the
+    #: union of its modules' classes. ``object``, for the type is above the runtime.
+    desire_classes: ClassVar[tuple[object, ...]] = ()
     #: Stream of the body that each output relays; a replay feeds a recorded channel to the stream named here.
     streams: ClassVar[Mapping[str, str]] = {}
     #: Inputs that improve the results of other inputs and are useless alone.
@@ -134,11 +137,12 @@ class Module:
         lossless: bool = False,
         always_open: bool = False,
         moves: bool = False,
+        passive: bool = False,
     ) -> Input[M]:
         """Declare an input port of ``message_type`` with an inbox of ``capacity`` messages.
 
         ``moves``: what comes in by it can move the body. The output of another module that leads to it stays closed
-        unless a strategy names it.
+        unless a strategy names it. ``passive``: the module takes what passes, and keeps no source awake for it.
         """
         port = self._context.inputs.get(name)
         if port is None:
@@ -150,6 +154,7 @@ class Module:
                 lossless=lossless,
                 always_open=always_open,
                 moves=moves,
+                passive=passive,
             )
             self._context.inputs[name] = port
         return port

@@ -18,7 +18,7 @@ class Input(Generic[M]):
     """An input port. Once wired, ``subscription`` is the module's end of a channel.
 
     ``always_open``: attention may not decimate the input; for safety and self-motion, where a gap is a fault.
-    ``moves``: messages of the input can move the body.
+    ``moves``: messages of the input can move the body. A ``passive`` input takes what passes and keeps no source awake.
     """
 
     def __init__(
@@ -30,6 +30,7 @@ class Input(Generic[M]):
         lossless: bool,
         always_open: bool,
         moves: bool = False,
+        passive: bool = False,
     ) -> None:
         self.module = module
         self.name = name
@@ -38,6 +39,7 @@ class Input(Generic[M]):
         self.lossless = lossless
         self.always_open = always_open
         self.moves = moves
+        self.passive = passive
         self.channel: Channel[M] | None = None
         self._subscription: Subscription[M] | None = None
 
@@ -53,11 +55,15 @@ class Input(Generic[M]):
         """Whether configuration wired this port."""
         return self._subscription is not None
 
-    def connect(self, channel: Channel[M], divisor: float) -> None:
+    def connect(self, channel: Channel[M], divisor: float, *, passive: bool = False) -> None:
         """Subscribe this port to ``channel`` (done once, by the graph)."""
         self.channel = channel
         self._subscription = channel.subscribe(
-            f"{self.module}.{self.name}", capacity=self.capacity, lossless=self.lossless, divisor=divisor
+            f"{self.module}.{self.name}",
+            capacity=self.capacity,
+            lossless=self.lossless,
+            divisor=divisor,
+            passive=passive,
         )
 
 

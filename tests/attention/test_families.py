@@ -57,6 +57,13 @@ def test_a_member_is_what_would_stand_in_the_file(tmp_path: Path) -> None:
     assert family["slam-4"].location.line == 4
 
 
+def test_without_per_doubling_utility_goes_with_the_rate_and_filters_may_be_multiples(tmp_path: Path) -> None:
+    text = FAMILY.replace(", per_doubling: 1", "").replace("SLAM2D.map: off", "SLAM2D.map: 3 phi")
+    strategies = load(tmp_path, text).strategies
+    assert [s.utility for s in strategies] == [8, 2, 0.2]
+    assert [s.filters for s in strategies] == [{"SLAM2D.scans": phi, "SLAM2D.map": 3 * phi} for phi in (1, 4, 40)]
+
+
 def test_what_was_measured_on_this_computer_comes_first(tmp_path: Path) -> None:
     line = CostFit(base=0.5, slope=8.0, residual=0.0)
     relation = Relation(points=(Point(phi=4, cpu=2.25, events=10),), cpu=line, events=line)
@@ -80,6 +87,12 @@ def test_what_was_measured_on_this_computer_comes_first(tmp_path: Path) -> None:
             "names: slam",
             "names: should have {phi} in it once, in place of which each strategy's φ is written, not 'slam'",
         ),
+        (
+            "SLAM2D.scans: phi",
+            "SLAM2D.scans: 0 phi",
+            "a multiple of it such as 2 phi, an integer of at least 1, or off",
+        ),
+        ("SLAM2D.scans: phi", "SLAM2D.scans: true", "a multiple of it such as 2 phi, an integer of at least 1, or off"),
         ("class: SLAM", "class: SLAN", "unknown class 'SLAN'"),
         ("slope: 5}", "slope: -5}", "greater than or equal to 0"),
     ],

@@ -42,7 +42,7 @@ def test_people_are_in_the_lab_by_default(tmp_path: Path) -> None:
             ["--scenario", "trail"],
             "there is no scenario trail; did you mean 'trial'? Allowed: a file, none, or ",
         ),
-        (["--scenario", "none", "--robot", WEBCAM], "in the real one"),
+        (["--scenario", "none", "--robot", WEBCAM], "is not in it"),
         (["--robot", WEBCAM, "--camera", "gone.mp4"], "--camera: there is no file or folder gone.mp4"),
         (["--robot", WEBCAM, "--microphones", "gone/talk"], "--microphones: there is no file or folder gone/talk"),
         (["--robot", WEBCAM, "--camera", "-1"], "--camera: a camera's number is from 0, not '-1'"),

@@ -59,7 +59,7 @@ modules:
     inputs: {images: kinect, odometry: odometry}
     outputs: {clouds: point_cloud}
   Teleop:
-    class: app.modules.behaviors.teleop:Teleop
+    class: tests.console.versatile_teleop:VersatileTeleop
     inputs: {operator: operator_drive}
     outputs: {twist: teleop_twist}
   Microphones:
@@ -108,6 +108,7 @@ faces: {type: Faces, external: true}
 qr_codes: {type: QRCodes, external: true}
 sound_sources: {type: SoundSources, external: true}
 loud_noises: {type: LoudNoise, decimable: false, external: true}
+percept_events: {type: PerceptEvent, decimable: false, external: true}
 imv: {type: Image, rate_hz: 10, external: true}
 panorama_jpeg: {type: EncodedImage, external: true, log: never}
 localization: {type: Localization, frame: map, decimable: false, external: true}

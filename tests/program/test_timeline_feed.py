@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.attention.timeline import Timeline
-from app.messages import Exploitation, LinkStatus, Twist
+from app.messages import Exploitation, LinkStatus, PerceptEvent, Twist
 from app.program.timeline_feed import OVERLOAD_WINDOWS, SLOW_AFTER_S, STALE_LOOKS, WELL_AFTER_S, TimelineFeed
 from app.runtime.freshness import Freshness, FreshnessState
 from app.runtime.load import Load
@@ -85,6 +85,22 @@ def test_a_module_is_noted_when_it_fails_and_when_it_is_back(feed: TimelineFeed,
         feed.module(state)
     assert told(timeline) == [("module", "Eye"), ("restart", "Eye")]
     assert timeline.query()[0].text == "Eye failed: ValueError: no light"
+
+
+@pytest.mark.parametrize(
+    ("name", "subject", "words"),
+    [
+        ("code.leaves", "tour:office", "QR code tour:office leaves"),
+        ("noise.appears", "", "Loud noise appears"),
+        ("dog.changes", "rex", "Dog rex changes"),
+    ],
+)
+def test_percepts_are_noted_with_their_own_stamp_under_their_name(
+    feed: TimelineFeed, timeline: Timeline, name: str, subject: str, words: str
+) -> None:
+    feed.percept(PerceptEvent(4.5, name, name.partition(".")[0], subject, "kinect", 3.0, 1.0, None, None))
+    (event,) = timeline.query()
+    assert (event.stamp, event.kind, event.subject, event.text) == (4.5, "percept", name, words)
 
 
 def test_overload_is_noted_when_it_lasts_and_when_it_is_over(feed: TimelineFeed, timeline: Timeline) -> None:

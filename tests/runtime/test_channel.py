@@ -443,6 +443,18 @@ async def test_an_observer_that_fails_disturbs_neither_the_producer_nor_the_cons
     assert caplog.text.count("is removed") == 1
 
 
+async def test_a_passive_subscription_takes_what_passes_and_wants_nothing(make: Make) -> None:
+    numbers = channel()
+    passive = numbers.subscribe("passive", capacity=2, passive=True)
+    assert not numbers.wanted
+    numbers.publish(make(1))
+    assert await passive.receive() == make(1)
+    active = numbers.subscribe("active")
+    assert numbers.wanted
+    active.close()
+    assert not numbers.wanted
+
+
 @in_virtual_time
 async def test_a_channel_that_forgets_has_nothing_waiting_and_counts_on(make: Make) -> None:
     numbers = channel()

@@ -46,6 +46,12 @@ class OdometryUser(Module):
         self.odometry = self.input("odometry", Odometry)
 
 
+class Onlooker(Module):
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.numbers = self.input("numbers", Twist, passive=True)
+
+
 class Collector(Module):
     """Takes whatever there is."""
 
@@ -95,6 +101,24 @@ def test_a_wired_graph_delivers_from_output_to_input(build: Build, make: Callabl
     assert graph.ports() == {"A": {"numbers"}, "B": {"numbers", "relayed"}}
     assert graph.modules["A"].title == "Counts"
     assert graph.modules["B"].title == "B"
+
+
+def test_a_passive_input_keeps_no_source_awake_and_wants_what_comes_from_outside(
+    build: Build, make: Callable[..., Twist]
+) -> None:
+    graph = build(
+        {
+            "A": (Source, {}, {"numbers": "n"}),
+            "B": (Onlooker, {"numbers": "n"}, {}),
+            "C": (Onlooker, {"numbers": "outside"}, {}),
+        },
+        {"n": {}, "outside": {"external": True}},
+    )
+    source = graph.modules["A"].module
+    assert not source.numbers.wanted  # type: ignore[attr-defined]
+    source.numbers.publish(make(1))  # type: ignore[attr-defined]
+    assert graph.modules["B"].module.numbers.subscription.receive_nowait() == make(1)  # type: ignore[attr-defined]
+    assert graph.channel("outside").wanted, "a log feeds only what is wanted"
 
 
 def test_an_unknown_port_is_named_with_those_there_are(build: Build) -> None:
@@ -182,11 +206,17 @@ def test_a_path_that_is_no_module_class_is_refused(build: Build, path: str) -> N
     assert f"{path!r} is not a module class" in refused(build, {"A": (path, {}, {})}, {})
 
 
-def test_a_broken_import_inside_a_module_file_is_not_hidden(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_broken_import_inside_a_module_file_is_one_sentence(
+    build: Build, tmp_path: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "hbba_broken_module.py").write_text("import hbba_broken\n")
     monkeypatch.syspath_prepend(str(tmp_path))
-    with pytest.raises(ModuleNotFoundError, match="hbba_broken"):
-        load_class("hbba_broken_module:Thing")
+    said = refused(build, {"A": ("hbba_broken_module:Thing", {}, {})}, {})
+    file = tmp_path / "hbba_broken_module.py"
+    assert said == (
+        f"modules.A.class: hbba_broken_module cannot be imported: {file}:1: ModuleNotFoundError: No module named "
+        "'hbba_broken'"
+    )
 
 
 def test_a_class_that_is_no_module_is_refused(build: Build) -> None:
@@ -202,7 +232,10 @@ def test_a_missing_service_is_a_wiring_error(build: Build) -> None:
 @pytest.mark.parametrize("message_type", ["Nothing", "Pose2", "Message", "np", "read_only"])
 def test_a_channel_of_an_unknown_message_type_is_refused(build: Build, message_type: str) -> None:
     said = refused(build, {}, {"n": {"type": message_type}})
-    assert said == f"channels.n.type: there is no message type {message_type!r} in app.messages"
+    assert said == (
+        f"channels.n.type: there is no message type {message_type!r}; allowed: a class of app.messages, or "
+        "package.module:Class, a dataclass with a stamp"
+    )
 
 
 WIRED: tuple[dict[str, Any], dict[str, Any]] = (

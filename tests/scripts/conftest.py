@@ -48,12 +48,12 @@ def dev(page: ModuleType, installing: ModuleType, locking: ModuleType) -> Iterat
 
 
 @pytest.fixture(scope="session")
-def commit_message() -> Iterator[ModuleType]:
-    yield _load("commit_message")
-    del sys.modules["commit_message"]
-
-
-@pytest.fixture(scope="session")
 def words() -> Iterator[ModuleType]:
     yield _load("words")
     del sys.modules["words"]
+
+
+@pytest.fixture(scope="session")
+def commit_message() -> Iterator[ModuleType]:
+    yield _load("commit_message")
+    del sys.modules["commit_message"]

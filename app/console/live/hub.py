@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import secrets
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
@@ -21,6 +21,7 @@ from app.console.drive.drive_controller import Driving, hands
 from app.console.drive.goals import withdraw_all
 from app.console.drive.telepresence_desire import LISTEN, WATCH, Presence, Spectators
 from app.console.live.feeds import GRIDS, PICTURES, SOUND_CHANNEL, Feeds, comes
+from app.console.live.panel_feed import PanelFeed
 from app.console.live.protocol import CAMERA, COSTMAP, MAP, PANORAMA, PROTOCOL
 from app.console.live.sampler import Sampler
 from app.console.live.speech import Speech
@@ -47,7 +48,8 @@ SILENT = "There is nothing to listen to: no module here makes sound for people."
 class Hub:
     """``open`` once the program runs, ``close`` at its end; in between viewers :meth:`join` and :meth:`leave`."""
 
-    def __init__(self, system: System, playback: Playback | None = None) -> None:
+    def __init__(self, system: System, playback: Playback | None = None, panel_channels: Collection[str] = ()) -> None:
+        """``panel_channels``: channels whose messages panels of packages want; those that there are are sent."""
         self._system = system
         self._playback = playback
         self._viewers: dict[str, Viewer] = {}
@@ -59,6 +61,8 @@ class Hub:
         self.way = WayReport(system)
         self._sampler = Sampler(system, self, self.percepts, self.way)
         self._recorder = RecorderReport(system)
+        channels = [system.graph.channels[name] for name in panel_channels if name in system.graph.channels]
+        self._panels = PanelFeed(channels, system.pace, self.broadcast)
         self._stack = ExitStack()
         self._watching = ExitStack()
         self._sampling: asyncio.Task[None] | None = None
@@ -120,6 +124,7 @@ class Hub:
         self.percepts.forget()
         self.way.forget()
         self._feeds.forget()
+        self._panels.forget()
         assert self._playback is not None
         self._sampler.begin_anew(position, self._playback.attention, self._playback.spoke)
         self._new_events.clear()
@@ -264,6 +269,7 @@ class Hub:
                 latest = reports.latest(system.graph, channel)
                 if self._playback is not None and latest is not None:
                     handler(latest)  # where time may stand, no newer one may follow
+        keep(self._panels.open())
         self._sampling = asyncio.create_task(self._sampler.run(), name="console sampler")
         if self._playback is not None:
             keep(asyncio.create_task(self._follow(self._playback), name="console playback").cancel)
@@ -335,6 +341,7 @@ class Hub:
             "perceived": self._sampler.perceived_frame(),
             **self._sampler.way_frames(),
             "load": self._sampler.load_frame(),
+            **self._panels.frames(),
         }
 
     def _hello(self, viewer: Viewer) -> str:

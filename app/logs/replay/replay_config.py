@@ -26,8 +26,7 @@ from app.messages import (
 )
 from app.modules.recording.recorder import Recorder
 from app.program.config import Configuration, load_configuration
-from app.robots.config import RobotConfig
-from app.robots.factory import Body, load_body, standing_streams
+from app.robots.factory import load_body, standing_streams
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.graph import Graph, ModuleSpec, load_class
 from app.runtime.module import Module
@@ -93,20 +92,14 @@ def prepare(log: Log, options: ReplayOptions, folder: Path, idle: Mapping[str, s
             limits=robot.limits.base(),
             streams=standing_streams(robot) | {s: _describe(log.info, configuration, s, c) for s, c in streams.items()},
             simulated=False,
-            **_extent(robot),
+            footprint=robot.footprint,
+            height_m=robot.height_m,
         ),
         streams=streams,
         fed=fed,
         left_out=left_out,
         silent=silent,
     )
-
-
-def _extent(robot: Body) -> dict[str, Any]:
-    """The body's dimensions, for modules that drive."""
-    if not isinstance(robot, RobotConfig):
-        return {}
-    return {"footprint": robot.footprint, "height_m": robot.height_m}
 
 
 def idle_modules(program: ReplayProgram, graph: Graph) -> dict[str, str]:
@@ -202,7 +195,7 @@ def _feeds(info: LogInfo, configuration: Configuration, name: str) -> bool:
 def _message_type(spec: ChannelSpec) -> type[Any] | None:
     try:
         return spec.message_type
-    except KeyError:
+    except (KeyError, ConfigError):
         return None  # the graph says so, with the line
 
 

@@ -22,6 +22,7 @@ from app.messages import (
     LogLine,
     LoudNoise,
     OperatorDrive,
+    PerceptEvent,
     SeparatedSound,
     Twist,
 )
@@ -32,7 +33,7 @@ T = TypeVar("T")
 
 #: Messages of a moment: commands, events and sounds are not published again at a jump. A frame of sound alone is a
 #: click, which a detector of noises would report.
-OF_THE_MOMENT = (OperatorDrive, Twist, EventRecord, LogLine, Audio, SeparatedSound, LoudNoise)
+OF_THE_MOMENT = (OperatorDrive, Twist, EventRecord, LogLine, Audio, SeparatedSound, LoudNoise, PerceptEvent)
 #: Records of attention, and the time (s) before a jump for which they are published again.
 OF_ATTENTION = (DesiresRecord, IntentionRecord, Divisors)
 ATTENTION_S = 60.0

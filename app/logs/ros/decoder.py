@@ -9,10 +9,12 @@ from typing import Any
 
 from rosbags.typesys import TypesysError, get_types_from_msg
 
+from app.base.errors import ConfigError
+from app.base.extensions import may_be_imported_for_a_log
 from app.logs import layout as mcap_layout
 from app.logs.ros import typestore
 from app.logs.ros.converters import Options, converter
-from app.logs.ros.generated import PACKAGE, before_defaults
+from app.logs.ros.generated import PACKAGE, before_defaults, package_of
 from app.logs.ros.record import MAIN, Converter
 from app.logs.ros.record_templates import STAMP
 from app.runtime.channel_table import ChannelSpec
@@ -142,10 +144,15 @@ class _Unreadable(Exception):
 
 def _channel(name: str, stored: list[StoredTopic]) -> DecodableChannel:
     class_name = stored[0].metadata.get(mcap_layout.MESSAGE, "")
+    if ":" in class_name and not may_be_imported_for_a_log(class_name):
+        package = class_name.partition(":")[0].partition(".")[0]
+        raise _Unreadable(f"{class_name!r} is a message of a package {package!r}, which is not installed for hbba")
     try:
         cls = ChannelSpec(type=class_name).message_type
     except KeyError:
         raise _Unreadable(f"this program has no message {class_name!r}") from None
+    except ConfigError as failure:
+        raise _Unreadable(failure.message) from None
     main_types = [topic.type for topic in stored if topic.metadata.get(mcap_layout.PART, MAIN) == MAIN]
     options = Options(main_type=main_types[0] if main_types else None)
     parts = {topic.part: topic for topic in converter(name, cls, options).topics if topic.part is not None}
@@ -157,7 +164,7 @@ def _channel(name: str, stored: list[StoredTopic]) -> DecodableChannel:
             raise _Unreadable(f"this program's {class_name} has no part {part!r}")
         if topic.type != parts[part].type:
             raise _Unreadable(f"this program keeps that part of {class_name} as {parts[part].type}, not {topic.type}")
-        if change := _change(topic):
+        if change := _change(topic, cls):
             main_fields = _first_fields(topic, cls) if part == MAIN else None
             if main_fields is None:
                 raise _Unreadable(f"{class_name} has changed since: {change}")
@@ -176,7 +183,7 @@ def _rate(stored: list[StoredTopic]) -> float | None:
         return None
 
 
-def _change(topic: StoredTopic) -> str:
+def _change(topic: StoredTopic, cls: type[Any]) -> str:
     """Differences between our own types in a topic's definition and those of this version; "" without any."""
     try:
         then = get_types_from_msg(topic.definition, topic.type)
@@ -184,7 +191,7 @@ def _change(topic: StoredTopic) -> str:
         return f"its definition cannot be read ({error})"
     today = typestore.store().fielddefs
     for name, (_, fields) in then.items():
-        if not name.startswith(f"{PACKAGE}/"):
+        if not name.startswith(_generated_packages(cls)):
             continue
         short = name.rsplit("/", 1)[1]
         if name not in today:
@@ -199,10 +206,15 @@ def _change(topic: StoredTopic) -> str:
     return ""
 
 
+def _generated_packages(cls: type[Any]) -> tuple[str, str]:
+    """What the names of generated types begin with: the program's own, and those of the package of ``cls``."""
+    return f"{PACKAGE}/", f"{package_of(cls)}/"
+
+
 def _first_fields(topic: StoredTopic, cls: type[Any]) -> int | None:
     """Number of fields of ``cls`` in a topic written before the other fields were added; None for any other
     difference."""
-    if topic.type != f"{PACKAGE}/msg/{cls.__name__}":
+    if topic.type != f"{package_of(cls)}/msg/{cls.__name__}":
         return None
     try:
         then = get_types_from_msg(topic.definition, topic.type)
@@ -210,7 +222,7 @@ def _first_fields(topic: StoredTopic, cls: type[Any]) -> int | None:
         return None
     today = typestore.store().fielddefs
     if any(list(fields) != list(today[name][1]) for name, (_, fields) in then.items()
-           if name.startswith(f"{PACKAGE}/") and name != topic.type):  # fmt: skip
+           if name.startswith(_generated_packages(cls)) and name != topic.type):  # fmt: skip
         return None
     written = list(then[topic.type][1])
     if written != list(today[topic.type][1])[: len(written)]:

@@ -6,7 +6,7 @@ Python                                 ROS
 ``stamp: float``                       ``builtin_interfaces/Time stamp``
 ``float``, ``int``, ``bool``, ``str``  ``float64``, ``int64``, ``bool``, ``string``
 ``bytes``                              ``uint8[]``
-dataclass                              nested ``hbba_msgs/<Class>``
+dataclass                              nested ``hbba_msgs/<Class>``, or of its package
 ``tuple[X, ...]``, ``tuple[X, X]``     ``X[]``, ``X[2]``
 ``NDArray[np.float32]``                ``float32[] name`` (row by row) and ``uint32[] name_shape``
 ``X | None``                           ``bool has_name`` and ``X name`` (zeros, empty, where there is none)
@@ -17,6 +17,7 @@ A field is named as in Python, in lower case, since ROS allows no other: ``X_BC`
 
 from __future__ import annotations
 
+import re
 import types
 import typing
 from collections.abc import Callable, Iterator
@@ -57,15 +58,22 @@ class _Field:
     empty: Any
 
 
+def package_of(cls: type[Any]) -> str:
+    """The ROS package of the type of ``cls``: ``hbba_msgs``, or that of the import package which ``cls`` comes from."""
+    root = cls.__module__.partition(".")[0]
+    return PACKAGE if root == "app" else f"{re.sub('[^a-z0-9]+', '_', root.lower()).strip('_')}_msgs"
+
+
 class Generated:
-    """The ROS type ``hbba_msgs/msg/<Class>`` of a dataclass: registered when made."""
+    """The ROS type ``hbba_msgs/msg/<Class>`` of a dataclass, of another package's ``<package>_msgs/msg/<Class>``:
+    registered when made."""
 
     def __init__(self, cls: type[Any], count: int | None = None) -> None:
-        """Of its first ``count`` fields alone, if that is given: as ``hbba_msgs/msg/<Class>First<count>``.
+        """Of its first ``count`` fields alone, if that is given: as ``…/<Class>First<count>``.
 
         Raises UnrecordableType.
         """
-        self.type = f"{PACKAGE}/msg/{cls.__name__}" + ("" if count is None else f"First{count}")
+        self.type = f"{package_of(cls)}/msg/{cls.__name__}" + ("" if count is None else f"First{count}")
         hints = typing.get_type_hints(cls)
         self._cls = cls
         self._names = [f.name for f in fields(cls)][:count]

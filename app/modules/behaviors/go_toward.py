@@ -26,6 +26,7 @@ from pydantic import Field as Setting
 
 from app.base.geometry import Pose2
 from app.messages import LaserScan, Localization, NavigationStatus, Odometry, Twist, Zones
+from app.modules.behaviors.go_to import GO_TO
 from app.modules.behaviors.navigation.controller import BodyModel, MotionState
 from app.modules.behaviors.navigation.costmap.scan_costmap import points_of, scan_field
 from app.modules.behaviors.navigation.costmap.zone_layer import speed_share
@@ -60,6 +61,7 @@ class GoToward(Module):
     """Drives straight toward a place on the map."""
 
     title = "Go toward"
+    desire_classes = (GO_TO,)
     Settings = GoTowardSettings
     settings: GoTowardSettings
 

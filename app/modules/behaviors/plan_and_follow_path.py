@@ -52,6 +52,7 @@ from app.messages import (
     Zones,
     read_only,
 )
+from app.modules.behaviors.go_to import GO_TO
 from app.modules.behaviors.navigation.costmap.inflation import CostSettings
 from app.modules.behaviors.navigation.costmap.local_costmap import CostmapSettings
 from app.modules.behaviors.navigation.costmap.persistent_obstacle_layer import PersistentObstacleLayer
@@ -117,6 +118,7 @@ class PlanAndFollowPath(Module):
     """Plans paths to goals on the map and follows them."""
 
     title = "Plan and follow path"
+    desire_classes = (GO_TO,)
     Settings = PlanAndFollowPathSettings
     settings: PlanAndFollowPathSettings
 

@@ -17,8 +17,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from pydantic import Field
+from pydantic import BaseModel, ConfigDict, Field
 
+from app.attention.desires import DesireClass
 from app.messages import OperatorDrive, Twist
 from app.modules.behaviors.drive_gate import Decision, DriveGate
 from app.modules.stream_module import robot_link
@@ -32,10 +33,34 @@ class TeleopSettings(Settings):
     period_s: float = Field(0.025, gt=0, le=0.1, description="how often silence is looked for")
 
 
+class TeleoperationParameters(BaseModel):
+    """Parameters of a desire of class Teleoperation."""
+
+    model_config = ConfigDict(extra="forbid", title="Drive by hand")
+
+    speed: float = Field(
+        1.0,
+        gt=0,
+        le=1,
+        title="Speed",
+        description="Share of the robot's greatest speeds that full stick gives, 0 to 1.",
+    )
+
+
+#: What can be desired of it.
+TELEOPERATION = DesireClass(
+    name="Teleoperation",
+    title="Drive by hand",
+    description="Drive the base by an operator's commands while the dead-man is held.",
+    parameters=TeleoperationParameters,
+)
+
+
 class Teleop(Module):
     """Scales an operator's commands into twists, and stops on release or timeout."""
 
     title = "Teleop"
+    desire_classes = (TELEOPERATION,)
     Settings = TeleopSettings
     settings: TeleopSettings
 

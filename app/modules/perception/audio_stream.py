@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
+from app.attention.desires import DesireClass
 from app.messages import Audio, read_only
 from app.modules.perception.overruns import Overruns
 from app.runtime.errors import InboxOverflow
@@ -52,10 +53,19 @@ class AudioStreamSettings(Settings):
     frame_s: float = Field(0.02, ge=0.005, le=0.2, description="a frame for people is at least so long")
 
 
+#: What can be desired of it.
+LISTEN = DesireClass(
+    name="Listen",
+    title="Hear through the robot's ears",
+    description="Send people what the robot's front microphone hears.",
+)
+
+
 class AudioStream(Module):
     """Publishes the front microphone's sound while a subscription is open."""
 
     title = "Sound for people"
+    desire_classes = (LISTEN,)
     Settings = AudioStreamSettings
     settings: AudioStreamSettings
 

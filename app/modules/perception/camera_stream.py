@@ -21,6 +21,7 @@ from pydantic import Field
 
 from app.messages import EncodedImage, Image
 from app.modules.perception.opencv import use_calling_thread
+from app.modules.perception.telepresence import TELEPRESENCE
 from app.runtime.module import Module, ModuleContext, Settings
 
 
@@ -49,6 +50,7 @@ class CameraStream(Module):
     """Encodes the camera's images while a subscription is open."""
 
     title = "Camera picture"
+    desire_classes = (TELEPRESENCE,)
     Settings = CameraStreamSettings
     settings: CameraStreamSettings
 

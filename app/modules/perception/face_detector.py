@@ -22,8 +22,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from pydantic import Field
+from pydantic import BaseModel, ConfigDict, Field
 
+from app.attention.desires import DesireClass
 from app.base.geometry import Pose2
 from app.messages import Face, Faces, Image, Odometry, read_only
 from app.modules.perception.faces.face_position import FaceLocator, FaceSighting
@@ -52,10 +53,35 @@ class FaceDetectorSettings(Settings):
     forget_s: float = Field(1.2, gt=0, description="a face not seen for longer has gone, and comes back as another")
 
 
+class LocateFacesParameters(BaseModel):
+    """Parameters of a desire of class LocateFaces."""
+
+    model_config = ConfigDict(extra="forbid", title="Locate faces")
+
+    min_score: float = Field(
+        0.8,
+        gt=0,
+        lt=1,
+        title="Least score",
+        description="How sure the detector must be that it is a face, 0 to 1: higher loses small and turned faces, "
+        "lower takes other things for faces.",
+    )
+
+
+#: What can be desired of it.
+LOCATE_FACES = DesireClass(
+    name="LocateFaces",
+    title="Locate faces",
+    description="Find faces in both cameras' views, follow them, and report where they are (m, in base_link).",
+    parameters=LocateFacesParameters,
+)
+
+
 class FaceDetector(Module):
     """Detects, places and tracks faces."""
 
     title = "Face detector"
+    desire_classes = (LOCATE_FACES,)
     Settings = FaceDetectorSettings
     settings: FaceDetectorSettings
 

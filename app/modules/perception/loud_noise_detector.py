@@ -19,8 +19,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from pydantic import Field
+from pydantic import BaseModel, ConfigDict, Field
 
+from app.attention.desires import DesireClass
 from app.messages import Audio, LoudNoise
 from app.modules.perception.loud_noises import FRAME, BandEnergy, LoudnessRule, OnsetDetector, onset_of
 from app.modules.perception.overruns import Overruns
@@ -48,10 +49,41 @@ class LoudNoiseDetectorSettings(Settings):
     )
 
 
+class DetectNoisesParameters(BaseModel):
+    """Parameters of a desire of class DetectNoises."""
+
+    model_config = ConfigDict(extra="forbid", title="Detect loud noises")
+
+    ratio: float = Field(
+        20.0,
+        ge=2,
+        le=1000,
+        title="How loud",
+        description="A noise is loud if its energy is this many times that of the background.",
+    )
+    hold_off_s: float = Field(
+        0.25,
+        ge=0,
+        le=10,
+        title="Hold-off",
+        description="Quiet between two noises that count as two, in seconds.",
+    )
+
+
+#: What can be desired of it.
+DETECT_NOISES = DesireClass(
+    name="DetectNoises",
+    title="Detect loud noises",
+    description="Report when a clap, a call or the like is heard, much louder than what was heard before.",
+    parameters=DetectNoisesParameters,
+)
+
+
 class LoudNoiseDetector(Module):
     """Detects claps, calls and other sudden loud sounds."""
 
     title = "Loud noise detector"
+    desire_classes = (DETECT_NOISES,)
     Settings = LoudNoiseDetectorSettings
     settings: LoudNoiseDetectorSettings
 

@@ -23,6 +23,7 @@ from pydantic import Field
 from app.messages import Image, Odometry, PointCloud, read_only
 from app.modules.perception.point_cloud import colored_cloud
 from app.modules.perception.pose_at import PoseAt
+from app.modules.perception.telepresence import TELEPRESENCE
 from app.runtime.module import Module, ModuleContext, Settings
 
 
@@ -36,6 +37,7 @@ class PointCloudBuilder(Module):
     """Builds point clouds, each in the pose of its own instant."""
 
     title = "Point cloud"
+    desire_classes = (TELEPRESENCE,)
     Settings = PointCloudBuilderSettings
     settings: PointCloudBuilderSettings
 

@@ -32,8 +32,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import BaseModel, ConfigDict, Field
 
+from app.attention.desires import DesireClass
 from app.base.geometry import FisheyeModel, Pose2
 from app.messages import Image, Landmarks, LaserScan, Odometry, QRCode, QRCodes
 from app.modules.perception.fisheye_patches import FisheyePatches
@@ -66,10 +67,33 @@ class QRCodeDetectorSettings(Settings):
     )
 
 
+class FindQRCodesParameters(BaseModel):
+    """Parameters of a desire of class FindQRCodes."""
+
+    model_config = ConfigDict(extra="forbid", title="Find QR codes")
+
+    upscale: bool = Field(
+        True,
+        title="Second try enlarged",
+        description="Look again in the Kinect's image enlarged two times when nothing was found: reads codes from "
+        "further away, for about twice the computing time.",
+    )
+
+
+#: What can be desired of it.
+FIND_QR_CODES = DesireClass(
+    name="FindQRCodes",
+    title="Find QR codes",
+    description="Read the QR codes in both cameras' views and remember where they hang (m, in odom).",
+    parameters=FindQRCodesParameters,
+)
+
+
 class QRCodeDetector(Module):
     """Reads codes and keeps their positions."""
 
     title = "QR code detector"
+    desire_classes = (FIND_QR_CODES,)
     auxiliary_inputs = frozenset({"scans"})
     Settings = QRCodeDetectorSettings
     settings: QRCodeDetectorSettings

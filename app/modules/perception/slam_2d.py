@@ -31,6 +31,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from pydantic import Field
 
+from app.attention.desires import DesireClass
 from app.base import compiled
 from app.base.geometry import Pose2
 from app.maps.control import MapControl
@@ -76,10 +77,19 @@ class SLAM2DSettings(Settings):
     sure_after_s: float = Field(1.0, gt=0, description="time of fitting scans after which relocalization ends")
 
 
+#: What can be desired of it.
+MAP_AND_LOCALIZE = DesireClass(
+    name="SLAM",
+    title="Map and know where it is",
+    description="Map the place with the laser, close loops, and report where the robot is on the map (m).",
+)
+
+
 class SLAM2D(Module):
     """Maps, localizes the robot, and saves maps."""
 
     title = "SLAM 2D"
+    desire_classes = (MAP_AND_LOCALIZE,)
     Settings = SLAM2DSettings
     settings: SLAM2DSettings
 

@@ -26,8 +26,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import BaseModel, ConfigDict, Field
 
+from app.attention.desires import DesireClass
 from app.messages import Audio, Odometry, SeparatedSound, SoundSources
 from app.modules.perception.overruns import Overruns
 from app.modules.perception.pose_at import PoseAt
@@ -66,10 +67,34 @@ class _Wiring:
         return audio.rate == self.rate and (audio.p_BM is self.p_BM or np.array_equal(audio.p_BM, self.p_BM))
 
 
+class LocateVoicesParameters(BaseModel):
+    """Parameters of a desire of class LocateVoices."""
+
+    model_config = ConfigDict(extra="forbid", title="Locate voices")
+
+    voices: int = Field(
+        2,
+        ge=1,
+        le=4,
+        title="Voices apart",
+        description="Greatest number of separated sources, where the strategy in force separates.",
+    )
+
+
+#: What can be desired of it.
+LOCATE_VOICES = DesireClass(
+    name="LocateVoices",
+    title="Locate voices",
+    description="Report where voices and other sounds come from (in base_link), and hear each by itself.",
+    parameters=LocateVoicesParameters,
+)
+
+
 class VoiceLocalizer(Module):
     """Localizes, tracks, classifies and separates sounds."""
 
     title = "Voice localizer"
+    desire_classes = (LOCATE_VOICES,)
     Settings = VoiceLocalizerSettings
     settings: VoiceLocalizerSettings
 

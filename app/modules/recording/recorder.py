@@ -17,13 +17,15 @@ import asyncio
 import time
 from collections.abc import Awaitable, Callable, Coroutine, Mapping
 from contextlib import suppress
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
+from app.attention.desires import DesireClass
 from app.attention.timeline import EventKind
+from app.base.library import LONGEST_NAME
 from app.logs.control import RecorderControl, RecorderUnavailable
-from app.logs.library import RecordingLibrary, default_name
+from app.logs.library import NAME_PATTERN, RecordingLibrary, default_name, name_or_nothing
 from app.logs.log import LogError
 from app.logs.manifest import Manifest
 from app.logs.mcap.disk_time import DiskTime
@@ -76,10 +78,41 @@ class RecorderSettings(Settings):
     save_after_s: float = Field(5, ge=0, description="... this long after them, so that what followed is kept too")
 
 
+class RecordParameters(BaseModel):
+    """Parameters of a desire of class Record."""
+
+    model_config = ConfigDict(extra="forbid", title="Record")
+
+    name: Annotated[str, AfterValidator(name_or_nothing)] = Field(
+        "",
+        json_schema_extra={"pattern": NAME_PATTERN, "maxLength": LONGEST_NAME},
+        title="Name",
+        description="What the recording is called; empty: the date and time at which it begins.",
+    )
+    keep_minutes: float = Field(
+        0,
+        ge=0,
+        le=120,
+        title="Keep the last minutes",
+        description="0 records everything into one file; otherwise only the last so many minutes are kept on disk, "
+        "until they are saved.",
+    )
+
+
+#: What can be desired of it.
+RECORD = DesireClass(
+    name="Record",
+    title="Record",
+    description="Write what the robot senses, decides and does into a log that can be replayed.",
+    parameters=RecordParameters,
+)
+
+
 class Recorder(Module):
     """Writes every message it is given into a log."""
 
     title = "Recorder"
+    desire_classes = (RECORD,)
     #: Opens files; tests replace it by a disk that fails.
     open_file: ClassVar[OpenFile] = staticmethod(create)
     Settings = RecorderSettings

@@ -7,8 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from app.base.yaml_source import load_yaml
-from app.robots.config import LimitsConfig
+from app.robots.config import BodyConfig, LimitsConfig, load_body_config
 
 Positive = Annotated[float, Field(gt=0)]
 
@@ -80,21 +79,21 @@ class SpeakerConfig(_Model):
     source: int | str = "default"
 
 
-class DevicesConfig(_Model):
+class DevicesConfig(BodyConfig):
     """One body of devices. :func:`load_devices_config` takes ``model``, ``program`` and files relative to its file."""
 
     kind: Literal["devices"]
     name: str = "This computer"
-    model: Path
-    program: Path | None = Field(default=None, description="what `hbba run --robot` runs on it")
     camera: CameraConfig | None = None
     microphones: SoundInputConfig | None = None
     loudspeaker: SpeakerConfig | None = None
+    #: Nothing moves; limits are positive by contract.
+    limits: LimitsConfig = LimitsConfig(linear_mps=1e-3, angular_radps=1e-3, linear_mps2=1e-3, angular_radps2=1e-3)
 
     @property
-    def limits(self) -> LimitsConfig:
-        """Limits of a body that does not move; positive as required."""
-        return LimitsConfig(linear_mps=1e-3, angular_radps=1e-3, linear_mps2=1e-3, angular_radps2=1e-3)
+    def standing_rates_hz(self) -> tuple[float, float, float]:
+        """Rates (Hz) of the streams that every body has: odometry, joints, status."""
+        return ODOMETRY_HZ, JOINTS_HZ, STATUS_HZ
 
 
 def load_devices_config(path: Path | str) -> DevicesConfig:
@@ -102,15 +101,9 @@ def load_devices_config(path: Path | str) -> DevicesConfig:
 
     Source files are relative to the configuration file; missing ones are reported on opening.
     """
-    document = load_yaml(path)
-    config = document.validate(DevicesConfig)
+    config = load_body_config(path, DevicesConfig)
     here = Path(path).resolve().parent
-    update: dict[str, Any] = {"model": (here / config.model).resolve()}
-    if config.program is not None:
-        update["program"] = (here / config.program).resolve()
-    for key, file in update.items():
-        if not file.is_file():
-            raise document.error(f"{key}: there is no file {file}", (key,))
+    update: dict[str, Any] = {}
     for key in ("camera", "microphones"):
         device = getattr(config, key)
         if device is not None and isinstance(device.source, str) and (here / device.source).exists():

@@ -12,6 +12,7 @@ import pytest
 from app.attention.desires import Source
 from app.console.live.hub import Hub
 from app.console.rest import models, program_models
+from app.messages import PerceptEvent
 from app.program.system import System
 from app.runtime.filter import CLOSED
 from tests.console.program import Body
@@ -211,6 +212,19 @@ async def test_a_budget_is_changed_and_attention_follows(client: httpx.AsyncClie
     assert intention["filters"]["CameraStream.images"] == 4
     assert intention["filters"]["Teleop.twist"] is None
     is_problem(await client.patch("/resources/cpu", json={"capacity": -1}), 422, "invalid-request")
+
+
+async def test_percept_events_are_on_the_timeline_under_their_names(client: httpx.AsyncClient, system: System) -> None:
+    now = system.clock.now()
+    event = PerceptEvent(now, "face.appears", "face", "3", "kinect", now - 1, 0.9, (1.0, 2.0, 1.5), 0.5)
+    system.graph.channel("percept_events").publish(event)
+    (noted,) = (await client.get("/timeline", params={"kinds": "percept"})).json()["events"]
+    assert (noted["subject"], noted["stamp"]) == ("face.appears", now)
+    assert noted["text"] == "Face 3 appears at x 1.0 m, y 2.0 m in odom"
+    assert noted["data"] == {
+        "kind": "face", "subject": "3", "source": "kinect", "since": now - 1, "confidence": 0.9,
+        "p_OP": [1.0, 2.0, 1.5], "heading": 0.5,
+    }  # fmt: skip
 
 
 async def test_the_timeline_is_queried_by_time_kind_and_number(client: httpx.AsyncClient, system: System) -> None:

@@ -16,7 +16,7 @@ import soundfile
 from app.base import paths
 from app.base.errors import ConfigError
 from app.commands.body_options import chosen
-from app.messages import Faces, LoudNoise, QRCodes
+from app.messages import Faces, LoudNoise, PerceptEvent, QRCodes
 from app.program.system import System
 from app.robots.devices.config import DevicesConfig
 from app.robots.factory import create_link
@@ -60,7 +60,8 @@ async def test_a_code_a_face_and_a_clap_are_noticed(tmp_path: Path) -> None:
     configuration, body = chosen(arguments(camera=str(desk(tmp_path)), microphones=str(clap(tmp_path))))
     clock = RealClock()
     system = System(configuration, link=create_link(body, clock.offset), clock=clock)
-    noticed: dict[type, asyncio.Event] = {kind: asyncio.Event() for kind in (QRCodes, Faces, LoudNoise)}
+    noticed: dict[type | str, asyncio.Event] = {kind: asyncio.Event() for kind in (QRCodes, Faces, LoudNoise)}
+    noticed |= {name: asyncio.Event() for name in ("code.appears", "face.appears", "noise.appears")}
 
     def look(message: Any) -> None:
         found = getattr(message, "codes", None) or getattr(message, "faces", None)
@@ -69,11 +70,19 @@ async def test_a_code_a_face_and_a_clap_are_noticed(tmp_path: Path) -> None:
 
     for name in ("qr_codes", "faces", "loud_noises"):
         system.graph.channels[name].observe(look)
+
+    def happen(event: PerceptEvent) -> None:
+        if event.name in noticed:
+            noticed[event.name].set()
+
+    system.graph.channels["percept_events"].observe(happen)
     async with asyncio.timeout(PATIENCE_S), system:
         await asyncio.gather(*(event.wait() for event in noticed.values()))
         assert not [state.problem for state in system.supervisor.states.values() if state.problem]
         assert system.translator.current is not None
         assert {s.cls for s in system.translator.current.strategies} >= {"FindQRCodes", "LocateFaces", "DetectNoises"}
+        named = {event.subject for event in system.timeline.query(kinds=["percept"])}
+        assert named >= {"code.appears", "face.appears", "noise.appears"}
         # Nothing is desired in vain, not even after the clap.
         assert {desire.cls for desire in system.workspace.desires()} <= set(system.table.classes)
 

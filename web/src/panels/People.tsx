@@ -1,11 +1,20 @@
-/** Who is seen now and what is heard now: how far, and in which direction. */
+/** Who is seen now and what is heard now: how far, and in which direction; and whether it is dark. */
 
 import { directionWords, faceMarks, soundMarks } from "../around/perceptMarks";
 import { whyClosed } from "../around/whyClosed";
+import type { RobotEvent } from "../protocol/types";
 import { useApp } from "../state/context";
 import type { Message } from "../state/latest";
 import { PersonIcon, SoundIcon } from "../ui/icons";
 import { panel } from "./panel";
+
+/** Cameras in the dark: those whose newest event of darkness is that it appeared. */
+export function inTheDark(events: RobotEvent[]): string[] {
+  const newest = new Map<unknown, string | null>();
+  for (const { kind, subject, data } of events)
+    if (kind === "percept" && data?.kind === "dark") newest.set(data.subject, subject);
+  return [...newest].filter(([, name]) => name === "dark.appears").map(([camera]) => String(camera));
+}
 
 export const peoplePanel = panel({ type: "perceived", tab: "Found", Card: People, offered: () => true });
 
@@ -14,6 +23,7 @@ function People({ message: perceived }: { message: Message<"perceived"> | null }
   const now = store.now.value ?? perceived?.stamp ?? 0;
   const faces = faceMarks(perceived).reverse();
   const sounds = soundMarks(perceived, now).reverse();
+  const dark = inTheDark(store.events.value);
   const closed = whyClosed(store.hello.value, store.rows.value, store.replay.value, true).filter(
     ({ what }) => what !== "picture",
   );
@@ -51,6 +61,11 @@ function People({ message: perceived }: { message: Message<"perceived"> | null }
             </li>
           ))}
         </ul>
+      )}
+      {dark.length > 0 && (
+        <p class="muted small" data-testid="dark">
+          It is dark before {dark.join(", ")}.
+        </p>
       )}
       {closed.map(({ what, text, reason }) => (
         <p key={what} class="muted small">

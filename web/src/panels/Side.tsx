@@ -2,6 +2,7 @@
 
 import { useApp } from "../state/context";
 import { Tabs } from "../ui/Tabs";
+import { externalTabs } from "./external";
 import { type Panel, tabsOf } from "./panel";
 import { PANELS } from "./registry";
 
@@ -11,7 +12,7 @@ export function Side({ phone }: { phone: boolean }) {
     ...tab,
     content: () => panels.map((panel) => <Shown key={`${panel.type} ${panels.indexOf(panel)}`} panel={panel} />),
   }));
-  return <Tabs items={items} />;
+  return <Tabs items={[...items, ...externalTabs(app)]} />;
 }
 
 function Shown({ panel }: { panel: Panel }) {

@@ -493,6 +493,7 @@ export type FromRobot =
   | { type: "zones"; zones: Zone[] }
   | GridInfo
   | { type: "pong"; t: number; stamp: number }
+  | { type: "channel"; channel: string; message: { stamp: number } }
   | { type: "notice"; level: NoticeLevel; text: string };
 
 /** When a message was sent (page's clock, ms), the robot's newest stamp by then, and when that had come (page's, ms). */

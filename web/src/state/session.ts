@@ -23,6 +23,8 @@ export class Session {
   onChance: () => void = () => undefined;
   /** Called when the robot has greeted a new connection. */
   readonly onHello = new Set<() => void>();
+  /** Called with each text frame, at arrival: panels of packages. */
+  readonly onFrame = new Set<(message: FromRobot) => void>();
   /** Called when a recording has gone to another place. */
   readonly onJump = new Set<() => void>();
   private readonly live: LiveConnection;
@@ -140,6 +142,8 @@ export class Session {
     const at = performance.now();
     this.onChance();
     this.lastHeardAt = at;
+    this.onFrame.forEach((handler) => handler(message));
+    if (message.type === "channel") return;
     if (message.type === "hello") this.store.clock.begin(message.playback ?? null, at / 1000);
     if (message.type === "playback") this.store.clock.played(message, at / 1000);
     if (message.type === "jump") this.jump();
