@@ -21,7 +21,7 @@ _LINK = re.compile(r"\]\(([^)#\s:]+)(?:#[^)\s]*)?\)")
 
 
 def gather(folder: Path, root: Path = ROOT) -> None:
-    """Put into ``folder``, made anew, all pages, the files that they link to, and the pages of the reference."""
+    """Put into ``folder``, emptied first, all pages, the files that they link to, and the pages of the reference."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     for name in PAGES:
@@ -55,7 +55,7 @@ def reference(name: str, root: Path = ROOT) -> str:
 def build(root: Path = ROOT) -> int:
     """Build the site; the status of mkdocs."""
     gather(root / "build" / "documentation", root)
-    command = [sys.executable, "-m", "mkdocs", "--quiet", "build", "--clean", "--config-file", str(root / "mkdocs.yml")]
+    command = [sys.executable, "-m", "mkdocs", "build", "--clean", "--config-file", str(root / "mkdocs.yml")]
     environment = {**os.environ, "NO_MKDOCS_2_WARNING": "1"}  # the theme's advertisement of its successor
     status = subprocess.run(command, env=environment, stdin=subprocess.DEVNULL, cwd=root, check=False).returncode
     if status == 0:

@@ -30,7 +30,7 @@ class LockFailed(Exception):
 
 
 def write_locks(uv: Path, root: Path, *, upgrade: bool = True) -> None:
-    """Resolve anew and write ``requirements/*.lock`` under ``root``; without ``upgrade`` versions stay where they fit.
+    """Resolve and write ``requirements/*.lock`` under ``root``; without ``upgrade`` versions stay where they fit.
 
     Raises LockFailed, having written nothing.
     """

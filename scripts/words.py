@@ -82,7 +82,8 @@ def measured(path: Path) -> tuple[int, list[Finding]]:
     """Number of words of prose in ``path``, and the private ones among them."""
     text = path.read_text(encoding="utf-8")
     prose = python_prose(text) if path.suffix == ".py" else markdown_prose(text)
-    words, findings = 0, []
+    words = 0
+    findings: list[Finding] = []
     for number, line in prose:
         said = _LITERAL.sub("", line)
         for ending, phrase, _reason in ALLOWED:

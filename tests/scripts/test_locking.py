@@ -66,9 +66,12 @@ def test_everything_is_pinned_with_hashes_and_no_index_is_named(need: str) -> No
 
 def test_what_packages_ask_for_themselves_is_locked_too(pinned: dict[str, list[Requirement]]) -> None:
     names = {canonicalize_name(pin.name) for pin in (*pinned["run"], *pinned["test"])}
+    installed = {canonicalize_name(distribution.name) for distribution in metadata.distributions()}
+    assert len(names & installed) > 50
     missing = set()
     for pin in (*pinned["run"], *pinned["test"]):
-        if pin.marker is not None and not pin.marker.evaluate():
+        other = pin.marker is not None and not pin.marker.evaluate()
+        if other or canonicalize_name(pin.name) not in installed:  # a lock of today, an environment of yesterday
             continue
         for text in metadata.requires(pin.name) or []:
             asked_for = Requirement(text)
